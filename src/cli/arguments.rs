@@ -1,0 +1,332 @@
+//! What may stand on the command line.
+
+use std::ffi::{OsStr, OsString};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+
+use crate::output::picture::{Colours, Field, Slice};
+
+/// The whole command line.
+#[derive(Debug, Parser)]
+#[command(
+    name = "sphecs",
+    version,
+    about = "Smoothed particle hydrodynamics with open boundaries: a scene becomes a flow",
+    long_about = "Smoothed particle hydrodynamics with open boundaries: a scene becomes a flow.\n\n\
+        `sphecs SCENE` runs a scene: it is short for `sphecs run SCENE` and takes its options (`sphecs run --help`).",
+    after_help = "Examples:\n  \
+        sphecs scenes/quickstart.ron\n  \
+        sphecs check scenes/constricted_r2.ron\n  \
+        sphecs scenes/constricted_r2.ron --set fluid.sound_speed=1.0 --until 2 --out runs/slow_sound\n  \
+        sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
+        Exit codes: 0 done, 2 bad input, 3 the flow blew up, 4 input or output failed, 130 interrupted, 143 terminated",
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+impl Arguments {
+    /// Reads a command line in which a scene stands for a run of it: `sphecs flow.ron --steps 9` is
+    /// `sphecs run flow.ron --steps 9`.
+    ///
+    /// # Errors
+    /// clap's, which is also how help and version are asked for.
+    pub fn read(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let mut words: Vec<OsString> = words.into_iter().collect();
+        if words.get(1).is_some_and(|word| means_a_run(word)) {
+            words.insert(1, "run".into());
+        }
+        Self::try_parse_from(words)
+    }
+}
+
+/// Whether the first word belongs to a run without the word `run`. What looks neither like a file nor like an
+/// option is left to clap, which knows the subcommand that was meant.
+fn means_a_run(word: &OsStr) -> bool {
+    let text = word.to_string_lossy();
+    match text.strip_prefix('-') {
+        Some(_) => !matches!(text.as_ref(), "-h" | "--help" | "-V" | "--version"),
+        None => text.contains(['.', '/', '\\']) || Path::new(word).is_file(),
+    }
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene to its end
+    Run(RunArguments),
+    /// Read a scene, build its geometry and say what a run would be, without running
+    Check(CheckArguments),
+    /// Draw a field of a run at a time
+    Render(RenderArguments),
+    /// Say what a run folder holds
+    Info(InfoArguments),
+    /// Write the frames of a run in a format of other programs
+    Export(ExportArguments),
+    /// Pack the journal of a run that was killed into `particles.nc`
+    Pack(PackArguments),
+}
+
+/// Which scene, and what is changed in it.
+#[derive(Args, Debug)]
+pub struct SceneArguments {
+    /// Scene file, RON
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Change a value of the scene, as `fluid.sound_speed=1.0` or `outlets[0].depth=0.01`; repeatable
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
+    pub sets: Vec<(String, String)>,
+    /// Run at the scene's coarse smoke spacing, for a quick look
+    #[arg(long)]
+    pub smoke: bool,
+}
+
+/// `sphecs run`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    sphecs run scenes/quickstart.ron --threads 2\n  \
+    sphecs run scenes/duct3d.ron --smoke --steps 20 --out runs/duct_trial --force\n\n\
+    Ctrl-C or SIGTERM finishes the step, writes a last frame and closes the files; a second one kills.")]
+pub struct RunArguments {
+    #[command(flatten)]
+    #[expect(
+        missing_docs,
+        reason = "a doc comment on a flattened group would become the help of the command"
+    )]
+    pub input: SceneArguments,
+    /// Folder for the results [default: `runs/` and the name of the scene]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads to compute with [default: all cores]; the results are the same bits for any number
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Stop at this time, s, in place of the scene's end
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    pub until: Option<f64>,
+    /// Stop after this many steps, if the end is not reached before
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub steps: Option<u64>,
+    /// Replace an earlier run in the folder
+    #[arg(long)]
+    pub force: bool,
+    /// Print nothing but errors
+    #[arg(long, short, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Print a line of figures for every frame written
+    #[arg(long, short)]
+    pub verbose: bool,
+}
+
+/// `sphecs check`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  sphecs check scenes/constricted_r2.ron --set spacing=1.9e-3")]
+pub struct CheckArguments {
+    #[command(flatten)]
+    #[expect(
+        missing_docs,
+        reason = "a doc comment on a flattened group would become the help of the command"
+    )]
+    pub input: SceneArguments,
+}
+
+/// `sphecs render`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    sphecs render runs/constricted_r2 --field speed --time 4.65 -o flow.png\n  \
+    sphecs render runs/constricted_r2 --field pressure --all --range=-60,60 -o pressure.png\n\n\
+    With `--all` the pictures are numbered: pressure-0000.png, pressure-0001.png, …")]
+pub struct RenderArguments {
+    /// Run folder
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// Field to draw
+    #[arg(long, default_value = Field::Speed.name(), value_parser = fields())]
+    pub field: Field,
+    /// Time, s: the frame nearest to it is drawn [default: the last frame]
+    #[arg(long, value_name = "T", conflicts_with = "all", value_parser = finite, allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// Draw every frame, with one colour scale for all
+    #[arg(long)]
+    pub all: bool,
+    /// Picture to write, PNG [default: named by its field, in the run folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Ends of the colour scale, in the field's unit [default: those of the field]
+    #[arg(long, value_name = "MIN,MAX", value_parser = range, allow_hyphen_values = true)]
+    pub range: Option<(f64, f64)>,
+    /// Colour map [default: the one that suits the field]
+    #[arg(long, value_name = "NAME", value_parser = colours())]
+    pub colours: Option<Colours>,
+    /// Plane of a 3D flow that is drawn, as `z` or `y=0.01`, m [default: z, in the middle]
+    #[arg(long, value_name = "AXIS[=AT]", value_parser = slice)]
+    pub slice: Option<Slice>,
+    /// Width of the picture, pixels
+    #[arg(long, value_name = "PX", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(200..=16384))]
+    pub width: u32,
+}
+
+/// `sphecs info`.
+#[derive(Args, Debug)]
+pub struct InfoArguments {
+    /// Run folder
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+}
+
+/// `sphecs export`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  sphecs export runs/quickstart --vtu -o quickstart_vtu\n\n\
+    Open the `.pvd` file of the folder in ParaView: it holds the times of all frames.")]
+pub struct ExportArguments {
+    /// Run folder
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// VTK unstructured grids, one per frame, with a `.pvd` series for ParaView
+    #[arg(long, required = true)]
+    pub vtu: bool,
+    /// Folder to write [default: vtu in the run folder]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `sphecs pack`.
+#[derive(Args, Debug)]
+pub struct PackArguments {
+    /// Run folder
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+}
+
+// The names come from the fields and maps themselves, so that help and messages cannot fall behind.
+fn fields() -> impl TypedValueParser<Value = Field> {
+    PossibleValuesParser::new(Field::ALL.map(Field::name)).try_map(|name| name.parse::<Field>())
+}
+
+fn colours() -> impl TypedValueParser<Value = Colours> {
+    PossibleValuesParser::new(Colours::ALL.map(|(name, _)| name)).try_map(|name| {
+        let found = Colours::ALL.into_iter().find(|(known, _)| *known == name);
+        found.map(|(_, colours)| colours).ok_or("is no colour map")
+    })
+}
+
+fn slice(text: &str) -> Result<Slice, String> {
+    let (axis, at) = match text.split_once('=') {
+        Some((axis, at)) => (axis, Some(finite(at)?)),
+        None => (text, None),
+    };
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
+    axis.map(|axis| Slice { axis, at })
+        .ok_or_else(|| "must be `x`, `y` or `z`, with a place as in `y=0.01`".to_owned())
+}
+
+fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((path.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("must be `path=value`, as `fluid.sound_speed=1.0`".to_owned()),
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| "is not a number".to_owned())?;
+    if value.is_finite() { Ok(value) } else { Err("must be finite".to_owned()) }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) })
+}
+
+fn range(text: &str) -> Result<(f64, f64), String> {
+    let (lower, upper) =
+        text.split_once(',').ok_or("must be two numbers with a comma between, as `0,0.3`")?;
+    let (lower, upper) = (finite(lower)?, finite(upper)?);
+    if lower < upper {
+        Ok((lower, upper))
+    } else {
+        Err(format!("the lower end `{lower}` must be below the upper end `{upper}`"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    fn parse(line: &str) -> Result<Command, clap::Error> {
+        Arguments::read(line.split(' ').map(OsString::from)).map(|arguments| arguments.command)
+    }
+
+    fn refused(line: &str, word: &str) {
+        let message = parse(line).expect_err(line).to_string();
+        assert!(message.contains(word), "`{line}` gave:\n{message}");
+    }
+
+    #[test]
+    fn definition_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn bare_scene_is_a_run() {
+        for line in [
+            "sphecs flow.ron --set fluid.sound_speed=1.0 --set title=\"a=b\" --threads 2 -v",
+            "sphecs --threads 2 -v --set fluid.sound_speed=1.0 --set title=\"a=b\" flow.ron",
+            "sphecs run flow.ron --set fluid.sound_speed=1.0 --set title=\"a=b\" --threads 2 -v",
+        ] {
+            let Command::Run(run) = parse(line).expect(line) else {
+                panic!("`{line}` is not a run");
+            };
+            assert_eq!(run.input.scene, PathBuf::from("flow.ron"));
+            let expected = [("fluid.sound_speed", "1.0"), ("title", "\"a=b\"")];
+            assert!(run.input.sets.iter().map(|(path, value)| (path.as_str(), value.as_str())).eq(expected));
+            assert_eq!(run.threads.map(NonZeroUsize::get), Some(2));
+            assert!(run.verbose && !run.quiet && !run.force && run.steps.is_none());
+        }
+    }
+
+    #[test]
+    fn negative_numbers_are_values() {
+        let Command::Render(render) =
+            parse("sphecs render runs/a --field u --range -2.5,3e1 -o u.png").expect("a render")
+        else {
+            panic!("not a render");
+        };
+        assert_eq!(render.range, Some((-2.5, 30.0)));
+        assert_eq!(render.field, Field::U);
+        let Command::Render(render) =
+            parse("sphecs render runs/a --slice y=-0.01 --colours turbo").expect("a render")
+        else {
+            panic!("not a render");
+        };
+        assert_eq!(render.slice, Some(Slice { axis: 1, at: Some(-0.01) }));
+        assert_eq!(render.colours, Some(Colours::Turbo));
+    }
+
+    #[test]
+    fn nonsense_is_refused_with_what_is_allowed() {
+        refused("sphecs", "Usage");
+        refused("sphecs chekc flow.ron", "check");
+        refused("sphecs --threads 2", "SCENE");
+        refused("sphecs flow.ron --set spacing", "path=value");
+        refused("sphecs flow.ron --until -1", "--until");
+        refused("sphecs flow.ron --until nan", "finite");
+        refused("sphecs flow.ron --steps 0", "--steps");
+        refused("sphecs flow.ron --threads 0", "--threads");
+        refused("sphecs flow.ron --quiet -v", "cannot be used with");
+        refused("sphecs render runs/a --field sped", "speed");
+        refused("sphecs render runs/a --slice q", "`x`, `y` or `z`");
+        refused("sphecs render runs/a --range 3,1", "below");
+        refused("sphecs render runs/a --all --time 3", "cannot be used with");
+        refused("sphecs export runs/a", "--vtu");
+        refused("sphecs flow.ron --treads 2", "--threads");
+    }
+}

@@ -1,0 +1,171 @@
+//! One function for each command: from arguments to an exit code.
+
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+
+use super::arguments::{
+    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, RunArguments,
+    SceneArguments,
+};
+use super::failure::{DONE, Failure};
+use crate::output::error::OutputError;
+use crate::output::picture::{self, RenderOptions};
+use crate::output::results::Results;
+use crate::output::{info as run_info, pack as packing, vtk};
+use crate::run::console::Console;
+use crate::run::words::{bytes, columns, figure, grouped};
+use crate::run::{Ending, RunOptions, report};
+use crate::scene::model::Scene;
+use crate::scene::{self, summary};
+
+/// Runs a scene.
+///
+/// # Errors
+/// [`Failure`] with its exit code.
+pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
+    let scene = load(&arguments.input)?;
+    let options = RunOptions {
+        folder: arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&scene.name)),
+        force: arguments.force,
+        threads: arguments.threads.map(usize::from),
+        until: arguments.until,
+        steps: arguments.steps,
+        console: match (arguments.quiet, arguments.verbose) {
+            (true, _) => Console::Quiet,
+            (false, true) => Console::Verbose,
+            (false, false) => Console::Normal,
+        },
+    };
+    Ok(match crate::run::run(scene, &options)? {
+        Ending::Completed => DONE,
+        Ending::Stopped(signal) => signal.exit_code(),
+    })
+}
+
+/// Says what a run of a scene would be.
+///
+/// # Errors
+/// [`Failure::Scene`] with every fault of the scene.
+pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
+    let scene = load(&arguments.input)?;
+    let seeds = scene::seeds(&scene);
+    let summary = summary::summary(&scene, &seeds);
+    let step = summary.courant_step.min(summary.viscous_step);
+    let limit = if summary.viscous_step < summary.courant_step { "viscosity" } else { "sound speed" };
+    let rows = [
+        ("particles", report::counts(summary.by_zone.map(|count| count as u64))),
+        ("spacing", report::resolution(&scene)),
+        ("flow", format!("Re = {}, Mach = {}", figure(summary.reynolds), figure(summary.mach))),
+        (
+            "time",
+            format!(
+                "{} s in about {} steps of {} s, which the {limit} allows",
+                figure(scene.time.end),
+                grouped(summary.steps as u64),
+                figure(step),
+            ),
+        ),
+        ("memory", format!("about {}", bytes(summary.memory as u64))),
+        (
+            "output",
+            format!("{} frames, at most {}", grouped(summary.frames as u64), bytes(summary.output as u64)),
+        ),
+    ];
+    let notes: String = summary.notes.iter().map(|note| format!("\n  note: {note}")).collect();
+    Console::Normal.say(&format!("{} ({}D)\n{}{notes}", scene.title, scene.dimensions, columns(&rows)));
+    Ok(DONE)
+}
+
+/// Draws frames of a run.
+///
+/// # Errors
+/// [`Failure::Output`].
+pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
+    let results = Results::open(&arguments.run)?;
+    let options = RenderOptions {
+        field: arguments.field,
+        range: arguments.range,
+        colours: arguments.colours,
+        width: arguments.width,
+        slice: arguments.slice.unwrap_or_default(),
+    };
+    let name = || arguments.run.join(arguments.field.name()).with_extension("png");
+    let path = arguments.output.clone().unwrap_or_else(name);
+    make_parent(&path)?;
+    if arguments.all {
+        let pictures = picture::render_all(&results, &options, &path, counter("pictures"))?;
+        let (first, last) = (pictures.first().unwrap_or(&path), pictures.last().unwrap_or(&path));
+        let count = grouped(pictures.len() as u64);
+        Console::Normal.say(&format!("{count} pictures, {} to {}", first.display(), last.display()));
+    } else {
+        let time = picture::render(&results, arguments.time, &options, &path)?;
+        Console::Normal.say(&format!(
+            "{} at t = {} s: {}",
+            arguments.field.name(),
+            figure(time),
+            path.display()
+        ));
+    }
+    Ok(DONE)
+}
+
+/// Says what a run folder holds.
+///
+/// # Errors
+/// [`Failure::Output`].
+pub fn info(arguments: &InfoArguments) -> Result<u8, Failure> {
+    let results = Results::open(&arguments.run)?;
+    Console::Normal.say(run_info::describe(&results)?.trim_end());
+    Ok(DONE)
+}
+
+/// Writes the frames of a run for ParaView.
+///
+/// # Errors
+/// [`Failure::Output`].
+pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
+    let results = Results::open(&arguments.run)?;
+    let folder = arguments.output.clone().unwrap_or_else(|| arguments.run.join("vtu"));
+    let series = vtk::export_vtu(&results, &folder, counter("frames"))?;
+    Console::Normal.say(&format!("{} frames, open {}", results.len(), series.display()));
+    Ok(DONE)
+}
+
+/// Packs the journal of a run.
+///
+/// # Errors
+/// [`Failure::Output`].
+pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
+    let packed = packing::pack(&arguments.run)?;
+    if packed.frames == 0 {
+        Console::Normal.say("no frames were waiting: the run was packed before");
+    } else {
+        Console::Normal.say(&report::results(&arguments.run, &packed));
+    }
+    Ok(DONE)
+}
+
+fn load(input: &SceneArguments) -> Result<Scene, Failure> {
+    let read = if input.smoke { scene::load_smoke } else { scene::load };
+    Ok(read(&input.scene, &input.sets)?)
+}
+
+/// Makes the folder that a file goes to.
+fn make_parent(path: &Path) -> Result<(), OutputError> {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => std::fs::create_dir_all(parent)
+            .map_err(|cause| OutputError::Io { path: parent.to_owned(), doing: "make the folder", cause }),
+        _ => Ok(()),
+    }
+}
+
+/// Counts on a terminal while a series is written, on one line that is overwritten.
+fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
+    let on_terminal = std::io::stderr().is_terminal();
+    move |done, all| {
+        if on_terminal {
+            let end = if done == all { "\n" } else { "" };
+            let _reader_gone = write!(std::io::stderr(), "\r{done} of {all} {what}{end}");
+        }
+    }
+}

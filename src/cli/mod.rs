@@ -1,0 +1,34 @@
+//! The command line: what the user asks for, and how it is answered.
+//!
+//! Rooms: `arguments` (what may stand on the command line), `commands` (one function for each),
+//! `failure` (messages and exit codes).
+
+pub mod arguments;
+pub mod commands;
+pub mod failure;
+
+use std::process::ExitCode;
+
+use arguments::{Arguments, Command};
+
+/// Reads the command line, does what it says and gives the exit code: 0 done, 2 bad input, 3 the flow blew up,
+/// 4 input or output failed, 130 interrupted, 143 terminated.
+pub fn main() -> ExitCode {
+    failure::prepare_messages();
+    let arguments = match Arguments::read(std::env::args_os()) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let _reader_gone = error.print();
+            return ExitCode::from(error.exit_code() as u8);
+        }
+    };
+    let answer = match arguments.command {
+        Command::Run(run) => commands::run(&run),
+        Command::Check(check) => commands::check(&check),
+        Command::Render(render) => commands::render(&render),
+        Command::Info(info) => commands::info(&info),
+        Command::Export(export) => commands::export(&export),
+        Command::Pack(pack) => commands::pack(&pack),
+    };
+    answer.map_or_else(failure::Failure::report, ExitCode::from)
+}

@@ -1,0 +1,7 @@
+//! The program `sphecs`: see [`sphecs::cli`].
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    sphecs::cli::main()
+}

@@ -1,0 +1,286 @@
+//! The cell grid: a box of cells that is fixed by the scene, and the rows of particles in each cell.
+//!
+//! Origin and cells never follow the particles, so the order of a sum does not depend on where the particles
+//! happen to be at the edges. Cells are numbered with x fastest: consecutive cells in x are one contiguous run
+//! of rows. In a periodic direction the cells divide the period exactly; neighbours are sought in *unwrapped*
+//! cell indices, each of which is a wrapped cell plus a shift by whole periods. So a period of one cell, or one
+//! shorter than the support, needs nothing special: the same cell is visited once per image.
+
+mod sort;
+
+use std::ops::Range;
+
+use sort::SortBuffers;
+
+/// A uniform grid of cells in `D` dimensions and the counting sort of particles into it.
+#[derive(Debug)]
+pub struct CellGrid<const D: usize> {
+    lower: [f64; D],
+    upper: [f64; D],
+    periodic: [bool; D],
+    support: f64,
+    cells: [usize; D],
+    cell_size: [f64; D],
+    inverse_cell_size: [f64; D],
+    reach: [i64; D],
+    starts: Vec<u32>,
+    order: Vec<u32>,
+    buffers: SortBuffers,
+}
+
+/// Pairs farther apart than the support less this fraction of it may be left out: there both kernels are below
+/// 1e-30 of their peak, and a support of exactly one cell does not reach into a second one by rounding.
+const REACH_TOLERANCE: f64 = 1e-9;
+
+impl<const D: usize> CellGrid<D> {
+    /// A grid over the box from `lower` to `upper`, m, that finds all pairs within `support`, m, with cells of about
+    /// `cell_size`, m.
+    ///
+    /// # Panics
+    /// If the box is empty or not finite, or `support` or `cell_size` is not positive: a checked scene has neither.
+    pub fn new(lower: [f64; D], upper: [f64; D], periodic: [bool; D], support: f64, cell_size: f64) -> Self {
+        assert!(support > 0.0 && cell_size > 0.0, "support and cell size must be positive");
+        let mut cells = [1; D];
+        let mut size = [cell_size; D];
+        let mut reach = [1; D];
+        for d in 0..D {
+            let length = upper[d] - lower[d];
+            assert!(length > 0.0 && length.is_finite(), "the box of a grid must have a volume");
+            if periodic[d] {
+                cells[d] = ((length / cell_size * (1.0 + REACH_TOLERANCE)) as usize).max(1);
+                size[d] = length / cells[d] as f64;
+            } else {
+                cells[d] = ((length / cell_size).ceil() as usize).max(1);
+            }
+            reach[d] = (support / size[d] - REACH_TOLERANCE).ceil() as i64;
+        }
+        let count: usize = cells.iter().product();
+        Self {
+            lower,
+            upper,
+            periodic,
+            support,
+            cells,
+            cell_size: size,
+            inverse_cell_size: size.map(|s| 1.0 / s),
+            reach,
+            starts: vec![0; count + 1],
+            order: Vec::new(),
+            buffers: SortBuffers::default(),
+        }
+    }
+
+    /// Radius within which all pairs are found, m.
+    pub fn support(&self) -> f64 {
+        self.support
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Whether there is no cell: never.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of cells along each axis.
+    pub fn cells(&self) -> [usize; D] {
+        self.cells
+    }
+
+    /// Edges of a cell, m.
+    pub fn cell_size(&self) -> [f64; D] {
+        self.cell_size
+    }
+
+    /// Lower corner of the box, m.
+    pub fn lower(&self) -> [f64; D] {
+        self.lower
+    }
+
+    /// Upper corner of the box, m.
+    pub fn upper(&self) -> [f64; D] {
+        self.upper
+    }
+
+    /// Which directions are periodic.
+    pub fn periodic(&self) -> [bool; D] {
+        self.periodic
+    }
+
+    /// First row of each cell, and the number of rows at the end: cell `c` holds the rows `starts[c]..starts[c + 1]`
+    /// once the particles have been put into the order of the last [`Self::build`].
+    pub fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+
+    /// Rows of a cell.
+    #[inline]
+    pub fn rows(&self, cell: usize) -> Range<usize> {
+        self.starts[cell] as usize..self.starts[cell + 1] as usize
+    }
+
+    /// The point moved by whole periods into the box, m; only in the periodic directions.
+    pub fn wrap(&self, mut point: [f64; D]) -> [f64; D] {
+        for d in 0..D {
+            if self.periodic[d] && !(self.lower[d]..self.upper[d]).contains(&point[d]) {
+                let length = self.upper[d] - self.lower[d];
+                point[d] -= length * ((point[d] - self.lower[d]) / length).floor();
+                // Rounding can leave a point a hair below the box on its upper bound.
+                if !(self.lower[d]..self.upper[d]).contains(&point[d]) && point[d].is_finite() {
+                    point[d] = self.lower[d];
+                }
+            }
+        }
+        point
+    }
+
+    /// The nearest image of a separation, m, in the periodic directions.
+    pub fn nearest_image(&self, mut separation: [f64; D]) -> [f64; D] {
+        for d in 0..D {
+            if self.periodic[d] {
+                let length = self.upper[d] - self.lower[d];
+                separation[d] -= length * (separation[d] / length).round();
+            }
+        }
+        separation
+    }
+
+    /// The cell that holds a point, or None for a point outside the box or not finite.
+    #[inline]
+    pub fn cell_of(&self, point: [f64; D]) -> Option<usize> {
+        let mut cell = 0;
+        for d in (0..D).rev() {
+            let x = point[d];
+            let inside =
+                x >= self.lower[d] && if self.periodic[d] { x < self.upper[d] } else { x <= self.upper[d] };
+            if !inside {
+                return None;
+            }
+            let along = ((x - self.lower[d]) * self.inverse_cell_size[d]) as usize;
+            cell = cell * self.cells[d] + along.min(self.cells[d] - 1);
+        }
+        Some(cell)
+    }
+
+    /// Indices of a cell along each axis.
+    #[inline]
+    pub fn index_of(&self, mut cell: usize) -> [i64; D] {
+        std::array::from_fn(|d| {
+            let along = cell % self.cells[d];
+            cell /= self.cells[d];
+            along as i64
+        })
+    }
+
+    /// Unwrapped indices of the cell that a point, which may be anywhere, falls in.
+    pub fn unwrapped_index(&self, point: [f64; D]) -> [i64; D] {
+        const FAR: f64 = 1e12;
+        std::array::from_fn(|d| {
+            (((point[d] - self.lower[d]) * self.inverse_cell_size[d]).floor()).clamp(-FAR, FAR) as i64
+        })
+    }
+
+    /// Lower corner of an unwrapped cell, m.
+    #[inline]
+    pub fn corner(&self, index: [i64; D]) -> [f64; D] {
+        std::array::from_fn(|d| self.lower[d] + index[d] as f64 * self.cell_size[d])
+    }
+
+    /// Visits the rows of all cells that a point of the unwrapped cell `index` can reach: contiguous runs of rows,
+    /// each with the shift, m, that carries them to the image meant. The order is fixed.
+    #[inline(always)]
+    pub fn for_each_run(&self, index: [i64; D], mut visit: impl FnMut(Range<usize>, [f64; D])) {
+        let mut first = index;
+        let mut last = index;
+        for d in 0..D {
+            first[d] -= self.reach[d];
+            last[d] += self.reach[d];
+            if !self.periodic[d] {
+                first[d] = first[d].max(0);
+                last[d] = last[d].min(self.cells[d] as i64 - 1);
+            }
+            if first[d] > last[d] {
+                return;
+            }
+        }
+        let mut at = first;
+        loop {
+            let mut row_of_cells = 0;
+            let mut shift = [0.0; D];
+            for d in (1..D).rev() {
+                let image = self.image(d, at[d]);
+                let wrapped = at[d] - image * self.cells[d] as i64;
+                row_of_cells = row_of_cells * self.cells[d] + wrapped as usize;
+                shift[d] = image as f64 * (self.upper[d] - self.lower[d]);
+            }
+            let along = self.cells[0] as i64;
+            let base = row_of_cells * self.cells[0];
+            let mut from = first[0];
+            while from <= last[0] {
+                let image = self.image(0, from);
+                let to = last[0].min((image + 1) * along - 1);
+                shift[0] = image as f64 * (self.upper[0] - self.lower[0]);
+                let start = self.starts[base + (from - image * along) as usize] as usize;
+                let end = self.starts[base + (to - image * along) as usize + 1] as usize;
+                if start < end {
+                    visit(start..end, shift);
+                }
+                from = to + 1;
+            }
+            let mut d = 1;
+            while d < D {
+                at[d] += 1;
+                if at[d] <= last[d] {
+                    break;
+                }
+                at[d] = first[d];
+                d += 1;
+            }
+            if d >= D {
+                return;
+            }
+        }
+    }
+
+    /// How many periods an unwrapped index is away from the box. Most cells are inside: no division for them.
+    #[inline]
+    fn image(&self, d: usize, index: i64) -> i64 {
+        let cells = self.cells[d] as i64;
+        if (0..cells).contains(&index) { 0 } else { index.div_euclid(cells) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrap_ends_inside_the_box() {
+        let grid = CellGrid::new([-0.3, 0.0], [0.7, 1.0], [true, false], 0.2, 0.2);
+        for x in [-0.3, 0.7, 0.7 - 1e-17, -0.3 - 1e-17, -0.3 - 1e-13, 12.4, -7.9] {
+            let [wrapped, y] = grid.wrap([x, 3.0]);
+            assert!((-0.3..0.7).contains(&wrapped), "{x} went to {wrapped}");
+            assert_eq!(y, 3.0);
+            assert!(grid.cell_of([wrapped, 0.5]).is_some());
+        }
+    }
+
+    #[test]
+    fn periodic_cells_divide_the_period() {
+        let grid = CellGrid::new([0.0; 3], [1.0, 0.25, 0.9], [true, true, false], 0.3, 0.3);
+        assert_eq!(grid.cells(), [3, 1, 3]);
+        assert_eq!(grid.reach, [1, 2, 1]);
+    }
+
+    #[test]
+    fn points_outside_have_no_cell() {
+        let grid = CellGrid::new([0.0; 2], [1.0; 2], [false, true], 0.3, 0.3);
+        assert!(grid.cell_of([1.0, 0.0]).is_some());
+        for point in [[1.0 + 1e-9, 0.5], [-1e-9, 0.5], [0.5, 1.0], [f64::NAN, 0.5], [0.5, f64::INFINITY]] {
+            assert_eq!(grid.cell_of(point), None, "{point:?}");
+        }
+    }
+}

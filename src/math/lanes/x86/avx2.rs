@@ -1,0 +1,163 @@
+//! Lanes over the vectors of AVX2 with FMA.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::lanes;
+use crate::math::lanes::Lanes;
+
+lanes! {
+    /// Four f64 of AVX2.
+    F64x4: [f64; 4] as __m256d, mask __m256d,
+    _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd,
+    _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
+    _mm256_fmadd_pd, _mm256_max_pd, _mm256_min_pd, _mm256_sqrt_pd,
+    {
+        unsafe fn load_relative(from: *const f64, origin: f64, scale: f64) -> Self {
+            // SAFETY: as said above.
+            unsafe { (Self::load(from) - Self::splat(origin)) * Self::splat(scale) }
+        }
+        unsafe fn compress(self, mask: __m256d, to: *mut f64) {
+            // SAFETY: as said above; a lane moves as two halves of 32 bits.
+            unsafe {
+                let lanes = &COMPRESS_4[_mm256_movemask_pd(mask) as usize];
+                let lanes = _mm256_loadu_si256(lanes.as_ptr().cast());
+                let packed = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), lanes);
+                _mm256_storeu_pd(to, _mm256_castps_pd(packed));
+            }
+        }
+        fn abs(self) -> Self {
+            // SAFETY: as said above.
+            unsafe { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
+        }
+        fn inverse(self) -> Self {
+            Self::splat(1.0) / self
+        }
+        fn inverse_sqrt(self) -> Self {
+            Self::splat(1.0) / self.sqrt()
+        }
+        fn less(self, other: Self) -> __m256d {
+            // SAFETY: as said above.
+            unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
+        }
+        fn select(mask: __m256d, yes: Self, no: Self) -> Self {
+            // SAFETY: as said above.
+            unsafe { Self(_mm256_blendv_pd(no.0, yes.0, mask)) }
+        }
+        fn bits(mask: __m256d) -> u32 {
+            // SAFETY: as said above.
+            unsafe { _mm256_movemask_pd(mask) as u32 }
+        }
+        fn sum(self) -> f64 {
+            // SAFETY: as said above.
+            unsafe {
+                let pair = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+                _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)))
+            }
+        }
+        fn largest(self) -> f64 {
+            // SAFETY: as said above.
+            unsafe {
+                let pair = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+                _mm_cvtsd_f64(_mm_max_sd(pair, _mm_unpackhi_pd(pair, pair)))
+            }
+        }
+    }
+}
+
+lanes! {
+    /// Eight f32 of AVX2.
+    F32x8: [f32; 8] as __m256, mask __m256,
+    _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps,
+    _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps,
+    _mm256_fmadd_ps, _mm256_max_ps, _mm256_min_ps, _mm256_sqrt_ps,
+    {
+        unsafe fn load_relative(from: *const f64, origin: f64, scale: f64) -> Self {
+            // SAFETY: as said above.
+            unsafe {
+                let low = F64x4::load_relative(from, origin, scale);
+                let high = F64x4::load_relative(from.add(4), origin, scale);
+                Self(_mm256_set_m128(_mm256_cvtpd_ps(high.0), _mm256_cvtpd_ps(low.0)))
+            }
+        }
+        unsafe fn compress(self, mask: __m256, to: *mut f32) {
+            // SAFETY: as said above.
+            unsafe {
+                let lanes = &COMPRESS_8[_mm256_movemask_ps(mask) as usize];
+                let lanes = _mm256_loadu_si256(lanes.as_ptr().cast());
+                _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(self.0, lanes));
+            }
+        }
+        fn abs(self) -> Self {
+            // SAFETY: as said above.
+            unsafe { Self(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)) }
+        }
+        fn inverse(self) -> Self {
+            Self::splat(1.0) / self
+        }
+        fn inverse_sqrt(self) -> Self {
+            // SAFETY: as said above. The 12 bits of this estimate leave 2⁻²³ after one term.
+            let y = unsafe { Self(_mm256_rsqrt_ps(self.0)) };
+            let e = (-(self * y)).mul_add(y, Self::splat(1.0));
+            let series = e.mul_add(Self::splat(0.375), Self::splat(0.5));
+            (y * e).mul_add(series, y)
+        }
+        fn less(self, other: Self) -> __m256 {
+            // SAFETY: as said above.
+            unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) }
+        }
+        fn select(mask: __m256, yes: Self, no: Self) -> Self {
+            // SAFETY: as said above.
+            unsafe { Self(_mm256_blendv_ps(no.0, yes.0, mask)) }
+        }
+        fn bits(mask: __m256) -> u32 {
+            // SAFETY: as said above.
+            unsafe { _mm256_movemask_ps(mask) as u32 }
+        }
+        fn sum(self) -> f32 {
+            // SAFETY: as said above.
+            unsafe {
+                let four = _mm_add_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+                let two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+                _mm_cvtss_f32(_mm_add_ss(two, _mm_movehdup_ps(two)))
+            }
+        }
+        fn largest(self) -> f32 {
+            // SAFETY: as said above.
+            unsafe {
+                let four = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+                let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+                _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
+            }
+        }
+    }
+}
+
+/// For each mask of eight lanes, the lanes under it, in order.
+static COMPRESS_8: [[i32; 8]; 256] = compress_table::<8, 256>(1);
+
+/// For each mask of four lanes of two halves, the halves under it, in order.
+static COMPRESS_4: [[i32; 8]; 16] = compress_table::<4, 16>(2);
+
+/// Lanes of `width` units of 32 bits under each mask.
+const fn compress_table<const LANES: usize, const MASKS: usize>(width: usize) -> [[i32; 8]; MASKS] {
+    let mut table = [[0; 8]; MASKS];
+    let mut mask = 0;
+    while mask < MASKS {
+        let mut lane = 0;
+        let mut next = 0;
+        while lane < LANES {
+            if mask >> lane & 1 == 1 {
+                let mut unit = 0;
+                while unit < width {
+                    table[mask][next] = (lane * width + unit) as i32;
+                    next += 1;
+                    unit += 1;
+                }
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+}

@@ -1,0 +1,85 @@
+//! Linear systems of up to four unknowns, by elimination with row pivoting.
+
+/// Solves `matrix · x = right`; None where the matrix is singular or not finite.
+///
+/// A pivot below 1e-10 of the largest entry counts as zero: what moment matrices of kernel sums leave
+/// there is rounding, and dividing by it would throw a particle across the domain. So scale the unknowns to be
+/// of one size (distances over h) before.
+pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
+    const SINGULAR: f64 = 1e-10;
+    let largest = matrix.iter().flatten().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+    for column in 0..N {
+        let pivot =
+            (column..N).max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))?;
+        let size = matrix[pivot][column].abs();
+        if !size.is_finite() || size <= SINGULAR * largest {
+            return None;
+        }
+        matrix.swap(column, pivot);
+        right.swap(column, pivot);
+        for row in column + 1..N {
+            let factor = matrix[row][column] / matrix[column][column];
+            for k in column..N {
+                matrix[row][k] -= factor * matrix[column][k];
+            }
+            right[row] -= factor * right[column];
+        }
+    }
+    for row in (0..N).rev() {
+        for k in row + 1..N {
+            right[row] -= matrix[row][k] * right[k];
+        }
+        right[row] /= matrix[row][row];
+    }
+    right.iter().all(|x| x.is_finite()).then_some(right)
+}
+
+/// The inverse of a matrix; None where it is singular, as for [`solve`].
+pub fn invert<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
+    let mut inverse = [[0.0; N]; N];
+    for column in 0..N {
+        let unit = std::array::from_fn(|row| f64::from(u8::from(row == column)));
+        let solution = solve(matrix, unit)?;
+        for row in 0..N {
+            inverse[row][column] = solution[row];
+        }
+    }
+    Some(inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::{prop_assert, proptest};
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn solution_satisfies_the_system(
+            matrix in proptest::array::uniform4(proptest::array::uniform4(-1.0..1.0)),
+            right in proptest::array::uniform4(-1.0..1.0),
+        ) {
+            if let Some(x) = solve(matrix, right) {
+                for row in 0..4 {
+                    let left: f64 = (0..4).map(|k| matrix[row][k] * x[k]).sum();
+                    let size = x.iter().fold(1.0, |a: f64, b| a.max(b.abs()));
+                    prop_assert!((left - right[row]).abs() < 1e-12 * size);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn singular_systems_are_reported() {
+        assert_eq!(solve([[1.0, 2.0], [2.0, 4.0]], [1.0, 2.0]), None);
+        assert_eq!(solve([[0.0; 3]; 3], [0.0; 3]), None);
+        assert_eq!(solve([[f64::NAN, 0.0], [0.0, 1.0]], [1.0, 1.0]), None);
+        assert_eq!(solve([[f64::INFINITY, 0.0], [0.0, 1.0]], [1.0, 1.0]), None);
+    }
+
+    #[test]
+    fn pivoting_survives_a_zero_on_the_diagonal() {
+        assert_eq!(solve([[0.0, 1.0], [1.0, 0.0]], [3.0, 5.0]), Some([5.0, 3.0]));
+        assert_eq!(invert([[0.0, 2.0], [4.0, 0.0]]), Some([[0.0, 0.25], [0.5, 0.0]]));
+    }
+}

@@ -1,0 +1,8 @@
+//! Floor 0: numbers. Vectors, lanes, kernels, the cell grid and small linear systems.
+
+pub mod grid;
+pub mod kernel;
+pub mod lanes;
+pub mod lattice;
+pub mod linear;
+pub mod real;

@@ -1,0 +1,94 @@
+//! Writing so that a file is either whole or not there: temporary name, fsync, rename, fsync of the folder.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use super::error::OutputError;
+
+/// The name under which a file is written until it is whole.
+pub(crate) fn partial_name(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".partial");
+    path.with_file_name(name)
+}
+
+/// Makes a file written under its partial name durable and gives it its own name.
+///
+/// # Errors
+/// [`OutputError::Io`] when the system refuses; the partial file is removed.
+pub(crate) fn commit(path: &Path) -> Result<(), OutputError> {
+    let partial = partial_name(path);
+    let result = File::open(&partial)
+        .and_then(|file| file.sync_all())
+        .map_err(OutputError::io(path, "write"))
+        .and_then(|()| fs::rename(&partial, path).map_err(OutputError::io(path, "rename")));
+    match result {
+        Ok(()) => sync_folder(path.parent().unwrap_or(Path::new("."))),
+        Err(error) => {
+            discard(path);
+            Err(error)
+        }
+    }
+}
+
+/// Removes what a failed write left under the partial name.
+pub(crate) fn discard(path: &Path) {
+    // The write has failed already and its error is what the user needs: a second one would hide it.
+    let _ = fs::remove_file(partial_name(path));
+}
+
+/// Makes renames in a folder durable.
+///
+/// # Errors
+/// [`OutputError::Io`] when the system refuses.
+pub(crate) fn sync_folder(folder: &Path) -> Result<(), OutputError> {
+    // An empty parent of a relative path means the working folder.
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    File::open(folder).and_then(|file| file.sync_all()).map_err(OutputError::io(folder, "write"))
+}
+
+/// Writes a small file whole or not at all.
+///
+/// # Errors
+/// [`OutputError::Io`] when the system refuses; an earlier file of that name is untouched.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    fs::write(partial_name(path), bytes).map_err(|cause| {
+        discard(path);
+        OutputError::io(path, "write")(cause)
+    })?;
+    commit(path)
+}
+
+/// Why nothing can be written to a folder, if that is so: the NetCDF library hides a full disk behind
+/// "HDF error", so that the system is asked once more.
+pub(crate) fn refusal(folder: &Path) -> Option<std::io::Error> {
+    let probe = folder.join(format!(".probe-{}", std::process::id()));
+    // A page of zeros may still fit where a frame did not: 1 MiB is about what the library buffers.
+    let written = fs::write(&probe, vec![0x5a_u8; 1 << 20]).and_then(|()| File::open(&probe)?.sync_all());
+    let _ = fs::remove_file(&probe);
+    written.err()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn failed_write_leaves_the_earlier_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("summary.json");
+        write_whole(&path, b"first").expect("written");
+        // A folder in the way of the partial name makes the second write fail.
+        fs::create_dir(partial_name(&path)).expect("a folder");
+        let error = write_whole(&path, b"second").expect_err("refused").to_string();
+        assert!(error.contains("summary.json"), "{error}");
+        assert_eq!(fs::read(&path).expect("read"), b"first");
+    }
+
+    #[test]
+    fn refusal_names_a_missing_folder() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert!(refusal(folder.path()).is_none());
+        assert!(refusal(&folder.path().join("nowhere")).is_some());
+    }
+}

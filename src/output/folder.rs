@@ -1,0 +1,258 @@
+//! The folder of a run: `particles.nc`, `monitor.nc`, `probes.nc` with their CSV twins, `scene.ron`, `summary.json`,
+//! and `journal/` while it runs.
+
+use std::ffi::OsString;
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use super::disk;
+use super::error::OutputError;
+use super::frame::Frame;
+use super::header::Header;
+use super::journal::{self, FrameWriter};
+use super::monitor::MonitorWriter;
+use super::pack::{Packed, pack_locked};
+use super::probes::ProbeSample;
+use super::probes::ProbeSet;
+use super::probes::writer::ProbeWriter;
+use super::results::is_run;
+use super::summary::Summary;
+use crate::systems::monitor::MonitorRow;
+
+/// Name of the scene in the run folder.
+pub const SCENE: &str = "scene.ron";
+
+/// Says to other processes that a run is being written; freed by the system whatever ends the process.
+#[derive(Debug)]
+pub(crate) struct Lock {
+    _file: File,
+}
+
+impl Lock {
+    /// Takes the lock of a run folder.
+    ///
+    /// # Errors
+    /// [`OutputError::Busy`] when another process has it.
+    pub(crate) fn take(folder: &Path) -> Result<Self, OutputError> {
+        let path = folder.join(".lock");
+        let file = File::create(&path).map_err(OutputError::io(&path, "write"))?;
+        match file.try_lock() {
+            Ok(()) => Ok(Self { _file: file }),
+            Err(TryLockError::WouldBlock) => Err(OutputError::Busy { path: folder.to_path_buf() }),
+            // A file system without locks must not stop a run.
+            Err(TryLockError::Error(_)) => Ok(Self { _file: file }),
+        }
+    }
+}
+
+/// The folder of a run that goes on.
+#[derive(Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+    header: Header,
+    frames: Option<FrameWriter>,
+    monitor: MonitorWriter,
+    probes: Option<ProbeWriter>,
+    _lock: Lock,
+}
+
+/// Whether a run may be written to a folder: to be asked before time is spent on the scene.
+///
+/// # Errors
+/// [`OutputError::Exists`] when it holds an earlier run and `force` is not given, [`OutputError::Foreign`] when it
+/// holds something else, [`OutputError::Busy`] when another process writes it.
+pub fn check_free(path: &Path, force: bool) -> Result<(), OutputError> {
+    if !path.exists() {
+        return Ok(());
+    }
+    let foreign = || OutputError::Foreign { path: path.to_path_buf() };
+    if !path.is_dir() {
+        return Err(foreign());
+    }
+    let mut entries = fs::read_dir(path).map_err(OutputError::io(path, "read"))?;
+    if entries.next().is_none() {
+        return Ok(());
+    }
+    if !is_run(path) {
+        return Err(foreign());
+    }
+    if !force {
+        return Err(OutputError::Exists { path: path.to_path_buf() });
+    }
+    Lock::take(path).map(drop)
+}
+
+impl RunFolder {
+    /// Makes the folder of a run. With `force` an earlier run there is replaced, in the moment that the new folder
+    /// stands; so call this when the scene is built and the first step is next.
+    ///
+    /// # Errors
+    /// As [`check_free`], or [`OutputError::Io`]; what was there is then untouched.
+    pub fn create(path: &Path, force: bool, header: &Header, probes: &ProbeSet) -> Result<Self, OutputError> {
+        check_free(path, force)?;
+        if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+            fs::create_dir_all(parent).map_err(OutputError::io(parent, "make the folder"))?;
+        }
+        let fresh = sibling(path, "new");
+        let stale = sibling(path, "old");
+        remove(&fresh)?;
+        remove(&stale)?;
+        let made = furnish(&fresh, header).and_then(|()| {
+            if path.exists() {
+                fs::rename(path, &stale).map_err(OutputError::io(path, "replace"))?;
+            }
+            fs::rename(&fresh, path).map_err(OutputError::io(path, "make the folder"))
+        });
+        if let Err(error) = made {
+            if !path.exists() && stale.exists() {
+                fs::rename(&stale, path).map_err(OutputError::io(path, "restore"))?;
+            }
+            remove(&fresh)?;
+            return Err(error);
+        }
+        remove(&stale)?;
+        Ok(Self {
+            _lock: Lock::take(path)?,
+            frames: Some(FrameWriter::start(&path.join(journal::FOLDER), header)?),
+            monitor: MonitorWriter::create(path, header)?,
+            probes: if probes.is_empty() { None } else { Some(ProbeWriter::create(path, header, probes)?) },
+            path: path.to_path_buf(),
+            header: header.clone(),
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Facts of the run.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Hands a frame to the thread that writes frames.
+    ///
+    /// # Errors
+    /// The error that stopped the writing of an earlier frame.
+    pub fn submit(&mut self, frame: Frame) -> Result<(), OutputError> {
+        match &mut self.frames {
+            Some(frames) => frames.submit(frame),
+            None => Ok(()),
+        }
+    }
+
+    /// Frames that are whole and durable.
+    pub fn frames_written(&self) -> u64 {
+        self.frames.as_ref().map_or(0, FrameWriter::written)
+    }
+
+    /// Appends a row to `monitor.csv`.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn monitor(&mut self, row: &MonitorRow) -> Result<(), OutputError> {
+        self.monitor.append(row)
+    }
+
+    /// Appends to `probes.csv`.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn probe(&mut self, sample: &ProbeSample) -> Result<(), OutputError> {
+        match &mut self.probes {
+            Some(probes) => probes.append(sample),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends the run: waits for the frames, writes `summary.json` (its frames and facts are put in here) and packs.
+    ///
+    /// # Errors
+    /// The first error; every frame written and the journal stay readable, and `sphecs pack` can be tried again.
+    pub fn finish(mut self, mut summary: Summary) -> Result<Packed, OutputError> {
+        let frames = self.frames.take();
+        let written = frames.as_ref().map(FrameWriter::written);
+        let ended = frames.map_or(Ok(0), FrameWriter::finish);
+        summary.frames = *ended.as_ref().unwrap_or(&written.unwrap_or(0));
+        summary.run = self.header.clone();
+        // The summary first: it says how the run ended even when there is no room to pack.
+        summary.write(&self.path)?;
+        ended?;
+        pack_locked(&self.path, &self.header)
+    }
+}
+
+/// What a run folder has before the first frame.
+fn furnish(folder: &Path, header: &Header) -> Result<(), OutputError> {
+    let journal = folder.join(journal::FOLDER);
+    fs::create_dir_all(&journal).map_err(OutputError::io(&journal, "make the folder"))?;
+    disk::write_whole(&folder.join(SCENE), header.text.as_bytes())?;
+    Summary { run: header.clone(), ..Summary::default() }.write(folder)
+}
+
+fn sibling(path: &Path, role: &str) -> PathBuf {
+    let mut name = OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{role}"));
+    path.with_file_name(name)
+}
+
+fn remove(path: &Path) -> Result<(), OutputError> {
+    match fs::remove_dir_all(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(OutputError::io(path, "remove")(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(text: &str) -> Header {
+        Header { text: text.to_owned(), dimensions: 2, ..Header::default() }
+    }
+
+    fn start(path: &Path, force: bool, text: &str) -> Result<RunFolder, OutputError> {
+        RunFolder::create(path, force, &header(text), &ProbeSet::default())
+    }
+
+    #[test]
+    fn earlier_run_is_replaced_by_force_only() {
+        let parent = tempfile::tempdir().expect("a folder");
+        let path = parent.path().join("deep/run");
+        let run = start(&path, false, "first").expect("created");
+        run.finish(Summary::default()).expect("ended");
+        fs::write(path.join("particles.nc"), "results").expect("written");
+
+        let error = start(&path, false, "second").expect_err("refused").to_string();
+        assert!(error.contains("--force") && error.contains("--out"), "{error}");
+        assert_eq!(fs::read(path.join("particles.nc")).expect("read"), b"results");
+
+        let run = start(&path, true, "second").expect("replaced");
+        assert_eq!(fs::read(run.path().join(SCENE)).expect("read"), b"second");
+        assert!(!path.join("particles.nc").exists());
+        let siblings = fs::read_dir(parent.path().join("deep")).expect("read").count();
+        assert_eq!(siblings, 1, "nothing of the replacement is left over");
+    }
+
+    #[test]
+    fn folder_of_another_kind_is_never_replaced() {
+        let parent = tempfile::tempdir().expect("a folder");
+        fs::write(parent.path().join("thesis.tex"), "years").expect("written");
+        for force in [false, true] {
+            let error = start(parent.path(), force, "scene").expect_err("refused");
+            assert!(matches!(error, OutputError::Foreign { .. }), "{error}");
+        }
+        assert!(parent.path().join("thesis.tex").exists());
+    }
+
+    #[test]
+    fn empty_folder_is_taken() {
+        let parent = tempfile::tempdir().expect("a folder");
+        start(parent.path(), false, "scene").expect("created");
+        assert!(parent.path().join(SCENE).exists());
+    }
+}

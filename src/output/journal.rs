@@ -1,0 +1,134 @@
+//! The journal of a run: one whole NetCDF file per frame, written by a thread of its own.
+//!
+//! A NetCDF-4 file that grows is not crash-safe: a kill between two frames can cost all of them, and on a
+//! full disk the loss shows at the close only. A file per frame that gets its name when it is complete and
+//! durable cannot be lost by what comes after (test `tests/killed_run.rs`).
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use super::error::OutputError;
+use super::frame::Frame;
+use super::header::Header;
+use super::netcdf::particles;
+
+/// Name of the journal's folder in the run folder.
+pub const FOLDER: &str = "journal";
+
+/// Frames that wait at most: one is written while the next is ready. More would only hide a slow disk.
+const QUEUE: usize = 1;
+
+/// Path of the walls in a journal.
+pub(crate) fn walls_path(journal: &Path) -> PathBuf {
+    journal.join("walls.nc")
+}
+
+/// Path of a frame in a journal.
+fn frame_path(journal: &Path, index: u64) -> PathBuf {
+    journal.join(format!("frame-{index:08}.nc"))
+}
+
+/// The whole frames of a journal in their order.
+///
+/// # Errors
+/// [`OutputError::Io`] when the folder does not read.
+pub(crate) fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(journal).map_err(OutputError::io(journal, "read"))? {
+        let path = entry.map_err(OutputError::io(journal, "read"))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with("frame-") && name.ends_with(".nc") {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+/// Hands frames to the thread that writes them, so that the flow goes on meanwhile.
+#[derive(Debug)]
+pub struct FrameWriter {
+    sender: Option<SyncSender<Frame>>,
+    thread: Option<JoinHandle<Result<(), OutputError>>>,
+    written: Arc<AtomicU64>,
+}
+
+impl FrameWriter {
+    /// Starts the thread that writes into the folder `journal`.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when no thread can be started.
+    pub fn start(journal: &Path, header: &Header) -> Result<Self, OutputError> {
+        let (sender, frames) = sync_channel(QUEUE);
+        let written = Arc::new(AtomicU64::new(0));
+        let (folder, facts, counter) = (journal.to_path_buf(), header.clone(), Arc::clone(&written));
+        let thread = std::thread::Builder::new()
+            .name("frames".to_owned())
+            .spawn(move || write_frames(&folder, &facts, &frames, &counter))
+            .map_err(OutputError::io(journal, "start a thread to write"))?;
+        Ok(Self { sender: Some(sender), thread: Some(thread), written })
+    }
+
+    /// Hands over a frame; waits only while an earlier one still queues.
+    ///
+    /// # Errors
+    /// The error that stopped the writing of an earlier frame.
+    pub fn submit(&mut self, frame: Frame) -> Result<(), OutputError> {
+        let accepted = self.sender.as_ref().is_some_and(|sender| sender.send(frame).is_ok());
+        if accepted { Ok(()) } else { self.stop().and(Err(gone())) }
+    }
+
+    /// Frames that are whole and durable: what may be reported as written.
+    pub fn written(&self) -> u64 {
+        self.written.load(Ordering::Acquire)
+    }
+
+    /// Waits for the last frame; the number of frames written.
+    ///
+    /// # Errors
+    /// The error that stopped the writing.
+    pub fn finish(mut self) -> Result<u64, OutputError> {
+        self.stop()?;
+        Ok(self.written())
+    }
+
+    fn stop(&mut self) -> Result<(), OutputError> {
+        self.sender = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) => Err(gone()),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for FrameWriter {
+    fn drop(&mut self) {
+        // A frame handed over is written even when the run ends by an error elsewhere, which is the one to report.
+        let _ = self.stop();
+    }
+}
+
+fn gone() -> OutputError {
+    OutputError::Request("frames are no longer written after an earlier error".to_owned())
+}
+
+fn write_frames(
+    journal: &Path,
+    header: &Header,
+    frames: &Receiver<Frame>,
+    written: &AtomicU64,
+) -> Result<(), OutputError> {
+    for (index, frame) in (0_u64..).zip(frames) {
+        if index == 0 {
+            particles::write_walls(&walls_path(journal), header, &frame)?;
+        }
+        particles::write_frame(&frame_path(journal, index), header, &frame)?;
+        written.store(index + 1, Ordering::Release);
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! `sphecs pack`: the journal and the CSV files become `particles.nc`, `monitor.nc` and `probes.nc`.
+//!
+//! Nothing is removed before what replaces it is whole and durable, so that a kill during the packing costs
+//! nothing either: packing again starts from the journal.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::disk;
+use super::error::OutputError;
+use super::folder::Lock;
+use super::frame::Frame;
+use super::header::Header;
+use super::journal;
+use super::netcdf::particles::{self, ParticleFile, Slots};
+use super::results::read_header;
+use super::{monitor, probes};
+
+/// Name of the file of all frames in the run folder.
+pub const PARTICLES: &str = "particles.nc";
+
+/// The journal's name between the moment that `particles.nc` stands and its removal.
+pub(crate) const PACKED_JOURNAL: &str = "journal.packed";
+
+/// What packing made.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Packed {
+    /// Frames that went from the journal into `particles.nc`; 0 when the run was packed already.
+    pub frames: usize,
+    /// Files written.
+    pub files: Vec<PathBuf>,
+}
+
+/// Packs the run in a folder.
+///
+/// # Errors
+/// [`OutputError::Busy`] while another process writes the run, or [`OutputError`] with path and cause; the journal stays.
+pub fn pack(folder: &Path) -> Result<Packed, OutputError> {
+    let header = read_header(folder)?;
+    let _lock = Lock::take(folder)?;
+    pack_locked(folder, &header)
+}
+
+/// Packs a run whose lock is held.
+pub(crate) fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError> {
+    let mut packed = Packed::default();
+    let journal = folder.join(journal::FOLDER);
+    if journal.exists() {
+        packed.frames = pack_frames(folder, &journal, header)?;
+        if packed.frames > 0 {
+            packed.files.push(folder.join(PARTICLES));
+        }
+    }
+    remove_folder(&folder.join(PACKED_JOURNAL))?;
+    packed.files.extend(monitor::pack(folder, header)?);
+    packed.files.extend(probes::results::pack(folder, header)?);
+    Ok(packed)
+}
+
+fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, OutputError> {
+    let paths = journal::frame_paths(journal)?;
+    let target = folder.join(PARTICLES);
+    if !paths.is_empty() {
+        let walls: Frame = ParticleFile::open(&journal::walls_path(journal))?.walls()?;
+        let mut slots = Slots { particles: Vec::new(), walls: Slots::of(&walls).walls };
+        for path in &paths {
+            let file = ParticleFile::open(path)?;
+            if file.slots.particles.len() > slots.particles.len() {
+                slots.particles = file.slots.particles;
+            }
+        }
+        particles::write_run(&target, header, &slots, &walls, paths.len(), |index| {
+            ParticleFile::open(&paths[index])?.frame(0, &walls)
+        })?;
+    }
+    let retired = folder.join(PACKED_JOURNAL);
+    // Left over when an earlier removal was cut short.
+    remove_folder(&retired)?;
+    fs::rename(journal, &retired).map_err(OutputError::io(journal, "rename"))?;
+    disk::sync_folder(folder)?;
+    Ok(paths.len())
+}
+
+fn remove_folder(path: &Path) -> Result<(), OutputError> {
+    match fs::remove_dir_all(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(OutputError::io(path, "remove")(error))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,108 @@
+//! `probes.csv`, written while the run goes on: tidy, a line per time, probe and point.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::{ProbePoints, ProbeSample, ProbeSet, ProbeValues};
+use crate::output::error::OutputError;
+use crate::output::header::{Header, ProbeShape};
+use crate::output::table::{Column, TableWriter, line, number};
+use crate::particles::sample::Sample;
+
+/// Name of the CSV file in the run folder.
+pub const CSV: &str = "probes.csv";
+/// Name of the CSV file of time means in the run folder.
+pub const MEAN_CSV: &str = "probes_mean.csv";
+
+/// Name, unit and long name of the measured quantities, in the order of the columns after time, probe, point and place.
+pub(super) fn quantities(header: &Header) -> [(&'static str, &'static str, &'static str); 7] {
+    let mass_flow = if header.dimensions == 2 { "kg m-1 s-1" } else { "kg s-1" };
+    [
+        ("u", "m s-1", "velocity along x"),
+        ("v", "m s-1", "velocity along y"),
+        ("w", "m s-1", "velocity along z"),
+        ("pressure", "Pa", "pressure"),
+        ("density", "kg m-3", "density"),
+        ("mass_flow", mass_flow, "mass flow through the section along its normal"),
+        ("mean_pressure", "Pa", "mean pressure of the section"),
+    ]
+}
+
+/// Columns before the quantities.
+pub(super) const PLACE: usize = 6;
+
+/// The columns of `probes.csv`.
+pub(super) fn columns(header: &Header) -> Vec<Column> {
+    let mut columns = vec![Column::new("time", "s"), Column::of_text("probe"), Column::of_text("point")];
+    columns.extend(["x", "y", "z"].map(|axis| Column::new(axis, "m")));
+    columns.extend(quantities(header).map(|(name, unit, _)| Column::new(name, unit)));
+    columns
+}
+
+/// Appends to `probes.csv`.
+#[derive(Debug)]
+pub struct ProbeWriter {
+    table: TableWriter,
+    /// Probe, point and place of each row, as CSV; by probe.
+    starts: Vec<Vec<String>>,
+}
+
+impl ProbeWriter {
+    /// Starts `probes.csv` in a run folder.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn create(folder: &Path, header: &Header, probes: &ProbeSet) -> Result<Self, OutputError> {
+        let table = TableWriter::create(&folder.join(CSV), &columns(header))?;
+        let starts = |probe: &ProbePoints| {
+            let section = [probe.at];
+            let places = match probe.shape {
+                ProbeShape::Section => &section[..],
+                ProbeShape::Point | ProbeShape::Line => &probe.points,
+            };
+            let start = |(point, at): (usize, &DVec3)| {
+                let mut cells = vec![probe.name.clone(), point.to_string()];
+                cells.extend(at.to_array().map(number));
+                line(&cells)
+            };
+            places.iter().enumerate().map(start).collect()
+        };
+        Ok(Self { table, starts: probes.probes().iter().map(starts).collect() })
+    }
+
+    /// Appends what the probes measured, which is in the file when this returns.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn append(&mut self, sample: &ProbeSample) -> Result<(), OutputError> {
+        let time = number(sample.time);
+        let mut lines = String::new();
+        for (starts, values) in self.starts.iter().zip(&sample.values) {
+            match values {
+                ProbeValues::Fields(fields) => {
+                    for (start, field) in starts.iter().zip(fields) {
+                        lines += &format!("{time},{start},{},,\n", fields_of(field.as_ref()));
+                    }
+                }
+                ProbeValues::Section { mass_flow, mean_pressure } => {
+                    for start in starts {
+                        lines += &format!("{time},{start},,,,,,{mass_flow:.8e},{mean_pressure:.8e}\n");
+                    }
+                }
+            }
+        }
+        self.table.append_lines(&lines)
+    }
+}
+
+/// Velocity, pressure and density as cells, empty where no fluid was near. Nine digits: a sample is not better than that,
+/// and a line of many points fills the disk.
+fn fields_of(sample: Option<&Sample>) -> String {
+    match sample {
+        Some(Sample { velocity: DVec3 { x, y, z }, pressure, density }) => {
+            format!("{x:.8e},{y:.8e},{z:.8e},{pressure:.8e},{density:.8e}")
+        }
+        None => ",,,,".to_owned(),
+    }
+}

@@ -1,0 +1,162 @@
+//! One row of the arrays, read and written as vectors in space.
+//!
+//! For boundaries, probes and transitions, which touch few rows; the pair passes read columns.
+
+use glam::DVec3;
+
+use super::arrays::ParticleArrays;
+use super::zone::Zone;
+use crate::math::real::Real;
+
+/// Everything that the arrays hold of one particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Number of the particle.
+    pub id: u32,
+    /// Zone.
+    pub zone: Zone,
+    /// Index of inlet, outlet or wall part.
+    pub patch: u16,
+    /// Whether the next step is a plain one because the role has just changed.
+    pub fresh: bool,
+    /// Position, m.
+    pub position: DVec3,
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// Velocity one step earlier, m/s.
+    pub velocity_before: DVec3,
+    /// Rate of change of velocity, m/s².
+    pub acceleration: DVec3,
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Pressure, Pa.
+    pub pressure: f64,
+    /// Wall: distance behind the surface, m.
+    pub wall_distance: f64,
+    /// Wall: unit normal into the fluid.
+    pub wall_normal: DVec3,
+}
+
+/// A row of f64 columns as a vector.
+#[inline]
+pub fn vector<const D: usize>(columns: &[Vec<f64>; D], row: usize) -> DVec3 {
+    let mut out = DVec3::ZERO;
+    for axis in 0..D {
+        out[axis] = columns[axis][row];
+    }
+    out
+}
+
+/// A row of columns in the precision of the pair sums as a vector.
+#[inline]
+pub fn real_vector<R: Real, const D: usize>(columns: &[Vec<R>; D], row: usize) -> DVec3 {
+    let mut out = DVec3::ZERO;
+    for axis in 0..D {
+        out[axis] = columns[axis][row].to_f64();
+    }
+    out
+}
+
+/// Writes a vector into a row of columns.
+#[inline]
+pub fn set_real_vector<R: Real, const D: usize>(columns: &mut [Vec<R>; D], row: usize, value: DVec3) {
+    for axis in 0..D {
+        columns[axis][row] = R::from_f64(value[axis]);
+    }
+}
+
+impl<R: Real, const D: usize> ParticleArrays<R, D> {
+    /// Position of a row, m.
+    #[inline]
+    pub fn position_of(&self, row: usize) -> DVec3 {
+        vector(&self.position, row)
+    }
+
+    /// Velocity of a row, m/s.
+    #[inline]
+    pub fn velocity_of(&self, row: usize) -> DVec3 {
+        real_vector(&self.velocity, row)
+    }
+
+    /// Appends a row at the end, outside the order of cells, until the next sort.
+    pub fn push(&mut self, row: &Row) {
+        self.id.push(row.id);
+        self.zone.push(row.zone);
+        self.patch.push(row.patch);
+        self.fresh.push(row.fresh);
+        for axis in 0..D {
+            self.position[axis].push(row.position[axis]);
+            self.velocity[axis].push(R::from_f64(row.velocity[axis]));
+            self.velocity_before[axis].push(R::from_f64(row.velocity_before[axis]));
+            self.acceleration[axis].push(R::from_f64(row.acceleration[axis]));
+            self.wall_normal[axis].push(R::from_f64(row.wall_normal[axis]));
+        }
+        self.density.push(R::from_f64(row.density));
+        self.pressure.push(R::from_f64(row.pressure));
+        self.wall_distance.push(R::from_f64(row.wall_distance));
+    }
+
+    /// A whole row.
+    pub fn row(&self, row: usize) -> Row {
+        Row {
+            id: self.id[row],
+            zone: self.zone[row],
+            patch: self.patch[row],
+            fresh: self.fresh[row],
+            position: self.position_of(row),
+            velocity: self.velocity_of(row),
+            velocity_before: real_vector(&self.velocity_before, row),
+            acceleration: real_vector(&self.acceleration, row),
+            density: self.density[row].to_f64(),
+            pressure: self.pressure[row].to_f64(),
+            wall_distance: self.wall_distance[row].to_f64(),
+            wall_normal: real_vector(&self.wall_normal, row),
+        }
+    }
+
+    /// Empties every column, keeping its memory.
+    pub fn clear(&mut self) {
+        self.id.clear();
+        self.zone.clear();
+        self.patch.clear();
+        self.fresh.clear();
+        for axis in 0..D {
+            self.position[axis].clear();
+            self.velocity[axis].clear();
+            self.velocity_before[axis].clear();
+            self.acceleration[axis].clear();
+            self.wall_normal[axis].clear();
+        }
+        self.density.clear();
+        self.pressure.clear();
+        self.wall_distance.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_comes_back_as_it_was_pushed() {
+        let mut arrays = ParticleArrays::<f64, 2>::default();
+        let row = Row {
+            id: 7,
+            zone: Zone::Outflow,
+            patch: 2,
+            fresh: true,
+            position: DVec3::new(1.0, 2.0, 0.0),
+            velocity: DVec3::new(3.0, 4.0, 0.0),
+            velocity_before: DVec3::new(5.0, 6.0, 0.0),
+            acceleration: DVec3::new(7.0, 8.0, 0.0),
+            density: 1000.0,
+            pressure: -3.0,
+            wall_distance: 0.25,
+            wall_normal: DVec3::new(0.0, 1.0, 0.0),
+        };
+        arrays.push(&row);
+        assert_eq!(arrays.row(0), row);
+        arrays.clear();
+        assert!(arrays.is_empty());
+    }
+}

@@ -1,0 +1,166 @@
+//! Blocks of cells, and parts of the rows, as parallel work with the rows that each may write.
+
+use std::ops::Range;
+
+use crate::math::grid::CellGrid;
+
+/// Rows of a block: large enough to hide the cost of a task, small enough for threads to even out.
+const ROWS: usize = 1024;
+
+/// Rows of a part: a part costs little, so it has more of them than a block.
+const PART: usize = 4096;
+
+/// Output columns that can be cut into the rows before and after a row.
+pub trait Columns: Send + Sized {
+    /// Columns without rows.
+    fn none() -> Self;
+
+    /// The columns up to `row` and from `row` on.
+    fn cut(self, row: usize) -> (Self, Self);
+}
+
+impl<T: Send> Columns for &mut [T] {
+    fn none() -> Self {
+        &mut []
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        // A column that is not in use is empty, and so are its parts.
+        let row = row.min(self.len());
+        self.split_at_mut(row)
+    }
+}
+
+impl<C: Columns, const N: usize> Columns for [C; N] {
+    fn none() -> Self {
+        std::array::from_fn(|_| C::none())
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (mut low, mut high) = (Self::none(), Self::none());
+        for ((column, low), high) in self.into_iter().zip(&mut low).zip(&mut high) {
+            (*low, *high) = column.cut(row);
+        }
+        (low, high)
+    }
+}
+
+macro_rules! tuples {
+    ($($name:ident $low:ident $high:ident),*) => {
+        impl<$($name: Columns),*> Columns for ($($name,)*) {
+            fn none() -> Self {
+                ($($name::none(),)*)
+            }
+
+            fn cut(self, row: usize) -> (Self, Self) {
+                #[allow(non_snake_case, reason = "the type's letter names the value too")]
+                let ($($name,)*) = self;
+                $(let ($low, $high) = $name.cut(row);)*
+                (($($low,)*), ($($high,)*))
+            }
+        }
+    };
+}
+tuples!(A a_low a_high, B b_low b_high);
+tuples!(A a_low a_high, B b_low b_high, C c_low c_high);
+
+/// Runs `work` over all cells in blocks, in parallel. It gets the cells of the block and the block's part of the
+/// output columns, whose first row is the first row of its first cell. `join` must not care for order.
+pub fn for_each_block<C: Columns, S: Send, const D: usize>(
+    grid: &CellGrid<D>,
+    columns: C,
+    work: &(impl Fn(Range<usize>, C) -> S + Sync),
+    join: &(impl Fn(S, S) -> S + Sync),
+) -> S {
+    split(grid.starts(), 0..grid.len(), columns, work, join)
+}
+
+/// Runs `work` over the rows in parts, in parallel: for what looks at a row alone. It gets the rows of the part and the
+/// part's share of the columns.
+pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn(Range<usize>, C) + Sync)) {
+    if rows.len() <= PART {
+        return work(rows, columns);
+    }
+    let half = rows.len() / 2;
+    let middle = rows.start + half;
+    let (low, high) = columns.cut(half);
+    rayon::join(
+        || for_each_part(rows.start..middle, low, work),
+        || for_each_part(middle..rows.end, high, work),
+    );
+}
+
+/// Runs `work` over the rows in parts, in parallel, and joins what it found in the order of the rows.
+pub fn join_parts<S: Send>(
+    rows: Range<usize>,
+    work: &(impl Fn(Range<usize>) -> S + Sync),
+    join: &(impl Fn(S, S) -> S + Sync),
+) -> S {
+    if rows.len() <= PART {
+        return work(rows);
+    }
+    let middle = rows.start + rows.len() / 2;
+    let (low, high) = rayon::join(
+        || join_parts(rows.start..middle, work, join),
+        || join_parts(middle..rows.end, work, join),
+    );
+    join(low, high)
+}
+
+fn split<C: Columns, S: Send>(
+    starts: &[u32],
+    cells: Range<usize>,
+    columns: C,
+    work: &(impl Fn(Range<usize>, C) -> S + Sync),
+    join: &(impl Fn(S, S) -> S + Sync),
+) -> S {
+    let rows = (starts[cells.end] - starts[cells.start]) as usize;
+    if rows <= ROWS || cells.len() == 1 {
+        return work(cells, columns);
+    }
+    // Halving the rows, not the cells: most cells of a bent domain's box may be empty.
+    let middle_row = starts[cells.start] + rows as u32 / 2;
+    let inner = &starts[cells.start + 1..cells.end];
+    let middle = cells.start + 1 + inner.partition_point(|&start| start < middle_row).min(inner.len() - 1);
+    let (low, high) = columns.cut((starts[middle] - starts[cells.start]) as usize);
+    let (a, b) = rayon::join(
+        || split(starts, cells.start..middle, low, work, join),
+        || split(starts, middle..cells.end, high, work, join),
+    );
+    join(a, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_met_once_in_its_own_place() {
+        for rows in [0, 1, PART, PART + 1, 5 * PART + 3] {
+            let (mut first, mut second) = (vec![0; rows], vec![0.0; rows]);
+            let columns = ([&mut first[..]], [&mut second[..]]);
+            for_each_part(
+                0..rows,
+                columns,
+                &|rows, ([first], [second]): ([&mut [usize]; 1], [&mut [f64]; 1])| {
+                    for (at, row) in rows.enumerate() {
+                        first[at] += row;
+                        second[at] += 1.0;
+                    }
+                },
+            );
+            assert!(first.iter().enumerate().all(|(row, &found)| row == found));
+            assert!(second.iter().all(|&times| times == 1.0));
+        }
+    }
+
+    #[test]
+    fn parts_are_joined_in_the_order_of_the_rows() {
+        let join = |mut low: Vec<usize>, high: Vec<usize>| {
+            low.extend(high);
+            low
+        };
+        let found = join_parts(0..9 * PART, &|rows| rows.step_by(7).take(20).collect(), &join);
+        assert!(found.is_sorted() && found.len() > 20);
+    }
+}

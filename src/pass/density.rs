@@ -1,0 +1,197 @@
+//! Density of the fluid by summation, and its pressure by Tait, in one sweep.
+
+use std::ops::Range;
+
+use super::blocks::for_each_block;
+use super::pack::{Pack, Source};
+use super::settings::PairSettings;
+use super::sums::PairSums;
+use crate::math::grid::CellGrid;
+use crate::math::kernel::{KernelShape, WithShape};
+use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+use crate::physics::density;
+
+/// Least r²/h² under a root: a particle meets itself, and 1/√0 would spoil its own share of the sum.
+pub(super) const LEAST_Q2: f64 = 1e-30;
+
+/// Sums the density of the fluid rows over all rows, themselves included, and sets their pressure.
+pub fn sum_density<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &mut ParticleArrays<R, D>,
+    sums: &mut PairSums<R, D>,
+) {
+    sums.packs.prepare();
+    pair.kernel.with_shape(DensityPass { pair, grid, particles, sums });
+}
+
+struct DensityPass<'a, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    grid: &'a CellGrid<D>,
+    particles: &'a mut ParticleArrays<R, D>,
+    sums: &'a mut PairSums<R, D>,
+}
+
+impl<R: Real, const D: usize> WithShape for DensityPass<'_, R, D> {
+    type Output = ();
+
+    fn run<K: KernelShape>(self) {
+        let source = Source {
+            grid: self.grid,
+            position: &self.particles.position,
+            columns: &[],
+            inverse_h: 1.0 / self.pair.smoothing_length,
+            support_ratio: K::SUPPORT,
+        };
+        let zone = &self.particles.zone;
+        let packs = &self.sums.packs;
+        let outputs = [&mut self.particles.density[..], &mut self.particles.pressure[..]];
+        let work = |cells: Range<usize>, [density, pressure]: [&mut [R]; 2]| {
+            let block = DensityBlock::<K, R, D> {
+                pair: self.pair,
+                source: &source,
+                zone,
+                cells,
+                density,
+                pressure,
+                pack: &mut packs.of_this_thread(),
+                shape: std::marker::PhantomData,
+            };
+            R::dispatch(self.pair.lanes, block);
+        };
+        for_each_block(self.grid, outputs, &work, &|(), ()| ());
+    }
+}
+
+struct DensityBlock<'a, K, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    source: &'a Source<'a, R, D>,
+    zone: &'a [Zone],
+    cells: Range<usize>,
+    density: &'a mut [R],
+    pressure: &'a mut [R],
+    pack: &'a mut Pack<R>,
+    shape: std::marker::PhantomData<K>,
+}
+
+impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_, K, R, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(self) {
+        let grid = self.source.grid;
+        let first = grid.rows(self.cells.start).start;
+        for cell in self.cells.clone() {
+            let rows = grid.rows(cell);
+            if !self.zone[rows.clone()].contains(&Zone::Fluid) {
+                continue;
+            }
+            self.pack.fill::<L, D>(self.source, cell);
+            for row in rows {
+                if self.zone[row] == Zone::Fluid {
+                    let point = self.pack.relative(self.source, row);
+                    self.density[row - first] = kernel_sum::<K, L, D>(self.pack, point);
+                }
+            }
+        }
+        // Apart from the sums: one row's chain of dependent operations would hold up the next row's sum.
+        let scale = self.pair.kernel_scale();
+        let rows = first..grid.rows(self.cells.end - 1).end;
+        for ((density, pressure), zone) in self.density.iter_mut().zip(self.pressure).zip(&self.zone[rows]) {
+            if *zone == Zone::Fluid {
+                let sum = density.to_f64() * scale;
+                let rho = density::from_kernel_sum(sum, self.pair.mass, self.pair.lattice.density);
+                *density = R::from_f64(rho);
+                *pressure = R::from_f64(self.pair.tait.pressure(rho));
+            }
+        }
+    }
+}
+
+/// Σ w(q) over a pack.
+#[inline(always)]
+fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
+    pack: &Pack<L::Real>,
+    point: [L::Real; D],
+) -> L::Real {
+    let mut x_a = [L::constant(0.0); D];
+    for d in 0..D {
+        x_a[d] = L::splat(point[d]);
+    }
+    let mut sum = L::constant(0.0);
+    for entry in pack.entries::<L>(D) {
+        let mut r2 = L::constant(LEAST_Q2);
+        for d in 0..D {
+            let x = x_a[d] - entry.column(d);
+            r2 = x.mul_add(x, r2);
+        }
+        sum = sum + K::value(r2 * r2.inverse_sqrt());
+    }
+    sum.sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::kernel::Kernel;
+    use crate::math::lanes::InstructionSet;
+    use crate::pass::samples::{SPACING, Sample, WATER, settings};
+
+    fn check_uniform<const D: usize>(kernel: Kernel, ratio: f64, counts: [usize; D]) {
+        for set in InstructionSet::available() {
+            let mut pair = settings(kernel, D, ratio);
+            pair.lanes = set;
+            let mut sample = Sample::<f64, D>::lattice(pair, counts, true);
+            sample.density();
+            for row in 0..sample.particles.len() {
+                let error = sample.particles.density[row] / WATER.reference_density - 1.0;
+                assert!(error.abs() < 1e-12, "{kernel:?}, {} lanes: {error}", set.name());
+                let pressure = sample.particles.pressure[row];
+                assert!(pressure.abs() < 1e-10 * 1000.0 * 16.0, "p = {pressure} Pa");
+            }
+            sample.rates();
+            for column in sample.particles.acceleration.iter() {
+                for acceleration in column {
+                    assert!(acceleration.abs() < 1e-11 * 16.0 / SPACING, "dv/dt = {acceleration} m/s²");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn uniform_fill_has_the_reference_density_and_no_force() {
+        check_uniform(Kernel::WendlandC2, 1.3, [24, 17]);
+        check_uniform(Kernel::WendlandC2, 2.0, [11, 3]);
+        check_uniform(Kernel::QuinticSpline, 1.2, [12, 13]);
+        check_uniform(Kernel::WendlandC2, 2.02, [9, 10, 1]);
+        check_uniform(Kernel::QuinticSpline, 1.0, [5, 8, 7]);
+    }
+
+    #[test]
+    fn sum_is_that_over_all_neighbours() {
+        for kernel in Kernel::ALL {
+            let mut sample = Sample::<f64, 3>::lattice(settings(kernel, 3, 1.3), [7, 6, 9], false);
+            sample.stir(0.4, 1.0);
+            sample.particles.zone[5] = Zone::Wall;
+            sample.density();
+            assert_eq!(
+                sample.particles.density[5], WATER.reference_density,
+                "a wall's density is not summed"
+            );
+            let neighbours = crate::pass::neighbours::Neighbours::new(&sample.grid, &sample.particles);
+            for row in (0..sample.particles.len()).filter(|&row| row != 5) {
+                let mut sum = 0.0;
+                let point = std::array::from_fn(|d| sample.particles.position[d][row]);
+                neighbours.for_each(point, |_, _, r2| {
+                    sum += kernel.value(3, sample.pair.smoothing_length, r2.sqrt());
+                });
+                let expected = sum * sample.pair.mass / sample.pair.lattice.density;
+                let found = sample.particles.density[row];
+                assert!((found / expected - 1.0).abs() < 1e-13, "{found}, not {expected}");
+            }
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! Velocity gradient of the flow, exact for linear fields.
+//!
+//! ```text
+//! G_ij = Σ_b V_b (v_b − v_a)_i ∂W/∂x_j,   M_kj = −Σ_b V_b x_ab,k ∂W/∂x_j,   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj
+//! ```
+//!
+//! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok (1999), which makes it
+//! right where the support is cut and, by the way, on a coarse lattice. Walls enter with their image velocities, so the
+//! gradient at a wall is that of the velocity continued through it. Where M is singular (fewer neighbours than
+//! dimensions) the plain sum is kept.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use super::blocks::for_each_block;
+use super::density::LEAST_Q2;
+use super::pack::{Pack, Source};
+use super::rates::VelocityLevel;
+use super::settings::PairSettings;
+use super::sums::PairSums;
+use crate::math::grid::CellGrid;
+use crate::math::kernel::{KernelShape, WithShape};
+use crate::math::lanes::{Lanes, Vectorised, dot};
+use crate::math::linear::invert;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+use crate::physics::wall::image;
+
+/// Most columns beside the coordinates: velocity, volume, image distance, viscous share and normal in 3D.
+const MOST_COLUMNS: usize = 3 + 3 + 3;
+
+/// Sums the velocity gradient of the fluid, inflow and outflow rows over all rows, into `sums.gradient`.
+pub fn sum_gradients<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &ParticleArrays<R, D>,
+    level: VelocityLevel,
+    sums: &mut PairSums<R, D>,
+) {
+    sums.packs.prepare();
+    sums.columns.fill(pair, particles);
+    for column in sums.gradient.iter_mut().flatten() {
+        column.resize(particles.len(), R::default());
+    }
+    pair.kernel.with_shape(GradientPass { pair, grid, particles, level, sums });
+}
+
+struct GradientPass<'a, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    grid: &'a CellGrid<D>,
+    particles: &'a ParticleArrays<R, D>,
+    level: VelocityLevel,
+    sums: &'a mut PairSums<R, D>,
+}
+
+/// Gradient columns of a block's rows.
+type Outputs<'a, R, const D: usize> = [[&'a mut [R]; D]; D];
+
+impl<R: Real, const D: usize> WithShape for GradientPass<'_, R, D> {
+    type Output = ();
+
+    fn run<K: KernelShape>(self) {
+        let columns = &self.sums.columns;
+        let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
+        for d in 0..D {
+            neighbours[d] = &self.level.columns(self.particles)[d];
+            neighbours[D + 3 + d] = &self.particles.wall_normal[d];
+        }
+        neighbours[D] = &columns.volume;
+        neighbours[D + 1] = &columns.image_distance;
+        neighbours[D + 2] = &columns.viscous;
+        let count = D + 3 + if self.pair.has_free_slip() { D } else { 0 };
+        let source = Source {
+            grid: self.grid,
+            position: &self.particles.position,
+            columns: &neighbours[..count],
+            inverse_h: 1.0 / self.pair.smoothing_length,
+            support_ratio: K::SUPPORT,
+        };
+        let packs = &self.sums.packs;
+        let work = |cells: Range<usize>, gradient: Outputs<R, D>| {
+            let block = GradientBlock::<K, R, D> {
+                pair: self.pair,
+                source: &source,
+                particles: self.particles,
+                cells,
+                gradient,
+                pack: &mut packs.of_this_thread(),
+                shape: PhantomData,
+            };
+            R::dispatch(self.pair.lanes, block);
+        };
+        let outputs = self.sums.gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice));
+        for_each_block(self.grid, outputs, &work, &|(), ()| ());
+    }
+}
+
+struct GradientBlock<'a, K, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    source: &'a Source<'a, R, D>,
+    particles: &'a ParticleArrays<R, D>,
+    cells: Range<usize>,
+    gradient: Outputs<'a, R, D>,
+    pack: &'a mut Pack<R>,
+    shape: PhantomData<K>,
+}
+
+impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for GradientBlock<'_, K, R, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(mut self) {
+        let grid = self.source.grid;
+        let first = grid.rows(self.cells.start).start;
+        let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
+        for cell in self.cells.clone() {
+            let rows = grid.rows(cell);
+            if !self.particles.zone[rows.clone()].iter().any(|&zone| flows(zone)) {
+                continue;
+            }
+            self.pack.fill::<L, D>(self.source, cell);
+            for row in rows {
+                if flows(self.particles.zone[row]) {
+                    let gradient = self.sum::<L>(row);
+                    for (columns, components) in self.gradient.iter_mut().zip(gradient) {
+                        for (column, component) in columns.iter_mut().zip(components) {
+                            column[row - first] = R::from_f64(component);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
+    /// The corrected gradient of a row.
+    #[inline(always)]
+    fn sum<L: Lanes<Real = R>>(&self, row: usize) -> [[f64; D]; D] {
+        let zero = L::constant(0.0);
+        let one = L::constant(1.0);
+        let point = self.pack.relative(self.source, row);
+        let mut x_a = [zero; D];
+        let mut v_a = [zero; D];
+        for d in 0..D {
+            x_a[d] = L::splat(point[d]);
+            v_a[d] = L::splat(self.particles.velocity[d][row]);
+        }
+        let wall_distance = self.particles.wall_distance[row].to_f64();
+        let inverse_distance = L::constant(image::inverse_distance(wall_distance, self.pair.spacing));
+        let cap = L::constant(self.pair.velocity_cap.unwrap_or(f64::INFINITY));
+        let free_slip = self.pair.has_free_slip();
+
+        let mut sum = [[zero; D]; D];
+        let mut moment = [[zero; D]; D];
+        for entry in self.pack.entries::<L>(D + self.source.columns.len()) {
+            let mut x = [zero; D];
+            let mut v = [zero; D];
+            let mut q2 = L::constant(LEAST_Q2);
+            for d in 0..D {
+                x[d] = x_a[d] - entry.column(d);
+                v[d] = v_a[d] - entry.column(D + d);
+                q2 = x[d].mul_add(x[d], q2);
+            }
+            let inverse_q = q2.inverse_sqrt();
+            let slope = K::slope(q2 * inverse_q, inverse_q);
+            let volume_slope = slope * entry.column(2 * D);
+            let factor = image::velocity_factor(entry.column(2 * D + 1), inverse_distance, cap);
+            if free_slip {
+                let slips = entry.column(2 * D + 2).less(one);
+                let normal = entry.vector::<D>(2 * D + 3);
+                let across = dot(normal, v);
+                for d in 0..D {
+                    v[d] = L::select(slips, across * normal[d], v[d]);
+                }
+            }
+            for i in 0..D {
+                let across = volume_slope * factor * v[i];
+                let along = volume_slope * x[i];
+                for j in 0..D {
+                    sum[i][j] = across.mul_add(x[j], sum[i][j]);
+                    moment[i][j] = along.mul_add(x[j], moment[i][j]);
+                }
+            }
+        }
+
+        // ∇W = scale · slope · x_ab/h; in the moments one more h.
+        let h = self.pair.smoothing_length;
+        let scale = self.pair.kernel_scale() / h;
+        let mut plain = [[0.0; D]; D];
+        let mut moments = [[0.0; D]; D];
+        for i in 0..D {
+            for j in 0..D {
+                plain[i][j] = -scale * sum[i][j].sum().to_f64();
+                moments[i][j] = -scale * h * moment[i][j].sum().to_f64();
+            }
+        }
+        let Some(inverse) = invert(moments) else {
+            return plain;
+        };
+        let mut gradient = [[0.0; D]; D];
+        for i in 0..D {
+            for j in 0..D {
+                gradient[i][j] = (0..D).map(|k| plain[i][k] * inverse[k][j]).sum();
+            }
+        }
+        gradient
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::kernel::Kernel;
+    use crate::pass::samples::{SPACING, Sample, settings};
+    use crate::pass::settings::WallPartSettings;
+
+    const SLOPES: [[f64; 3]; 3] = [[1.0, -2.0, 0.5], [3.0, 0.2, 0.0], [-1.0, 0.7, 2.0]];
+
+    fn linear<const D: usize>(point: [f64; D]) -> [f64; D] {
+        std::array::from_fn(|i| 0.3 + (0..D).map(|j| SLOPES[i][j] * point[j]).sum::<f64>())
+    }
+
+    fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
+        // Not periodic: at the faces the support is cut.
+        let mut sample = Sample::<f64, D>::lattice(settings(kernel, D, 1.3), counts, false);
+        sample.stir(0.2, 0.0);
+        for row in 0..sample.particles.len() {
+            let point: [f64; D] = std::array::from_fn(|d| sample.particles.position[d][row]);
+            let velocity = linear(point);
+            for d in 0..D {
+                sample.particles.velocity[d][row] = velocity[d];
+            }
+        }
+        sum_gradients(
+            &sample.pair,
+            &sample.grid,
+            &sample.particles,
+            VelocityLevel::Present,
+            &mut sample.sums,
+        );
+        for i in 0..D {
+            for j in 0..D {
+                for found in &sample.sums.gradient[i][j] {
+                    assert!((found - SLOPES[i][j]).abs() < 1e-11, "∂v_{i}/∂x_{j} = {found}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gradient_of_a_linear_flow_is_exact_up_to_the_faces() {
+        for kernel in Kernel::ALL {
+            check(kernel, [13, 9]);
+            check(kernel, [7, 5, 6]);
+        }
+    }
+
+    /// A flow over a wall at rest whose velocity at height y above it is `velocity(y)`.
+    fn over_a_wall(free_slip: bool, velocity: impl Fn(f64) -> [f64; 2]) -> Sample<f64, 2> {
+        let part = WallPartSettings { free_slip, ..Default::default() };
+        let pair = PairSettings { wall_parts: vec![part], ..settings(Kernel::WendlandC2, 2, 1.3) };
+        let mut sample = Sample::<f64, 2>::lattice(pair, [12, 12], false);
+        for row in 0..sample.particles.len() {
+            let height = sample.particles.position[1][row] + 0.3 - 4.0 * SPACING;
+            sample.particles.wall_distance[row] = height.abs();
+            sample.particles.wall_normal[1][row] = 1.0;
+            if height < 0.0 {
+                sample.particles.zone[row] = Zone::Wall;
+            } else {
+                [sample.particles.velocity[0][row], sample.particles.velocity[1][row]] = velocity(height);
+            }
+        }
+        sum_gradients(
+            &sample.pair,
+            &sample.grid,
+            &sample.particles,
+            VelocityLevel::Present,
+            &mut sample.sums,
+        );
+        sample
+    }
+
+    #[test]
+    fn wall_images_continue_the_flow() {
+        let sample = over_a_wall(false, |y| [3.0 * y, -2.0 * y]);
+        let slip = over_a_wall(true, |y| [3.0, -2.0 * y]);
+        for row in 0..sample.particles.len() {
+            if sample.particles.zone[row] == Zone::Fluid {
+                assert!((sample.sums.gradient[0][1][row] - 3.0).abs() < 1e-11);
+                assert!((sample.sums.gradient[1][1][row] + 2.0).abs() < 1e-11);
+                assert!(slip.sums.gradient[0][1][row].abs() < 1e-11, "a free-slip wall shears nothing");
+                assert!((slip.sums.gradient[1][1][row] + 2.0).abs() < 1e-11);
+            }
+        }
+    }
+}

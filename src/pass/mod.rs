@@ -1,0 +1,30 @@
+//! Floor 3: the hot loops over the arrays.
+//!
+//! | pass | rows it writes | what |
+//! |---|---|---|
+//! | [`density`] | fluid | density by summation, pressure by Tait |
+//! | [`wall_distance`] | fluid, inflow, outflow | distance to the nearest wall surface |
+//! | [`walls`] | walls | pressure and density extrapolated from the fluid |
+//! | [`gradients`] | fluid, inflow, outflow | velocity gradient, corrected where the support is cut |
+//! | [`stress`] | all | sub-particle stress from the gradient, extrapolated to walls |
+//! | [`sampling`] | none | the fluid's fields at arbitrary points |
+//! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
+//!
+//! A pass goes over blocks of cells in parallel; for each cell it packs the neighbourhood once ([`pack`]) and runs
+//! every row of the cell over it. A row's sums depend on its cell's pack alone, so they are the same bits for any
+//! number of threads. Each ordered pair is computed for its own row: nothing is scattered, nothing is locked.
+
+pub mod blocks;
+pub mod density;
+pub mod gradients;
+pub mod neighbours;
+pub mod pack;
+pub mod rates;
+#[cfg(test)]
+mod samples;
+pub mod sampling;
+pub mod settings;
+pub mod stress;
+pub mod sums;
+pub mod wall_distance;
+pub mod walls;

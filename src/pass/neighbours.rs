@@ -1,0 +1,168 @@
+//! All particles within the support of a point, one by one.
+//!
+//! The scalar companion of the packed passes, for what is asked at few points: inlets, outlets, probes. Periodic
+//! images included, always in the same order.
+
+use crate::math::grid::CellGrid;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+
+/// Looks up neighbours in sorted arrays: valid from the sort until the next change of position.
+#[derive(Clone, Copy, Debug)]
+pub struct Neighbours<'a, R: Real, const D: usize> {
+    /// Grid that the particles were sorted with.
+    pub grid: &'a CellGrid<D>,
+    /// The sorted particles.
+    pub particles: &'a ParticleArrays<R, D>,
+    /// Radius of the search, m; not more than the support of the grid.
+    pub support: f64,
+}
+
+impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
+    /// Neighbours within the support of the grid.
+    pub fn new(grid: &'a CellGrid<D>, particles: &'a ParticleArrays<R, D>) -> Self {
+        Self { grid, particles, support: grid.support() }
+    }
+
+    /// Visits each particle, or image of one, nearer to `point` than the support: its row, `x_ab = point − x_b` (m) and
+    /// r² (m²). A particle at the point itself is visited too.
+    #[inline]
+    pub fn for_each(&self, point: [f64; D], mut visit: impl FnMut(usize, [f64; D], f64)) {
+        if !point.iter().all(|x| x.is_finite()) {
+            return;
+        }
+        let limit = self.support * self.support;
+        let position = &self.particles.position;
+        self.grid.for_each_run(self.grid.unwrapped_index(point), |rows, shift| {
+            for row in rows {
+                let x_ab: [f64; D] = std::array::from_fn(|d| point[d] - (position[d][row] + shift[d]));
+                let r2 = x_ab.iter().map(|x| x * x).sum();
+                if r2 < limit {
+                    visit(row, x_ab, r2);
+                }
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use proptest::arbitrary::any;
+    use proptest::proptest;
+    use proptest::test_runner::Config;
+
+    use super::*;
+    use crate::particles::arrays::SpareColumns;
+    use crate::particles::rows::Row;
+    use crate::particles::zone::Zone;
+
+    /// Particles at the given fractions of the box, all fluid but every seventh, which is stored.
+    fn cloud<const D: usize>(
+        lower: [f64; D],
+        upper: [f64; D],
+        fractions: &[[f64; D]],
+    ) -> ParticleArrays<f64, D> {
+        let mut arrays = ParticleArrays::default();
+        for (row, fraction) in fractions.iter().enumerate() {
+            let zone = if row % 7 == 6 { Zone::Reservoir } else { Zone::Fluid };
+            let mut position = DVec3::ZERO;
+            for d in 0..D {
+                position[d] = lower[d] + fraction[d] * (upper[d] - lower[d]);
+            }
+            arrays.push(&Row { id: (row as u32 * 7919) % 10007, zone, position, ..Default::default() });
+        }
+        arrays
+    }
+
+    /// Pairs (id, id, r²) through the grid against all pairs of all images.
+    fn check<const D: usize>(length: [f64; D], periodic: [bool; D], cell: f64, fractions: &[[f64; D]]) {
+        let support = 0.5;
+        let lower = [-0.37; D];
+        let upper = std::array::from_fn(|d| lower[d] + length[d]);
+        let mut arrays = cloud(lower, upper, fractions);
+        let mut grid = CellGrid::new(lower, upper, periodic, support, cell);
+        let zone = arrays.zone.clone();
+        let order = grid
+            .build(&arrays.position, &arrays.id, |row| zone[row] != Zone::Reservoir)
+            .expect("the cloud fills the box");
+        arrays.reorder(order, &mut SpareColumns::default());
+
+        let images: [i64; D] =
+            std::array::from_fn(|d| if periodic[d] { (support / length[d]).ceil() as i64 + 1 } else { 0 });
+        let mut expected = Vec::new();
+        let mut found = Vec::new();
+        for a in 0..arrays.len() {
+            let point: [f64; D] = std::array::from_fn(|d| arrays.position[d][a]);
+            let mut image: [i64; D] = images.map(|n| -n);
+            'images: loop {
+                for b in 0..arrays.len() {
+                    let r2: f64 = (0..D)
+                        .map(|d| (point[d] - (arrays.position[d][b] + image[d] as f64 * length[d])).powi(2))
+                        .sum();
+                    // A pair on the very edge may fall to either side by rounding.
+                    if r2 < support * support * (1.0 - 1e-9) {
+                        expected.push((arrays.id[a], arrays.id[b], (r2 * 1e9).round() as i64));
+                    }
+                }
+                for d in 0..D {
+                    image[d] += 1;
+                    if image[d] <= images[d] {
+                        continue 'images;
+                    }
+                    image[d] = -images[d];
+                }
+                break;
+            }
+            Neighbours::new(&grid, &arrays).for_each(point, |b, x_ab, r2| {
+                assert!((x_ab.iter().map(|x| x * x).sum::<f64>() - r2).abs() < 1e-15);
+                if r2 < support * support * (1.0 - 1e-9) {
+                    found.push((arrays.id[a], arrays.id[b], (r2 * 1e9).round() as i64));
+                }
+            });
+        }
+        expected.sort_unstable();
+        found.sort_unstable();
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(&expected) {
+            // r² through a shifted image and directly differ by rounding, hence ± 1 of 1e-9.
+            assert!((found.0, found.1) == (expected.0, expected.1) && (found.2 - expected.2).abs() <= 1);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(Config::with_cases(48))]
+
+        #[test]
+        fn grid_finds_what_brute_force_finds_in_2d(
+            length in [0.1..3.0, 0.1..3.0],
+            periodic in [any::<bool>(), any::<bool>()],
+            cell in 0.2..0.6,
+            fractions in proptest::collection::vec([0.0..1.0, 0.0..1.0], 1..60),
+        ) {
+            check(length, periodic, cell, &fractions);
+        }
+
+        #[test]
+        fn grid_finds_what_brute_force_finds_in_3d(
+            length in [0.1..2.0, 0.1..2.0, 0.1..2.0],
+            periodic in [any::<bool>(), any::<bool>(), any::<bool>()],
+            cell in 0.2..0.6,
+            fractions in proptest::collection::vec([0.0..1.0, 0.0..1.0, 0.0..1.0], 1..40),
+        ) {
+            check(length, periodic, cell, &fractions);
+        }
+    }
+
+    #[test]
+    fn one_periodic_cell_shows_a_particle_its_own_images() {
+        // Period 0.2, support 0.5: the images at ± 0.2 and ± 0.4 beside the particle itself.
+        check([0.2, 0.2], [true, false], 0.5, &[[0.25, 0.5]]);
+        let mut grid = CellGrid::new([0.0; 2], [0.2, 0.2], [true, false], 0.5, 0.5);
+        let arrays = cloud([0.0; 2], [0.2, 0.2], &[[0.25, 0.5]]);
+        grid.build(&arrays.position, &arrays.id, |_| true).expect("inside");
+        let mut count = 0;
+        Neighbours::new(&grid, &arrays).for_each([0.05, 0.1], |_, _, _| count += 1);
+        assert_eq!(count, 5);
+    }
+}

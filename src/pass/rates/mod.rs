@@ -1,0 +1,256 @@
+//! Rates of the fluid: one fused pair loop for everything that the step needs.
+//!
+//! ```text
+//! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
+//! ∇C_a    = Σ V_b ∇W,   ∇·v_a = Σ V_b (v_b − v_a)·∇W,   signal_a = max_b |h x_ab·v_ab/(r² + η²)|
+//! ```
+//!
+//! Alvarado-Rodríguez et al. (2017), Eqs. 10 and 18. The body force is the integrator's. Lengths in the loop are in
+//! units of h, and the kernel without its norm: the dimensions come back once per row.
+
+mod row;
+#[cfg(test)]
+mod tests;
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use row::{Layout, PairLoop};
+
+use super::blocks::for_each_block;
+use super::pack::{Pack, Source};
+use super::settings::PairSettings;
+use super::sums::PairSums;
+use crate::math::grid::CellGrid;
+use crate::math::kernel::{KernelShape, WithShape};
+use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+
+/// The largest of what the time step and the monitor ask for, over all fluid rows. A value that is not a number shows
+/// as such.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RatesSummary {
+    /// Largest |dv/dt| without the body force, m/s².
+    pub acceleration: f64,
+    /// Largest c_a + max_b |h x_ab·v_ab/(r² + η²)|, m/s.
+    pub signal_speed: f64,
+    /// Largest |v|, m/s.
+    pub speed: f64,
+    /// Largest |∇·v|, 1/s.
+    pub divergence: f64,
+    /// Largest eddy viscosity ν_t, m²/s.
+    pub eddy_viscosity: f64,
+    /// Largest rate at which the viscous term damps a particle among neighbours at rest, walls included, 1/s.
+    pub damping: f64,
+}
+
+/// The velocities that a pass looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VelocityLevel {
+    /// Those of the present time.
+    Present,
+    /// Those of one step earlier, which the dissipative terms of a leapfrog step need.
+    Previous,
+}
+
+impl VelocityLevel {
+    /// The columns of this level.
+    pub fn columns<R: Real, const D: usize>(self, particles: &ParticleArrays<R, D>) -> &[Vec<R>; D] {
+        match self {
+            VelocityLevel::Present => &particles.velocity,
+            VelocityLevel::Previous => &particles.velocity_before,
+        }
+    }
+}
+
+impl RatesSummary {
+    /// The larger of each, whatever the order.
+    fn join(self, other: Self) -> Self {
+        Self {
+            acceleration: larger(self.acceleration, other.acceleration),
+            signal_speed: larger(self.signal_speed, other.signal_speed),
+            speed: larger(self.speed, other.speed),
+            divergence: larger(self.divergence, other.divergence),
+            eddy_viscosity: larger(self.eddy_viscosity, other.eddy_viscosity),
+            damping: larger(self.damping, other.damping),
+        }
+    }
+}
+
+/// The larger of two numbers, or the one that is none: `f64::max` would hide it.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+/// Sums acceleration, shifting vector and divergence of the fluid rows over all rows.
+pub fn sum_rates<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &mut ParticleArrays<R, D>,
+    level: VelocityLevel,
+    sums: &mut PairSums<R, D>,
+) -> RatesSummary {
+    sums.packs.prepare();
+    sums.columns.fill(pair, particles);
+    for column in sums.shift.iter_mut().chain([&mut sums.divergence]) {
+        column.resize(particles.len(), R::default());
+    }
+    pair.kernel.with_shape(RatesPass { pair, grid, particles, level, sums })
+}
+
+struct RatesPass<'a, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    grid: &'a CellGrid<D>,
+    particles: &'a mut ParticleArrays<R, D>,
+    level: VelocityLevel,
+    sums: &'a mut PairSums<R, D>,
+}
+
+impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
+    type Output = RatesSummary;
+
+    fn run<K: KernelShape>(self) -> RatesSummary {
+        let ParticleArrays {
+            zone,
+            position,
+            velocity,
+            velocity_before,
+            acceleration,
+            density,
+            pressure,
+            wall_distance,
+            wall_normal,
+            ..
+        } = self.particles;
+        let PairSums { shift, divergence, eddy_viscosity, stress, columns, packs, .. } = self.sums;
+        let layout = Layout::new::<D>(self.pair);
+        let mut neighbours: [&[R]; Layout::MOST_COLUMNS] = [&[]; Layout::MOST_COLUMNS];
+        let velocity = match self.level {
+            VelocityLevel::Present => velocity,
+            VelocityLevel::Previous => velocity_before,
+        };
+        let in_order = velocity
+            .iter()
+            .chain([&*density, &*pressure, &columns.volume, &columns.image_distance, &columns.viscous])
+            .chain(wall_normal.iter().filter(|_| layout.normal.is_some()))
+            .chain(stress.iter().take(layout.stress_components::<D>()));
+        let mut count = 0;
+        for (slot, column) in neighbours.iter_mut().zip(in_order) {
+            *slot = column;
+            count += 1;
+        }
+        let source = Source {
+            grid: self.grid,
+            position,
+            columns: &neighbours[..count],
+            inverse_h: 1.0 / self.pair.smoothing_length,
+            support_ratio: K::SUPPORT,
+        };
+        let work = |cells: Range<usize>, (acceleration, shift, [divergence]): Outputs<R, D>| {
+            let block = RatesBlock::<K, R, D> {
+                pair: self.pair,
+                layout,
+                source: &source,
+                zone,
+                wall_distance,
+                eddy_viscosity,
+                cells,
+                outputs: (acceleration, shift, [divergence]),
+                pack: &mut packs.of_this_thread(),
+                shape: PhantomData,
+            };
+            R::dispatch(self.pair.lanes, block)
+        };
+        let outputs = (
+            acceleration.each_mut().map(Vec::as_mut_slice),
+            shift.each_mut().map(Vec::as_mut_slice),
+            [divergence.as_mut_slice()],
+        );
+        for_each_block(self.grid, outputs, &work, &RatesSummary::join)
+    }
+}
+
+/// Acceleration, shifting vector and divergence of a block's rows.
+type Outputs<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 1]);
+
+struct RatesBlock<'a, K, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    layout: Layout,
+    source: &'a Source<'a, R, D>,
+    zone: &'a [Zone],
+    wall_distance: &'a [R],
+    eddy_viscosity: &'a [R],
+    cells: Range<usize>,
+    outputs: Outputs<'a, R, D>,
+    pack: &'a mut Pack<R>,
+    shape: PhantomData<K>,
+}
+
+impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for RatesBlock<'_, K, R, D> {
+    type Output = RatesSummary;
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(self) -> RatesSummary {
+        let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout);
+        if pair_loop.is_plain() {
+            self.sweep::<L, true>(&pair_loop)
+        } else {
+            self.sweep::<L, false>(&pair_loop)
+        }
+    }
+}
+
+impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
+    /// All fluid rows of the block; `PLAIN` as the loop says.
+    #[inline(always)]
+    fn sweep<L: Lanes<Real = R>, const PLAIN: bool>(self, pair_loop: &PairLoop<L, D>) -> RatesSummary {
+        let grid = self.source.grid;
+        let first = grid.rows(self.cells.start).start;
+        let (acceleration, shift, [divergence]) = self.outputs;
+        let mut summary = RatesSummary::default();
+        for cell in self.cells {
+            let rows = grid.rows(cell);
+            if !self.zone[rows.clone()].contains(&Zone::Fluid) {
+                continue;
+            }
+            self.pack.fill::<L, D>(self.source, cell);
+            for row in rows {
+                if self.zone[row] != Zone::Fluid {
+                    continue;
+                }
+                let point = self.pack.relative(self.source, row);
+                let rates = pair_loop.sum::<K, PLAIN>(
+                    self.pack,
+                    self.source,
+                    point,
+                    row,
+                    self.wall_distance[row].to_f64(),
+                );
+                let mut square = 0.0;
+                let mut speed = 0.0;
+                for d in 0..D {
+                    acceleration[d][row - first] = R::from_f64(rates.acceleration[d]);
+                    shift[d][row - first] = R::from_f64(rates.shift[d]);
+                    square += rates.acceleration[d] * rates.acceleration[d];
+                    let v = self.source.columns[d][row].to_f64();
+                    speed += v * v;
+                }
+                divergence[row - first] = R::from_f64(rates.divergence);
+                summary = summary.join(RatesSummary {
+                    acceleration: square,
+                    signal_speed: rates.signal_speed,
+                    speed,
+                    divergence: rates.divergence.abs(),
+                    damping: rates.damping,
+                    eddy_viscosity: self.eddy_viscosity.get(row).map_or(0.0, |eddy| eddy.to_f64()),
+                });
+            }
+        }
+        // The root of the largest square is the largest root: one root a block.
+        summary.acceleration = summary.acceleration.sqrt();
+        summary.speed = summary.speed.sqrt();
+        summary
+    }
+}

@@ -1,0 +1,306 @@
+//! The pair loop of one row: what every neighbour contributes to it.
+
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::{Lanes, dot};
+use crate::math::lattice::ETA_SQUARED;
+use crate::math::real::Real;
+use crate::pass::density::LEAST_Q2;
+use crate::pass::pack::{Pack, Source};
+use crate::pass::settings::PairSettings;
+use crate::physics::momentum;
+use crate::physics::shifting::{Shifting, vacondio};
+use crate::physics::sps;
+use crate::physics::viscosity::{Viscosity, artificial, laminar};
+use crate::physics::wall::{WallPressure, image};
+
+/// Which of a pack's columns is what. The coordinates are the first `D`, the velocity the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    velocity: usize,
+    density: usize,
+    pressure: usize,
+    volume: usize,
+    image_distance: usize,
+    viscous: usize,
+    /// Wall normals, only where a wall is free-slip.
+    pub normal: Option<usize>,
+    /// Components of T/ρ², only with sub-particle stress.
+    pub stress: Option<usize>,
+    /// All columns, coordinates included.
+    count: usize,
+}
+
+impl Layout {
+    /// Most columns beside the coordinates: velocity, five scalars, normal and stress in 3D.
+    pub const MOST_COLUMNS: usize = 3 + 5 + 3 + 6;
+
+    /// The columns that every pass has.
+    #[inline(always)]
+    const fn plain<const D: usize>() -> Self {
+        Self {
+            velocity: D,
+            density: 2 * D,
+            pressure: 2 * D + 1,
+            volume: 2 * D + 2,
+            image_distance: 2 * D + 3,
+            viscous: 2 * D + 4,
+            normal: None,
+            stress: None,
+            count: 2 * D + 5,
+        }
+    }
+
+    pub fn new<const D: usize>(pair: &PairSettings) -> Self {
+        let mut layout = Self::plain::<D>();
+        if pair.has_free_slip() {
+            layout.normal = Some(layout.count);
+            layout.count += D;
+        }
+        if matches!(pair.viscous_term, Viscosity::Sps { .. }) {
+            layout.stress = Some(layout.count);
+            layout.count += sps::components(D);
+        }
+        layout
+    }
+
+    /// Components of the stress that are packed.
+    pub fn stress_components<const D: usize>(&self) -> usize {
+        if self.stress.is_some() { sps::components(D) } else { 0 }
+    }
+}
+
+/// The settings of the loop, ready for lanes.
+pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
+    pair: &'a PairSettings,
+    layout: Layout,
+    terms: Terms,
+    /// Largest image factor.
+    cap: L,
+    /// Support over h, squared.
+    limit: L,
+    /// c0/ρ0³, to be multiplied by ρ³.
+    speed_scale: L,
+    /// α m of the artificial viscosity, kg.
+    artificial_mass: f64,
+    /// ∇W over slope · x_ab/h, 1/m^(D+1).
+    gradient_scale: f64,
+    /// 4 ν m ∇W/(slope · x_ab), of the viscous sum.
+    viscous_scale: f64,
+}
+
+/// Terms beyond the plain ones: branches that always go the same way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Terms {
+    artificial: bool,
+    printed: bool,
+    vacondio: bool,
+    mirrored: bool,
+}
+
+/// What a row has summed up, in SI units.
+pub(super) struct RowRates<const D: usize> {
+    pub acceleration: [f64; D],
+    pub shift: [f64; D],
+    pub divergence: f64,
+    pub signal_speed: f64,
+    pub damping: f64,
+}
+
+impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
+    #[inline(always)]
+    pub fn new(pair: &'a PairSettings, layout: Layout) -> Self {
+        let (artificial, printed) = match pair.viscous_term {
+            Viscosity::Laminar { printed, .. } => (0.0, printed),
+            Viscosity::Artificial { alpha } => (alpha, false),
+            Viscosity::Sps { .. } => (0.0, false),
+        };
+        let gradient_scale = pair.kernel_scale() / pair.smoothing_length;
+        Self {
+            pair,
+            layout,
+            terms: Terms {
+                artificial: artificial != 0.0,
+                printed,
+                vacondio: matches!(pair.shifting, Shifting::Vacondio { .. }),
+                mirrored: pair.wall_pressure == WallPressure::Mirrored,
+            },
+            cap: L::constant(pair.velocity_cap.unwrap_or(f64::INFINITY)),
+            limit: L::constant(pair.kernel.support_ratio().powi(2)),
+            speed_scale: L::constant(pair.tait.sound_speed / pair.tait.reference_density.powi(3)),
+            artificial_mass: artificial * pair.mass,
+            gradient_scale,
+            viscous_scale: 4.0 * pair.pair_viscosity() * pair.mass * gradient_scale / pair.smoothing_length,
+        }
+    }
+
+    /// Whether the loop has no terms beyond the plain ones: then it is compiled without their branches, which would
+    /// keep half of the accumulators out of the registers.
+    #[inline(always)]
+    pub fn is_plain(&self) -> bool {
+        self.terms == Terms::default() && self.layout.normal.is_none() && self.layout.stress.is_none()
+    }
+
+    /// Sums over a pack for the row at `point` (relative to the pack, in units of h).
+    #[inline(always)]
+    pub fn sum<K: KernelShape, const PLAIN: bool>(
+        &self,
+        pack: &Pack<L::Real>,
+        source: &Source<L::Real, D>,
+        point: [L::Real; D],
+        row: usize,
+        wall_distance: f64,
+    ) -> RowRates<D> {
+        let pair = self.pair;
+        let (layout, terms) =
+            if PLAIN { (Layout::plain::<D>(), Terms::default()) } else { (self.layout, self.terms) };
+        let h = pair.smoothing_length;
+        let own = |column: usize| source.columns[column - D][row];
+        let density = own(layout.density).to_f64();
+        let pressure = own(layout.pressure).to_f64();
+        let zero = L::constant(0.0);
+        let one = L::constant(1.0);
+
+        let mut x_a = [zero; D];
+        let mut v_a = [zero; D];
+        // ρ_a g·(x_b − x_a) for the mirrored pressure of a wall, per x_ab/h.
+        let mut weight_a = [zero; D];
+        for d in 0..D {
+            x_a[d] = L::splat(point[d]);
+            v_a[d] = L::splat(own(layout.velocity + d));
+            weight_a[d] = L::constant(-density * pair.body_force[d] * h);
+        }
+        let mut stress_a = [zero; 6];
+        if let Some(first) = layout.stress {
+            for (c, stress) in stress_a.iter_mut().enumerate().take(sps::components(D)) {
+                *stress = L::splat(own(first + c));
+            }
+        }
+        let rho_a = L::constant(density);
+        let p_a = L::constant(pressure);
+        let own_pressure =
+            momentum::own_pressure(pressure, density, pair.tait.reference_density, pair.tensile_control);
+        let own_pressure = L::constant(own_pressure);
+        let inverse_distance = L::constant(image::inverse_distance(wall_distance, pair.spacing));
+        let speed_a = pair.tait.sound_speed_at(density);
+        // Terms along x_ab that are not divided by ρ_a are multiplied by −ρ_a first.
+        let artificial_scale = L::constant(-density * self.artificial_mass);
+        let stress_scale = L::constant(-density * pair.mass);
+
+        let mut along_x = [zero; D];
+        let mut along_v = [zero; D];
+        let mut shift = [zero; D];
+        let mut divergence = zero;
+        let mut damping = zero;
+        let mut signal = zero;
+        let mut distance = zero;
+        let mut neighbours = zero;
+
+        for entry in pack.entries::<L>(layout.count) {
+            let mut x = [zero; D];
+            let mut v = [zero; D];
+            let mut q2 = L::constant(LEAST_Q2);
+            for d in 0..D {
+                x[d] = x_a[d] - entry.column(d);
+                v[d] = v_a[d] - entry.column(layout.velocity + d);
+                q2 = x[d].mul_add(x[d], q2);
+            }
+            let inverse_q = q2.inverse_sqrt();
+            let q = q2 * inverse_q;
+            let slope = K::slope(q, inverse_q);
+
+            // One division for 1/(ρ_a + ρ_b) and 1/(q² + η²/h²).
+            let rho_b = entry.column(layout.density);
+            let density_sum = rho_a + rho_b;
+            let softened = q2 + L::constant(ETA_SQUARED);
+            let inverse = (density_sum * softened).inverse();
+            let inverse_density_sum = inverse * softened;
+            let inverse_softened = inverse * density_sum;
+
+            let xv = dot(x, v);
+            let in_support = q2.less(self.limit);
+            let speed = (xv * inverse_softened).abs();
+            signal = signal.max(L::select(in_support, speed, zero));
+
+            let factor =
+                image::velocity_factor(entry.column(layout.image_distance), inverse_distance, self.cap);
+            let viscous = entry.column(layout.viscous);
+            let mut imaged_xv = factor * xv;
+            if let Some(normal) = layout.normal {
+                let product = image::free_slip_product(factor, entry.vector(normal), x, v);
+                imaged_xv = L::select(viscous.less(one), product, imaged_xv);
+            }
+
+            let volume_slope = entry.column(layout.volume) * slope;
+            divergence = volume_slope.mul_add(imaged_xv, divergence);
+
+            let mut p_b = entry.column(layout.pressure);
+            if terms.mirrored {
+                let is_wall = zero.less(entry.column(layout.image_distance));
+                p_b = L::select(is_wall, p_a + dot(weight_a, x), p_b);
+            }
+            let mut push = momentum::pressure_term(own_pressure, p_b, volume_slope);
+            if terms.artificial {
+                let speed_b = rho_b * rho_b * rho_b * self.speed_scale;
+                let approach = imaged_xv * inverse_softened;
+                let damping =
+                    artificial::factor(L::constant(speed_a) + speed_b, approach, inverse_density_sum);
+                push = (damping * viscous * artificial_scale).mul_add(slope, push);
+            }
+            let drag = if terms.printed {
+                laminar::printed_factor(slope, inverse_density_sum, q2, inverse_softened)
+            } else {
+                laminar::factor(slope, inverse_density_sum)
+            };
+            let drag = drag * viscous * factor;
+            damping = damping + drag;
+            for d in 0..D {
+                along_x[d] = push.mul_add(x[d], along_x[d]);
+                along_v[d] = drag.mul_add(v[d], along_v[d]);
+            }
+            if let Some(first) = layout.stress {
+                let mut stress = stress_a;
+                for (c, stress) in stress.iter_mut().enumerate().take(sps::components(D)) {
+                    *stress = *stress + entry.column(first + c);
+                }
+                let product = sps::product(stress, x);
+                let scale = slope * stress_scale;
+                for d in 0..D {
+                    along_x[d] = scale.mul_add(product[d], along_x[d]);
+                }
+            }
+
+            let mut spread = volume_slope;
+            if terms.vacondio {
+                spread = L::select(in_support, vacondio::repulsion(inverse_q), zero);
+                distance = distance + L::select(in_support, q, zero);
+                neighbours = neighbours + L::select(in_support, one, zero);
+            }
+            for d in 0..D {
+                shift[d] = spread.mul_add(x[d], shift[d]);
+            }
+        }
+
+        let along_x_scale = L::constant(-self.gradient_scale / density);
+        let along_v_scale = L::constant(self.viscous_scale);
+        let shift_scale = if terms.vacondio {
+            // The row itself was counted, at distance zero.
+            let others = (neighbours.sum().to_f64() - 1.0).max(1.0);
+            (distance.sum().to_f64() / others).powi(2) / others
+        } else {
+            self.gradient_scale
+        };
+        let mut rates = RowRates {
+            acceleration: [0.0; D],
+            shift: [0.0; D],
+            divergence: -self.gradient_scale * divergence.sum().to_f64(),
+            signal_speed: speed_a + signal.largest().to_f64(),
+            damping: -self.viscous_scale * damping.sum().to_f64(),
+        };
+        for d in 0..D {
+            let total = along_x[d].mul_add(along_x_scale, along_v[d] * along_v_scale);
+            rates.acceleration[d] = total.sum().to_f64();
+            rates.shift[d] = shift_scale * shift[d].sum().to_f64();
+        }
+        rates
+    }
+}

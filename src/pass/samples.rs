@@ -1,0 +1,131 @@
+//! Small flows for the tests of the passes.
+
+use glam::DVec3;
+
+use super::density::sum_density;
+use super::rates::{RatesSummary, VelocityLevel, sum_rates};
+use super::settings::PairSettings;
+use super::sums::PairSums;
+use crate::math::grid::CellGrid;
+use crate::math::kernel::Kernel;
+use crate::math::real::Real;
+use crate::particles::arrays::{ParticleArrays, SpareColumns};
+use crate::particles::rows::Row;
+use crate::physics::eos::Tait;
+
+/// Spacing of all samples, m.
+pub const SPACING: f64 = 0.01;
+
+/// Fluid of all samples.
+pub const WATER: Tait = Tait { reference_density: 1000.0, sound_speed: 4.0 };
+
+/// Particles, their grid and the settings of the passes.
+pub struct Sample<R: Real, const D: usize> {
+    pub pair: PairSettings,
+    pub grid: CellGrid<D>,
+    pub particles: ParticleArrays<R, D>,
+    pub sums: PairSums<R, D>,
+}
+
+/// The settings of a sample.
+pub fn settings(kernel: Kernel, dimensions: usize, smoothing_ratio: f64) -> PairSettings {
+    PairSettings::new(kernel, dimensions, SPACING, smoothing_ratio, WATER)
+}
+
+/// A number in −1..1 that looks random, the same for the same key.
+pub fn noise(key: u32) -> f64 {
+    let mut x = u64::from(key).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (x >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+impl<R: Real, const D: usize> Sample<R, D> {
+    /// A box of fluid on a lattice of `counts` particles, at rest at the reference density. Not periodic, the box has
+    /// a margin of a spacing.
+    pub fn lattice(pair: PairSettings, counts: [usize; D], periodic: bool) -> Self {
+        let margin = if periodic { 0.0 } else { SPACING };
+        let lower = [-0.3 - margin; D];
+        let upper = std::array::from_fn(|d| -0.3 + counts[d] as f64 * SPACING + margin);
+        let grid = CellGrid::new(lower, upper, [periodic; D], pair.support(), pair.cell_size());
+        let mut particles = ParticleArrays::default();
+        for index in 0..counts.iter().product() {
+            let mut rest = index;
+            let mut position = DVec3::ZERO;
+            for d in 0..D {
+                position[d] = -0.3 + ((rest % counts[d]) as f64 + 0.5) * SPACING;
+                rest /= counts[d];
+            }
+            particles.push(&Row {
+                id: index as u32,
+                position,
+                density: WATER.reference_density,
+                wall_distance: f64::INFINITY,
+                ..Default::default()
+            });
+        }
+        let mut sample = Self { pair, grid, particles, sums: PairSums::default() };
+        sample.sort();
+        sample
+    }
+
+    /// Moves each particle by up to `shift` (in Δ) and gives it a velocity of up to `speed`, m/s, by its number.
+    pub fn stir(&mut self, shift: f64, speed: f64) {
+        for row in 0..self.particles.len() {
+            let key = self.particles.id[row] * 8;
+            let mut point = [0.0; D];
+            for d in 0..D {
+                point[d] = self.particles.position[d][row] + shift * SPACING * noise(key + d as u32);
+                self.particles.velocity[d][row] = R::from_f64(speed * noise(key + 4 + d as u32));
+            }
+            let point = self.grid.wrap(point);
+            for d in 0..D {
+                self.particles.position[d][row] = point[d];
+            }
+        }
+        self.sort();
+    }
+
+    /// Sorts the particles into the cells.
+    pub fn sort(&mut self) {
+        let order = self.grid.build(&self.particles.position, &self.particles.id, |_| true).expect("inside");
+        self.particles.reorder(order, &mut SpareColumns::default());
+    }
+
+    /// Density and pressure.
+    pub fn density(&mut self) {
+        sum_density(&self.pair, &self.grid, &mut self.particles, &mut self.sums);
+    }
+
+    /// Accelerations.
+    pub fn rates(&mut self) -> RatesSummary {
+        sum_rates(&self.pair, &self.grid, &mut self.particles, VelocityLevel::Present, &mut self.sums)
+    }
+
+    /// The row of a particle.
+    pub fn row(&self, id: u32) -> usize {
+        self.particles.id.iter().position(|&found| found == id).expect("the particle exists")
+    }
+
+    /// All results of density and rates by particle number: density, acceleration, shift, divergence.
+    pub fn results(&self) -> Vec<Vec<f64>> {
+        let columns = [&self.particles.density, &self.sums.divergence];
+        let vectors = [&self.particles.acceleration, &self.sums.shift];
+        let mut rows: Vec<usize> = (0..self.particles.len()).collect();
+        rows.sort_by_key(|&row| self.particles.id[row]);
+        let all = columns.into_iter().chain(vectors.into_iter().flatten());
+        all.map(|column| rows.iter().map(|&row| column[row].to_f64()).collect()).collect()
+    }
+}
+
+/// Asserts that two sets of columns agree to `tolerance` of the largest number of each column.
+pub fn assert_close(found: &[Vec<f64>], expected: &[Vec<f64>], tolerance: f64, what: &str) {
+    for (column, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let size = expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        assert_eq!(found.len(), expected.len());
+        for (row, (found, expected)) in found.iter().zip(expected).enumerate() {
+            let error = (found - expected).abs();
+            assert!(error <= tolerance * size, "{what}, column {column}, row {row}: {found}, not {expected}");
+        }
+    }
+}

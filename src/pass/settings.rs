@@ -1,0 +1,132 @@
+//! What the pair passes need to know of a scene, as plain values.
+
+use crate::math::kernel::Kernel;
+use crate::math::lanes::InstructionSet;
+use crate::math::lattice::LatticeSums;
+use crate::physics::eos::Tait;
+use crate::physics::shifting::Shifting;
+use crate::physics::viscosity::Viscosity;
+use crate::physics::wall::WallPressure;
+
+/// Settings of the pair passes. Made by [`PairSettings::new`] with the defaults of a scene; set the rest by field.
+#[derive(Clone, Debug)]
+pub struct PairSettings {
+    /// Smoothing kernel.
+    pub kernel: Kernel,
+    /// 2 or 3.
+    pub dimensions: usize,
+    /// Initial spacing Δ, m.
+    pub spacing: f64,
+    /// Smoothing length h, m.
+    pub smoothing_length: f64,
+    /// Mass m = ρ0 Δ^D of every particle, kg (per metre of depth in 2D).
+    pub mass: f64,
+    /// Sums on the initial lattice.
+    pub lattice: LatticeSums,
+    /// Equation of state.
+    pub tait: Tait,
+    /// Kinematic viscosity ν, m²/s.
+    pub viscosity: f64,
+    /// Viscous term.
+    pub viscous_term: Viscosity,
+    /// Which shifting vector is summed.
+    pub shifting: Shifting,
+    /// p_b − p_a in place of p_a + p_b where p_a < 0 and the support is full.
+    pub tensile_control: bool,
+    /// Largest factor 1 + d_b/d_a of the image velocity; None: no cap.
+    pub velocity_cap: Option<f64>,
+    /// Where the pressure of a wall particle comes from.
+    pub wall_pressure: WallPressure,
+    /// Body force per mass, m/s²: the hydrostatic part of a wall's pressure.
+    pub body_force: [f64; 3],
+    /// Wall parts, by the patch index of their rows.
+    pub wall_parts: Vec<WallPartSettings>,
+    /// Instruction set of the passes.
+    pub lanes: InstructionSet,
+}
+
+/// A wall part as the pair passes see it. Rows of a part that is not listed are no-slip and at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WallPartSettings {
+    /// The part exerts no viscous force.
+    pub free_slip: bool,
+    /// Acceleration of its surface, m/s².
+    pub acceleration: [f64; 3],
+}
+
+impl PairSettings {
+    /// Inviscid fluid, defaults for everything else: Fickian shifting, tensile control, no cap, walls extrapolated,
+    /// no body force.
+    pub fn new(kernel: Kernel, dimensions: usize, spacing: f64, smoothing_ratio: f64, tait: Tait) -> Self {
+        Self {
+            kernel,
+            dimensions,
+            spacing,
+            smoothing_length: smoothing_ratio * spacing,
+            mass: tait.reference_density * spacing.powi(dimensions as i32),
+            lattice: LatticeSums::new(kernel, smoothing_ratio, dimensions),
+            tait,
+            viscosity: 0.0,
+            viscous_term: Viscosity::default(),
+            shifting: Shifting::default(),
+            tensile_control: true,
+            velocity_cap: None,
+            wall_pressure: WallPressure::default(),
+            body_force: [0.0; 3],
+            wall_parts: Vec::new(),
+            lanes: InstructionSet::best(),
+        }
+    }
+
+    /// Radius of the kernel's support, m: the support of the grid.
+    pub fn support(&self) -> f64 {
+        self.kernel.support_ratio() * self.smoothing_length
+    }
+
+    /// Edge of the grid's cells with which the passes are fastest, m: the whole support in 2D, where a cell should
+    /// hold enough rows to pay for its pack, and half of it in 3D, where the pack is culled.
+    pub fn cell_size(&self) -> f64 {
+        if self.dimensions == 2 { self.support() } else { 0.5 * self.support() }
+    }
+
+    /// W(r) over its shape w(q): α_D/h^D, 1/m^D.
+    pub fn kernel_scale(&self) -> f64 {
+        self.kernel.norm(self.dimensions) / self.smoothing_length.powi(self.dimensions as i32)
+    }
+
+    /// Kernel W(r), 1/m^D.
+    #[inline]
+    pub fn w(&self, r: f64) -> f64 {
+        self.kernel.value(self.dimensions, self.smoothing_length, r)
+    }
+
+    /// F(r) = (dW/dr)/r, 1/m^(D+2).
+    #[inline]
+    pub fn f(&self, r: f64) -> f64 {
+        self.kernel.slope(self.dimensions, self.smoothing_length, r)
+    }
+
+    /// ν as it enters the Lo–Shao sum: divided by the lattice coefficient where the scene says so, m²/s.
+    pub fn pair_viscosity(&self) -> f64 {
+        match self.viscous_term {
+            Viscosity::Laminar { lattice_normalised: true, printed } => {
+                let coefficient =
+                    if printed { self.lattice.viscosity_printed } else { self.lattice.viscosity };
+                self.viscosity / coefficient
+            }
+            Viscosity::Sps { lattice_normalised: true, .. } => self.viscosity / self.lattice.viscosity,
+            Viscosity::Artificial { .. } => 0.0,
+            Viscosity::Laminar { .. } | Viscosity::Sps { .. } => self.viscosity,
+        }
+    }
+
+    /// A wall part by the patch index of its rows.
+    pub fn wall_part(&self, patch: u16) -> WallPartSettings {
+        self.wall_parts.get(usize::from(patch)).copied().unwrap_or_default()
+    }
+
+    /// Whether any part of the wall is free-slip.
+    pub fn has_free_slip(&self) -> bool {
+        self.wall_parts.iter().any(|part| part.free_slip)
+    }
+}

@@ -1,0 +1,131 @@
+//! What the pair passes write beside the particle arrays, and the buffers they keep from step to step.
+
+use std::ops::Range;
+
+use rayon::iter::{IndexedParallelIterator, ParallelIterator};
+use rayon::slice::{ParallelSlice, ParallelSliceMut};
+
+use super::blocks::for_each_part;
+use super::pack::PackPool;
+use super::settings::PairSettings;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+
+/// Sums per row and buffers of the passes. Rows are those of the particle arrays; only fluid rows are written.
+#[derive(Debug)]
+pub struct PairSums<R, const D: usize> {
+    /// Shifting vector. Fickian: ∇C = Σ V_b ∇W, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless.
+    pub shift: [Vec<R>; D],
+    /// ∇·v = Σ V_b (v_b − v_a)·∇W with image velocities, 1/s.
+    pub divergence: Vec<R>,
+    /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j, 1/s, of the flow's rows; empty until it is asked for.
+    pub gradient: [[Vec<R>; D]; D],
+    /// Eddy viscosity ν_t, m²/s, of the flow's rows; empty without sub-particle stress.
+    pub eddy_viscosity: Vec<R>,
+    /// T/ρ² (xx, yy, xy in 2D; xx, yy, zz, xy, yz, zx in 3D), m⁵/(kg s²), of all rows; empty without sub-particle stress.
+    pub stress: [Vec<R>; 6],
+    /// Stress found for wall rows until all of them are.
+    pub(super) wall_stress: [Vec<R>; 6],
+    pub(super) columns: PairColumns<R>,
+    pub(super) packs: PackPool<R>,
+}
+
+/// Columns that every neighbour is asked for, made once per pass.
+#[derive(Debug, Default)]
+pub(super) struct PairColumns<R> {
+    /// Volume m/ρ, m³ (m² in 2D).
+    pub volume: Vec<R>,
+    /// Distance of a wall particle behind its surface, m; 0 for others.
+    pub image_distance: Vec<R>,
+    /// 1, or 0 for the particles of free-slip walls.
+    pub viscous: Vec<R>,
+    /// Number of wall rows before each row, and of all at the end.
+    pub walls_before: Vec<u32>,
+    /// Number of wall rows before each chunk of rows.
+    walls_by_chunk: Vec<u32>,
+    /// Pressure found for wall rows, Pa, until all of them are.
+    pub wall_pressure: Vec<R>,
+}
+
+impl<R: Real, const D: usize> Default for PairSums<R, D> {
+    fn default() -> Self {
+        Self {
+            shift: std::array::from_fn(|_| Vec::new()),
+            divergence: Vec::new(),
+            gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
+            eddy_viscosity: Vec::new(),
+            stress: std::array::from_fn(|_| Vec::new()),
+            wall_stress: std::array::from_fn(|_| Vec::new()),
+            columns: PairColumns::default(),
+            packs: PackPool::default(),
+        }
+    }
+}
+
+/// A wall particle is never nearer to its surface than this, over Δ: a distance of 0 means "not a wall".
+const LEAST_IMAGE_DISTANCE: f64 = 1e-6;
+
+/// Rows that a thread takes at a time.
+const CHUNK: usize = 8192;
+
+impl<R: Real> PairColumns<R> {
+    /// Fills the columns that say where the walls are; returns the number of wall rows.
+    pub(super) fn find_walls<const D: usize>(
+        &mut self,
+        pair: &PairSettings,
+        particles: &ParticleArrays<R, D>,
+    ) -> u32 {
+        let rows = particles.len();
+        self.image_distance.resize(rows, R::default());
+        self.walls_before.resize(rows + 1, 0);
+        let zones = particles.zone.par_chunks(CHUNK);
+        let count = |zones: &[Zone]| zones.iter().filter(|&&zone| zone == Zone::Wall).count() as u32;
+        zones.clone().map(count).collect_into_vec(&mut self.walls_by_chunk);
+        let mut total = 0;
+        for walls in &mut self.walls_by_chunk {
+            total += std::mem::replace(walls, total);
+        }
+        self.walls_before[rows] = total;
+        let least = R::from_f64(LEAST_IMAGE_DISTANCE * pair.spacing);
+        let columns = self.image_distance.par_chunks_mut(CHUNK).zip(self.walls_before.par_chunks_mut(CHUNK));
+        let inputs = zones.zip(particles.wall_distance.par_chunks(CHUNK)).zip(&self.walls_by_chunk);
+        columns.zip(inputs).for_each(|((image, before), ((zones, distances), &walls))| {
+            let mut walls = walls;
+            for (((image, before), zone), &distance) in image.iter_mut().zip(before).zip(zones).zip(distances)
+            {
+                *before = walls;
+                *image = R::default();
+                if *zone == Zone::Wall {
+                    *image = if distance > least { distance } else { least };
+                    walls += 1;
+                }
+            }
+        });
+        total
+    }
+
+    /// Fills the columns for the present densities.
+    pub(super) fn fill<const D: usize>(&mut self, pair: &PairSettings, particles: &ParticleArrays<R, D>) {
+        self.find_walls(pair, particles);
+        let rows = particles.len();
+        self.volume.resize(rows, R::default());
+        self.viscous.resize(rows, R::default());
+        let mass = R::from_f64(pair.mass);
+        let has_free_slip = pair.has_free_slip();
+        let work = |rows: Range<usize>, [volume, viscous]: [&mut [R]; 2]| {
+            for (volume, &density) in volume.iter_mut().zip(&particles.density[rows.clone()]) {
+                *volume = mass / density;
+            }
+            viscous.fill(R::from_f64(1.0));
+            if has_free_slip {
+                for (viscous, row) in viscous.iter_mut().zip(rows) {
+                    if particles.zone[row] == Zone::Wall && pair.wall_part(particles.patch[row]).free_slip {
+                        *viscous = R::default();
+                    }
+                }
+            }
+        };
+        for_each_part(0..rows, [&mut self.volume[..], &mut self.viscous[..]], &work);
+    }
+}

@@ -1,0 +1,13 @@
+//! Floor 1: one method, one room. Pure functions of a particle or of a pair of lanes.
+
+pub mod density;
+pub mod eos;
+pub mod inlet;
+pub mod integrator;
+pub mod momentum;
+pub mod outlet;
+pub mod shifting;
+pub mod sps;
+pub mod timestep;
+pub mod viscosity;
+pub mod wall;

@@ -1,0 +1,79 @@
+//! An outlet pressure that lets plane sound waves leave.
+//!
+//! ```text
+//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    carried out by the flow, from the section mean of the last layers of fluid
+//! J3 = (p  − p_t) − ρ0 c0 (v  − u)    would come in from outside: 0
+//! p  = p_t + ½ J2,     du/dt = (v̄ − u)/τ
+//! ```
+//!
+//! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009), taken for the
+//! section mean only. In a nearly incompressible flow the velocity of a passing vortex is orders of
+//! magnitude too large to be read as sound: ½ ρ0 c0 v' of a jet with v' = 0.1 m/s is 200 Pa at c0 = 4 m/s, its true
+//! pressure 5 Pa. A plane wave is all that a channel carries below its cut-on frequency c0/(2 width), and the mean
+//! over the section is exactly that part. The mean velocity u follows the flow over a time τ, so that the anchor p_t holds in the
+//! long run; a fixed pressure instead reflects every wave and, with a prescribed inlet velocity, makes a
+//! resonator of the channel.
+
+/// State and constants of one absorbing outlet.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Absorbing {
+    /// Followed mean velocity u, m/s.
+    pub mean_velocity: f64,
+}
+
+impl Absorbing {
+    /// Pressure at the outlet, Pa, from the section means of pressure (Pa) and normal velocity (m/s) of the
+    /// adjacent fluid; then lets the followed velocity move by one step (s) towards the flow's.
+    pub fn advance(
+        &mut self,
+        setting: &AbsorbingSetting,
+        mean_pressure: f64,
+        mean_velocity: f64,
+        time_step: f64,
+    ) -> f64 {
+        let impedance = setting.density * setting.sound_speed;
+        let outgoing = mean_pressure - setting.target + impedance * (mean_velocity - self.mean_velocity);
+        self.mean_velocity += (mean_velocity - self.mean_velocity) * -(-time_step / setting.time).exp_m1();
+        setting.target + 0.5 * outgoing
+    }
+}
+
+/// Constants of an absorbing outlet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AbsorbingSetting {
+    /// Pressure approached, Pa.
+    pub target: f64,
+    /// Time constant τ, s.
+    pub time: f64,
+    /// Reference density ρ0, kg/m³.
+    pub density: f64,
+    /// Sound speed c0, m/s.
+    pub sound_speed: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTING: AbsorbingSetting =
+        AbsorbingSetting { target: 5.0, time: 0.5, density: 1000.0, sound_speed: 4.0 };
+
+    #[test]
+    fn an_outgoing_wave_sees_its_own_pressure() {
+        // p' = ρ c v': then the outlet must have the wave's pressure, as if the channel went on.
+        let mut state = Absorbing { mean_velocity: 0.1 };
+        let p = state.advance(&SETTING, 5.0 + 1000.0 * 4.0 * 0.002, 0.102, 1e-9);
+        assert!((p - (5.0 + 8.0)).abs() < 1e-9, "{p}");
+    }
+
+    #[test]
+    fn a_steady_flow_ends_at_the_target() {
+        let mut state = Absorbing::default();
+        let mut p = 40.0;
+        for _ in 0..200_000 {
+            p = state.advance(&SETTING, p, 0.035, 1e-4);
+        }
+        assert!((p - 5.0).abs() < 1e-6, "{p}");
+        assert!((state.mean_velocity - 0.035).abs() < 1e-9);
+    }
+}

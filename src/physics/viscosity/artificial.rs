@@ -1,0 +1,34 @@
+//! Monaghan's artificial viscosity between two particles.
+//!
+//! ```text
+//! (dv_a/dt)_b = −m_b Π_ab ∇W,   Π_ab = −α c̄_ab μ_ab/ρ̄_ab where v_ab·x_ab < 0, else 0
+//! μ_ab = h v_ab·x_ab/(r² + η²),   η² = 0.01 h²
+//! ```
+//!
+//! Monaghan (1992), without the quadratic term. Acts on approaching pairs along their line, so it conserves linear and
+//! angular momentum and never adds energy.
+
+use crate::math::lanes::Lanes;
+
+/// −Π_ab/α = (c_a + c_b) μ_ab/(ρ_a + ρ_b) for approaching pairs, to be multiplied by α m ∇W.
+///
+/// `speed_sum` is c_a + c_b, m/s; `approach` is h v_ab·x_ab/(r² + η²), m/s.
+#[inline(always)]
+pub fn factor<L: Lanes>(speed_sum: L, approach: L, inverse_density_sum: L) -> L {
+    speed_sum * approach.min(L::constant(0.0)) * inverse_density_sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::Array;
+
+    #[test]
+    fn only_approaching_pairs_are_damped() {
+        let damping = |approach: f64| factor(Array([8.0]), Array([approach]), Array([1.0 / 2000.0])).0[0];
+        assert_eq!(damping(0.5), 0.0);
+        assert_eq!(damping(0.0), 0.0);
+        // Times α m ∇W, which points towards the neighbour: a push away from it.
+        assert_eq!(damping(-0.5), -0.002);
+    }
+}

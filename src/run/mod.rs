@@ -1,0 +1,64 @@
+//! The run loop: from a scene to a folder of results, with a word to the user on the way.
+//!
+//! Rooms: `voyage` (the loop), `opening` and `report` (what is said at the start and at the end), `display`
+//! (progress), `pace` (speed and time left), `due` (when a frame or row is due), `signals` (Ctrl-C and SIGTERM),
+//! `console` (where words go), `words` (numbers as people read them), `error` (why a run ended early).
+
+pub mod console;
+pub mod display;
+pub mod due;
+pub mod error;
+pub mod opening;
+pub mod pace;
+pub mod report;
+pub mod signals;
+pub mod voyage;
+pub mod words;
+
+use std::path::PathBuf;
+
+use console::Console;
+use error::RunError;
+use signals::{Signal, Signals};
+use voyage::Voyage;
+
+use crate::output::folder::check_free;
+use crate::scene::model::Scene;
+
+/// What the user asks of a run beside the scene.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Folder for the results.
+    pub folder: PathBuf,
+    /// Replace an earlier run in the folder.
+    pub force: bool,
+    /// Threads; None: as many as the machine has cores.
+    pub threads: Option<usize>,
+    /// End, s, in place of the scene's.
+    pub until: Option<f64>,
+    /// Most steps.
+    pub steps: Option<u64>,
+    /// How much is said.
+    pub console: Console,
+}
+
+/// How a run ended that was not stopped by an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// At its end, by time or by steps.
+    Completed,
+    /// A signal stopped it; what was written is whole.
+    Stopped(Signal),
+}
+
+/// Runs a scene and leaves its results in a folder.
+///
+/// # Errors
+/// [`RunError`]: before the first step nothing is written; later, what was written stays readable.
+pub fn run(scene: Scene, options: &RunOptions) -> Result<Ending, RunError> {
+    // Asked before time is spent on the fill, and again by the folder itself.
+    check_free(&options.folder, options.force)?;
+    let signals = Signals::listen().map_err(RunError::Signals)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).build()?;
+    pool.install(|| Voyage::begin(scene, options, signals)?.sail())
+}

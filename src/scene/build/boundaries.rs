@@ -1,0 +1,179 @@
+//! Inlets and outlets of the file.
+
+use std::path::Path;
+
+use super::checker::Checker;
+use super::patches::{PatchFile, Site, patch};
+use super::tables;
+use crate::physics::inlet::InletPressure;
+use crate::physics::outlet::{OutletCondition, OutletPressure};
+use crate::scene::faults::Fault;
+use crate::scene::model::{Inlet, InletVelocity, Outlet};
+use crate::scene::notation::tree::Span;
+use crate::scene::notation::typed::Spanned;
+use crate::scene::schema::{InletFile, InletVelocityFile, Number, OutletFile, Text};
+
+/// Layers of an inlet's zone: [A] takes five.
+const INLET_LAYERS: f64 = 5.0;
+/// Layers of an outlet's zone: more than [A]'s five, so that its middle is free of both ends.
+const OUTLET_LAYERS: f64 = 8.0;
+
+/// All inlets; None with a fault.
+pub fn inlets(
+    files: &[InletFile],
+    site: &Site<'_>,
+    folder: &Path,
+    check: &mut Checker<'_>,
+) -> Option<Vec<Inlet>> {
+    names(files.iter().map(|file| file.name.as_ref()), "inlets", check);
+    let inlets: Vec<Option<Inlet>> =
+        files.iter().enumerate().map(|(index, file)| inlet(file, index, site, folder, check)).collect();
+    inlets.into_iter().collect()
+}
+
+fn inlet(
+    file: &InletFile,
+    index: usize,
+    site: &Site<'_>,
+    folder: &Path,
+    check: &mut Checker<'_>,
+) -> Option<Inlet> {
+    let patch = patch(
+        &PatchFile {
+            name: file.name.as_ref(),
+            default_name: format!("inlet {index}"),
+            at: &file.at,
+            towards: &file.towards,
+            depth: file.depth.as_ref(),
+            layers: INLET_LAYERS,
+            is_inlet: true,
+        },
+        site,
+        check,
+    );
+    let half = patch.as_ref().map_or(1.0, |patch| patch.half_extent[0]);
+    let velocity = velocity(&file.velocity, half, folder, check);
+    if let InletPressure::Prescribed(pressure) = file.pressure {
+        finite(pressure, "the pressure of an inlet", file.velocity.head, check);
+    }
+    Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure })
+}
+
+fn finite(value: f64, what: &str, span: Span, check: &mut Checker<'_>) {
+    if !value.is_finite() {
+        let label = format!("is `{value}`, must be finite");
+        check.report(Fault::new(format!("{what} is not finite"), span, label));
+    }
+}
+
+fn names<'a>(names: impl Iterator<Item = Option<&'a Text>>, kind: &str, check: &mut Checker<'_>) {
+    let mut known: Vec<&str> = Vec::new();
+    for name in names.flatten() {
+        if known.contains(&name.value.as_str()) {
+            check.report(Fault::new(
+                format!("two {kind} are called `{}`", name.value),
+                name.span,
+                "must differ",
+            ));
+        }
+        known.push(&name.value);
+    }
+}
+
+fn velocity(
+    file: &Spanned<InletVelocityFile>,
+    half_width: f64,
+    folder: &Path,
+    check: &mut Checker<'_>,
+) -> Option<InletVelocity> {
+    match &file.value {
+        InletVelocityFile::Normal(speed) => Some(InletVelocity::Normal(check.formula(speed))),
+        InletVelocityFile::Components(components) => {
+            Some(InletVelocity::Components(check.components(components)))
+        }
+        InletVelocityFile::TimeTable { rows, file: path } => {
+            let rows = match (rows, path) {
+                (Some(rows), None) => written_rows(rows, check),
+                (None, Some(path)) => tables::time_table(path, folder, check)?,
+                _ => {
+                    check.report(Fault::new(
+                        "a table in time needs `rows` or `file`",
+                        file.head,
+                        "must have one of the two",
+                    ));
+                    return None;
+                }
+            };
+            if rows.is_empty() {
+                check.report(Fault::new("a table in time is empty", file.head, "must have rows"));
+                return None;
+            }
+            Some(InletVelocity::TimeTable(rows))
+        }
+        InletVelocityFile::ProfileTable { file: path } => tables::profile_table(path, folder, check),
+        InletVelocityFile::PoiseuilleStartup { half_width: given, body_force } => {
+            Some(InletVelocity::PoiseuilleStartup {
+                half_width: given.as_ref().map_or(half_width, |given| check.positive(given, "m")),
+                body_force: check.finite(body_force, "m/s²"),
+            })
+        }
+    }
+}
+
+fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64, f64)> {
+    let mut result: Vec<(f64, f64)> = Vec::new();
+    for (time, speed) in rows {
+        let row = (check.finite(time, "s"), check.finite(speed, "m/s"));
+        if result.last().is_some_and(|last| last.0 >= row.0) {
+            check.report(Fault::new(
+                "the times of a table do not rise",
+                time.span,
+                format!("is `{}` s, must be later than the row before", row.0),
+            ));
+        }
+        result.push(row);
+    }
+    result
+}
+
+/// All outlets; None with a fault.
+pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -> Option<Vec<Outlet>> {
+    names(files.iter().map(|file| file.name.as_ref()), "outlets", check);
+    let outlets: Vec<Option<Outlet>> = files
+        .iter()
+        .enumerate()
+        .map(|(index, file)| {
+            condition(&file.condition, check);
+            let patch = patch(
+                &PatchFile {
+                    name: file.name.as_ref(),
+                    default_name: format!("outlet {index}"),
+                    at: &file.at,
+                    towards: &file.towards,
+                    depth: file.depth.as_ref(),
+                    layers: OUTLET_LAYERS,
+                    is_inlet: false,
+                },
+                site,
+                check,
+            )?;
+            Some(Outlet { patch, condition: file.condition.value })
+        })
+        .collect();
+    outlets.into_iter().collect()
+}
+
+fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
+    let (target, time) = match file.value.pressure() {
+        OutletPressure::Frozen => return,
+        OutletPressure::Reference(target) => (target, 1.0),
+        OutletPressure::Relaxed { target, time } => (target, time),
+        OutletPressure::Absorbing { target, time } => (target, time.unwrap_or(1.0)),
+    };
+    finite(target, "the pressure of an outlet", file.head, check);
+    if !(time.is_finite() && time > 0.0) {
+        let label = format!("is `{time}` s, must be finite and greater than 0");
+        let title = "the time constant of an outlet's pressure is not positive";
+        check.report(Fault::new(title, file.head, label));
+    }
+}

@@ -1,0 +1,169 @@
+//! Scene file → scene: every check of values, all faults in one run.
+//!
+//! 1. [`checker`]: single numbers, vectors and expressions
+//! 2. [`shapes`], [`boundaries`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`settings`]: one section of the file each
+//! 3. [`whole`]: what only the parts together show, once each of them is sound
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::expression::Constants;
+use super::faults::Fault;
+use super::geometry::Shape;
+use super::model::{BodyForce, Fill, FluidProperties, Initial, Layout, Reservoir, Scene};
+use super::schema::SceneFile;
+
+pub mod boundaries;
+pub mod checker;
+pub mod layout;
+pub mod patches;
+pub mod section;
+pub mod settings;
+pub mod shapes;
+pub mod tables;
+pub mod walls;
+pub mod whole;
+
+use checker::Checker;
+
+/// Where a scene came from.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin<'a> {
+    /// File stem, used for the run folder.
+    pub name: &'a str,
+    /// The text as run.
+    pub text: &'a str,
+    /// Folder of tables.
+    pub folder: &'a Path,
+    /// Memory that a run may take, B; None for no bound.
+    pub memory: Option<f64>,
+}
+
+/// Builds a scene, with every fault found. With faults there may be a scene too, with harmless values in
+/// their places: it is good for further checks only.
+pub fn build(file: &SceneFile, constants: &Constants, origin: Origin<'_>) -> (Option<Scene>, Vec<Fault>) {
+    let mut check = Checker::new(constants, origin.text);
+    let scene = parts(file, &mut check, origin);
+    let mut faults = check.faults;
+    if let Some(scene) = &scene {
+        whole::check(scene, file, &mut faults);
+    }
+    (scene, faults)
+}
+
+fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Option<Scene> {
+    let before = check.blemishes();
+    let dimensions = settings::dimensions(file, check);
+    check.dimensions = dimensions;
+    let spacing = check.positive(&file.spacing, "m");
+    let scheme = settings::scheme(&file.scheme, dimensions, check);
+    check.meet(file.domain.span);
+    let domain = shapes::shape(&file.domain.value, check);
+    let mut sound = check.blemishes() == before;
+    // Further sections are read against a stand-in, so that their own faults show in the same run.
+    let domain = domain.unwrap_or(Shape::Ball { center: DVec3::ZERO, radius: 1.0 });
+    if sound
+        && let Some(fault) = whole::too_many((&domain, dimensions), &scheme, spacing, file, origin.memory)
+    {
+        check.report(fault);
+        sound = false;
+    }
+    let smoke_spacing = check.positive(&file.smoke, "m");
+    let fluid = FluidProperties {
+        density: check.positive(&file.fluid.density, "kg/m³"),
+        viscosity: check.not_negative(&file.fluid.viscosity, "m²/s"),
+        sound_speed: check.positive(&file.fluid.sound_speed, "m/s"),
+    };
+    let body_force = match &file.body_force {
+        None => BodyForce::Constant(DVec3::ZERO),
+        Some(components) => settings::body_force(check.components(components)),
+    };
+    let initial = Initial {
+        velocity: check.components_or_zero(file.initial.velocity.as_ref()),
+        pressure: check.formula_or_zero(file.initial.pressure.as_ref()),
+        tag: check.formula_or_zero(file.initial.tag.as_ref()),
+    };
+    let time = settings::time(&file.time, check);
+    let output = settings::output(&file.output, time.end, check);
+    let (walls, wall_regions) = walls::walls(file.walls.as_ref(), check);
+    let periodic = layout::periodic(&file.periodic, (&domain, spacing), sound, check);
+    let site = patches::Site {
+        domain: &domain,
+        periodic: &periodic,
+        spacing,
+        support: scheme.kernel.support_ratio() * scheme.smoothing_ratio * spacing,
+        dimensions,
+        sound,
+    };
+    let inlets = boundaries::inlets(&file.inlets, &site, origin.folder, check);
+    let outlets = boundaries::outlets(&file.outlets, &site, check);
+    settings::references(file, check);
+    let (inlets, outlets) = (inlets?, outlets?);
+    if !sound {
+        return None;
+    }
+    let (mut zones, mut container, mut confines) = (Vec::new(), vec![domain.clone()], vec![domain.clone()]);
+    let drawn_out = site.support + 3.0 * spacing;
+    for (patch, inwards) in inlets
+        .iter()
+        .map(|inlet| (&inlet.patch, inlet.patch.towards))
+        .chain(outlets.iter().map(|o| (&o.patch, -o.patch.towards)))
+    {
+        container.push(section::zone(&domain, patch, -inwards, patch.depth, spacing, dimensions));
+        let zone = section::zone(&domain, patch, -inwards, patch.depth + drawn_out, spacing, dimensions);
+        confines.push(zone.clone());
+        zones.push(zone);
+    }
+    let patches: Vec<_> =
+        inlets.iter().map(|inlet| &inlet.patch).chain(outlets.iter().map(|outlet| &outlet.patch)).collect();
+    let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
+    let mut scene = Scene {
+        name: origin.name.to_owned(),
+        title: file.title.value.clone(),
+        text: origin.text.to_owned(),
+        dimensions,
+        precision: file.precision,
+        spacing,
+        smoke_spacing,
+        fluid,
+        scheme,
+        body_force,
+        container: joined(container),
+        layout: Layout {
+            fill,
+            confines: joined(confines),
+            zones,
+            wall_regions,
+            walled: file.walls.is_some(),
+        },
+        domain,
+        walls,
+        inlets,
+        outlets,
+        periodic,
+        initial,
+        reservoir: Reservoir { initial: 0, when_empty: file.reservoir.when_empty },
+        time,
+        output,
+        reference_velocity: 0.0,
+        reference_length: 0.0,
+    };
+    settings::derive(&mut scene, file);
+    Some(scene)
+}
+
+fn joined(mut shapes: Vec<Shape>) -> Shape {
+    match shapes.len() {
+        1 => shapes.remove(0),
+        _ => Shape::Union(shapes),
+    }
+}
+
+/// Whether the fill is a lattice: then it can be measured against the walls.
+pub fn lattice(fill: &Fill) -> Option<&super::lattice::Lattice> {
+    match fill {
+        Fill::Lattice(lattice) => Some(lattice),
+        Fill::WallFitted { .. } => None,
+    }
+}

@@ -1,0 +1,186 @@
+//! Dimensions, scheme, time, output, probes and references.
+
+use glam::DVec3;
+
+use super::checker::Checker;
+use crate::math::kernel::Kernel;
+use crate::scene::expression::Expression;
+use crate::scene::faults::Fault;
+use crate::scene::fill;
+use crate::scene::model::{BodyForce, OutputSettings, Probe, ProbeKind, Scene, TimeSettings, Wcsph};
+use crate::scene::schema::{OutputFile, ProbeKindFile, SceneFile, SchemeFile, TimeFile};
+use crate::scene::summary;
+
+/// 2 or 3.
+pub fn dimensions(file: &SceneFile, check: &mut Checker<'_>) -> usize {
+    match file.dimensions.value {
+        2 => 2,
+        3 => 3,
+        other => {
+            check.report(Fault::new(
+                "`dimensions` must be 2 or 3",
+                file.dimensions.span,
+                format!("is `{other}`, must be 2 or 3"),
+            ));
+            2
+        }
+    }
+}
+
+/// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
+fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
+    match (kernel, dimensions) {
+        (Kernel::WendlandC2, 2) => 1.5,
+        (Kernel::WendlandC2, _) => 1.7,
+        (Kernel::QuinticSpline, _) => 1.2,
+    }
+}
+
+/// The scheme, defaults put in.
+pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> Wcsph {
+    let SchemeFile::Wcsph { kernel, smoothing_ratio, viscosity, shifting, tensile_control, plain_step_every } =
+        file;
+    let kernel = kernel.unwrap_or(Kernel::WendlandC2);
+    let ratio = match smoothing_ratio {
+        Some(number) if !(0.8..=4.0).contains(&number.value) => {
+            check.report(
+                Fault::new(
+                    "`smoothing_ratio` is out of bounds",
+                    number.span,
+                    format!("is `{}`, must be from `0.8` to `4`", number.value),
+                )
+                .help("h/Δ: `1.2` to `2.2` is usual"),
+            );
+            1.5
+        }
+        Some(number) => number.value,
+        None => default_ratio(kernel, dimensions),
+    };
+    let every = match plain_step_every {
+        Some(number) if !(1..=u64::from(u32::MAX)).contains(&number.value) => {
+            check.report(Fault::new(
+                "`plain_step_every` must be at least 1",
+                number.span,
+                format!("is `{}`", number.value),
+            ));
+            1
+        }
+        Some(number) => number.value as u32,
+        None => 50,
+    };
+    Wcsph {
+        kernel,
+        smoothing_ratio: ratio,
+        viscosity: viscosity.as_ref().map(|v| v.value).unwrap_or_default(),
+        shifting: shifting.as_ref().map(|s| s.value).unwrap_or_default(),
+        tensile_control: tensile_control.unwrap_or(true),
+        plain_step_every: every,
+    }
+}
+
+/// A body force, constant if it can be.
+pub fn body_force(components: [Expression; 3]) -> BodyForce {
+    match components.each_ref().map(Expression::constant) {
+        [Some(x), Some(y), Some(z)] => BodyForce::Constant(DVec3::new(x, y, z)),
+        _ => BodyForce::Expression(components),
+    }
+}
+
+/// End and time step, defaults put in.
+pub fn time(file: &TimeFile, check: &mut Checker<'_>) -> TimeSettings {
+    TimeSettings {
+        end: check.positive(&file.end, "s"),
+        cfl: file.cfl.as_ref().map_or(0.3, |cfl| check.fraction(cfl, 1.0)),
+        viscous: file.viscous.as_ref().map_or(0.125, |viscous| check.fraction(viscous, 0.5)),
+    }
+}
+
+/// Output and probes.
+pub fn output(file: &OutputFile, end: f64, check: &mut Checker<'_>) -> OutputSettings {
+    let every = check.positive(&file.every, "s");
+    let monitor_every =
+        file.monitor_every.as_ref().map_or(every / 10.0, |number| check.positive(number, "s"));
+    let mut probes: Vec<Probe> = Vec::new();
+    for probe in &file.probes {
+        let name = &probe.name;
+        if name.value.is_empty() || probes.iter().any(|other| other.name == name.value) {
+            check.report(Fault::new(
+                "a probe's name is empty or given twice",
+                name.span,
+                "every probe must have a name of its own",
+            ));
+        }
+        let mean = probe.mean.as_ref().map(|mean| {
+            let (from, to) = &mean.value;
+            let interval = (check.not_negative(from, "s"), check.positive(to, "s"));
+            if interval.0 >= interval.1 || interval.1 > end * (1.0 + 1e-9) {
+                let label = format!("must rise and end by the end of the run, `{end}` s");
+                check.report(Fault::new("the interval of a time mean is wrong", mean.span, label));
+            }
+            interval
+        });
+        let kind = probe_kind(&probe.kind.value, check);
+        probes.push(Probe { name: name.value.clone(), kind, mean });
+    }
+    OutputSettings { every, monitor_every, probes }
+}
+
+fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {
+    match file {
+        ProbeKindFile::Point { at } => ProbeKind::Point(check.vector(at, "m")),
+        ProbeKindFile::Line { from, to, count } => {
+            if !(2..=1_000_000).contains(&count.value) {
+                check.report(Fault::new(
+                    "a line has the wrong number of points",
+                    count.span,
+                    format!("is `{}`, must be from 2 to 1000000", count.value),
+                ));
+            }
+            ProbeKind::Line {
+                from: check.vector(from, "m"),
+                to: check.vector(to, "m"),
+                count: count.value as usize,
+            }
+        }
+        ProbeKindFile::Section { at, normal } => {
+            ProbeKind::Section { at: check.vector(at, "m"), normal: check.direction(normal) }
+        }
+    }
+}
+
+/// References must be positive if given.
+pub fn references(file: &SceneFile, check: &mut Checker<'_>) {
+    if let Some(velocity) = &file.reference.velocity {
+        check.positive(velocity, "m/s");
+    }
+    if let Some(length) = &file.reference.length {
+        check.positive(length, "m");
+    }
+}
+
+/// What follows from the rest of a sound scene: reservoir and references.
+pub fn derive(scene: &mut Scene, file: &SceneFile) {
+    let cell = scene.spacing.powi(scene.dimensions as i32 - 1);
+    let inflow: f64 =
+        scene.inlets.iter().map(|inlet| inlet.patch.area / cell * (inlet.patch.depth / scene.spacing)).sum();
+    let particles = file.reservoir.particles.as_ref().map(|p| p.value as usize);
+    scene.reservoir.initial = particles.unwrap_or((inflow - 1e-6).ceil() as usize);
+    let length = file.reference.length.as_ref().map(|n| n.value);
+    scene.reference_length = length.unwrap_or_else(|| narrowest(scene));
+    let velocity = file.reference.velocity.as_ref().map(|n| n.value);
+    scene.reference_velocity = velocity.unwrap_or_else(|| summary::largest_given_speed(scene));
+}
+
+/// Width of the narrowest patch, or of the domain across periodic directions, m.
+fn narrowest(scene: &Scene) -> f64 {
+    let patches = fill::patches(scene).map(|(patch, _)| 2.0 * patch.half_extent[0]);
+    let narrowest = patches.fold(f64::INFINITY, f64::min);
+    if narrowest.is_finite() {
+        return narrowest;
+    }
+    let (low, high) = scene.domain.bounds();
+    let extent = |axis: usize| high[axis] - low[axis];
+    let across = (0..scene.dimensions).filter(|axis| scene.periodic[*axis].is_none());
+    let width = across.map(extent).fold(f64::INFINITY, f64::min);
+    if width.is_finite() { width } else { extent(0) }
+}

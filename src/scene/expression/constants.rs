@@ -1,0 +1,70 @@
+//! Named constants of a scene.
+
+use super::syntax::{self, Syntax, SyntaxFault};
+use super::{Expression, operators, parser};
+
+/// Named constants, in the order of the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Constants {
+    named: Vec<(String, f64)>,
+}
+
+impl Constants {
+    /// Adds a constant, or gives a known one another value.
+    pub fn define(&mut self, name: &str, value: f64) {
+        match self.named.iter_mut().find(|(known, _)| known == name) {
+            Some((_, old)) => *old = value,
+            None => self.named.push((name.to_owned(), value)),
+        }
+    }
+
+    /// The value of a constant.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.named.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
+    }
+
+    /// Their names.
+    pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.named.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The value of an expression of constants alone.
+    ///
+    /// # Errors
+    /// The fault with its place in the text; x, y, z and t are faults here.
+    pub fn number(&self, text: &str) -> Result<f64, SyntaxFault> {
+        match parser::read(text, self)?.folded() {
+            Syntax::Number(value) if value.is_finite() => Ok(value),
+            Syntax::Number(value) => {
+                Err(SyntaxFault::whole(text, &format!("gives `{value}`, must be finite")))
+            }
+            _ => Err(SyntaxFault::whole(
+                text,
+                "depends on x, y, z or t, must be a number or an expression of the constants",
+            )),
+        }
+    }
+
+    /// The value of a field of x, y, z, t.
+    ///
+    /// # Errors
+    /// The fault with its place in the text.
+    pub fn field(&self, text: &str) -> Result<Expression, SyntaxFault> {
+        Expression::read(text, self)
+    }
+
+    /// Why a constant cannot have this name, if it cannot.
+    pub fn refuses(name: &str) -> Option<&'static str> {
+        let mut characters = name.chars();
+        let begins_well = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
+        if !begins_well || !characters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            Some("must be a letter followed by letters, digits and `_`")
+        } else if syntax::VARIABLES.contains(&name) || name == "pi" {
+            Some("x, y, z, t and pi have their own meaning")
+        } else if operators::unary(name).is_some() || operators::binary(name).is_some() {
+            Some("is the name of a function")
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Expressions of scene files: numbers that may depend on named constants, and fields of x, y, z, t.
+//!
+//! Text → [`parser`] → [`syntax`] (a small tree, every fault with its column) → constants folded → evaluation by
+//! the `exmex` crate, its operators in [`operators`]. The tree in front of exmex is there because exmex
+//! knows no columns, takes `-y^2` as `(-y)^2` and does not nest calls with two arguments.
+
+use exmex::{Express, FlatEx};
+
+pub mod constants;
+pub mod operators;
+pub mod parser;
+pub mod syntax;
+
+pub use constants::Constants;
+use operators::SceneOperators;
+use syntax::{Syntax, SyntaxFault};
+
+/// A number that may depend on position (m) and time (s).
+#[derive(Clone, Debug)]
+pub enum Expression {
+    /// The same everywhere and always.
+    Constant(f64),
+    /// A formula of x, y, z, t; boxed, because exmex keeps kilobytes in place.
+    Formula(Box<Formula>),
+}
+
+/// A compiled formula of some of x, y, z, t.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    compiled: FlatEx<f64, SceneOperators>,
+    /// Which of (x, y, z, t) the formula asks for, in its own order.
+    variables: [usize; 4],
+    count: usize,
+}
+
+impl Formula {
+    fn value(&self, place: [f64; 4]) -> f64 {
+        let values = self.variables.map(|variable| place[variable]);
+        // The count of variables is the formula's own, the only thing that evaluation can fail on.
+        self.compiled.eval(&values[..self.count]).unwrap_or(f64::NAN)
+    }
+}
+
+impl Expression {
+    /// Reads an expression of x, y, z, t and the constants.
+    ///
+    /// # Errors
+    /// The fault with its place in the text.
+    pub fn read(text: &str, constants: &Constants) -> Result<Self, SyntaxFault> {
+        let tree = parser::read(text, constants)?.folded();
+        if let Syntax::Number(value) = tree {
+            return Ok(Expression::Constant(value));
+        }
+        let compiled = FlatEx::<f64, SceneOperators>::parse(&tree.to_exmex())
+            .map_err(|error| SyntaxFault::whole(text, error.msg()))?;
+        let mut variables = [0; 4];
+        let count = compiled.var_names().len();
+        for (slot, name) in variables.iter_mut().zip(compiled.var_names()) {
+            *slot = syntax::VARIABLES
+                .iter()
+                .position(|known| known == name)
+                .ok_or_else(|| SyntaxFault::whole(text, "unknown variable"))?;
+        }
+        Ok(Expression::Formula(Box::new(Formula { compiled, variables, count })))
+    }
+
+    /// Value at a position (m) and time (s).
+    pub fn value(&self, x: f64, y: f64, z: f64, t: f64) -> f64 {
+        match self {
+            Expression::Constant(value) => *value,
+            Expression::Formula(formula) => formula.value([x, y, z, t]),
+        }
+    }
+
+    /// The value if it depends on nothing.
+    pub fn constant(&self) -> Option<f64> {
+        match self {
+            Expression::Constant(value) => Some(*value),
+            Expression::Formula(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str, x: f64, y: f64, t: f64) -> f64 {
+        let mut constants = Constants::default();
+        constants.define("v0", 4.45e-2);
+        constants.define("D1", 0.0889);
+        constants.define("exponent", 3.0);
+        match Expression::read(text, &constants) {
+            Ok(expression) => expression.value(x, y, 0.0, t),
+            Err(fault) => panic!("{text}: {fault:?}"),
+        }
+    }
+
+    fn check(text: &str, expected: f64) {
+        let found = value(text, 2.0, -3.0, 0.5);
+        assert!(
+            (found - expected).abs() <= 1e-14 * expected.abs().max(1.0),
+            "{text} gave {found}, not {expected}"
+        );
+    }
+
+    #[test]
+    fn precedence_is_that_of_mathematics() {
+        check("-y^2", -9.0);
+        check("2^-1", 0.5);
+        check("2^3^2", 512.0);
+        check("8/4/2", 1.0);
+        check("8/4*2", 4.0);
+        check("10-4-3", 3.0);
+        check("10-4+3", 9.0);
+        check("x/-y^2", -2.0 / 9.0);
+        check("1 - 4*y^2/6", -5.0);
+        check("-x-y", 1.0);
+        check("2*-x", -4.0);
+    }
+
+    #[test]
+    fn calls_nest() {
+        check("max(min(x, y), min(t, max(y, 1e-1)))", 0.1);
+        check("atan2(y, x) - atan2(-3, 2)", 0.0);
+        check("sqrt(abs(y)+1)*exp(0)", 2.0);
+        check("sin(pi/2) + cos(0)^2", 2.0);
+        check("exponent*x", 6.0);
+    }
+
+    #[test]
+    fn comparisons_give_one_or_zero() {
+        check("y > 0", 0.0);
+        check("y < 0 && x >= 2", 1.0);
+        check("(y > 0)*5 + (y <= 0)*7", 7.0);
+        check("x == 2 || y == 2", 1.0);
+        check("x != 2", 0.0);
+        check("1 + 1 > 1", 1.0);
+    }
+
+    #[test]
+    fn the_inlet_of_the_constricted_channel_is_a_ramped_parabola() {
+        let text = "v0 * min(t/0.2, 1) * (1 - 4*y^2/D1^2)";
+        assert!((value(text, 0.0, 0.0, 0.1) - 2.225e-2).abs() < 1e-16);
+        assert!(value(text, 0.0, 0.04445, 1.0).abs() < 1e-16);
+    }
+
+    #[test]
+    fn expressions_without_variables_are_folded() {
+        let expression = Expression::read("2*(3 + sin(0))", &Constants::default()).map(|e| e.constant());
+        assert_eq!(expression.ok().flatten(), Some(6.0));
+    }
+
+    #[test]
+    fn faults_point_at_their_token() {
+        let place = |text: &str| match Expression::read(text, &Constants::default()) {
+            Ok(_) => panic!("{text} was read"),
+            Err(fault) => (fault.start, fault.end),
+        };
+        assert_eq!(place("1 + velocity"), (4, 12));
+        assert_eq!(place("1 + * 2"), (4, 5));
+        assert_eq!(place("(1 + 2"), (0, 1));
+        assert_eq!(place("1 + 2)"), (5, 6));
+        assert_eq!(place("min(1)"), (0, 3));
+        assert_eq!(place("y $ 2"), (2, 3));
+        assert_eq!(place("2 y"), (2, 3));
+        assert_eq!(place(""), (0, 0));
+    }
+}

@@ -1,0 +1,104 @@
+//! The functions and operators of expressions, as exmex evaluates them.
+//!
+//! Comparisons and `&&`, `||` give 1 for true and 0 for false. The tree in front of exmex brackets
+//! everything, so priorities play no part.
+
+use exmex::{BinOp, MakeOperators, Operator};
+
+/// A function of one argument.
+type Unary = (&'static str, fn(f64) -> f64);
+/// An operator or function of two arguments.
+type Binary = (&'static str, fn(f64, f64) -> f64);
+
+/// Functions of one argument.
+pub const FUNCTIONS: &[Unary] = &[
+    ("abs", f64::abs),
+    ("sqrt", f64::sqrt),
+    ("exp", f64::exp),
+    ("ln", f64::ln),
+    ("log10", f64::log10),
+    ("sin", f64::sin),
+    ("cos", f64::cos),
+    ("tan", f64::tan),
+    ("asin", f64::asin),
+    ("acos", f64::acos),
+    ("atan", f64::atan),
+    ("sinh", f64::sinh),
+    ("cosh", f64::cosh),
+    ("tanh", f64::tanh),
+    ("floor", f64::floor),
+    ("ceil", f64::ceil),
+    ("round", f64::round),
+    ("sign", sign),
+];
+
+/// Functions of two arguments.
+pub const PAIR_FUNCTIONS: &[Binary] = &[
+    ("min", f64::min),
+    ("max", f64::max),
+    ("atan2", f64::atan2),
+    ("hypot", f64::hypot),
+    ("mod", f64::rem_euclid),
+];
+
+/// Operators between two values, the longer of two with the same beginning first.
+pub const OPERATORS: &[Binary] = &[
+    ("||", |a, b| truth(a != 0.0 || b != 0.0)),
+    ("&&", |a, b| truth(a != 0.0 && b != 0.0)),
+    ("<=", |a, b| truth(a <= b)),
+    (">=", |a, b| truth(a >= b)),
+    ("==", |a, b| truth(a == b)),
+    ("!=", |a, b| truth(a != b)),
+    ("<", |a, b| truth(a < b)),
+    (">", |a, b| truth(a > b)),
+    ("+", |a, b| a + b),
+    ("-", |a, b| a - b),
+    ("*", |a, b| a * b),
+    ("/", |a, b| a / b),
+    ("^", power),
+];
+
+fn truth(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
+}
+
+fn sign(a: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { a.signum() }
+}
+
+/// Whole powers by multiplication: `y^2` is y·y to the last bit.
+fn power(a: f64, b: f64) -> f64 {
+    if b.fract() == 0.0 && b.abs() <= 16.0 { a.powi(b as i32) } else { a.powf(b) }
+}
+
+/// The function or operator of two values with this name.
+pub fn binary(name: &str) -> Option<&'static Binary> {
+    PAIR_FUNCTIONS.iter().chain(OPERATORS).find(|(known, _)| *known == name)
+}
+
+/// The function of one argument with this name.
+pub fn unary(name: &str) -> Option<&'static Unary> {
+    FUNCTIONS.iter().find(|(known, _)| *known == name)
+}
+
+/// Hands the table above to exmex.
+#[derive(Clone, Debug)]
+pub struct SceneOperators;
+
+impl MakeOperators<f64> for SceneOperators {
+    fn make<'a>() -> Vec<Operator<'a, f64>> {
+        let binary = |(name, apply): &Binary| {
+            let operation = BinOp { apply: *apply, prio: 0, is_commutative: false };
+            match *name {
+                "-" => Operator::make_bin_unary("-", operation, |a| -a),
+                name => Operator::make_bin(name, operation),
+            }
+        };
+        FUNCTIONS
+            .iter()
+            .map(|(name, apply)| Operator::make_unary(name, *apply))
+            .chain(PAIR_FUNCTIONS.iter().map(binary))
+            .chain(OPERATORS.iter().map(binary))
+            .collect()
+    }
+}

@@ -1,0 +1,151 @@
+//! Faults of a scene: every one found in a run, each with its place, what is there and what may be.
+
+use std::fmt;
+use std::sync::Arc;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
+
+use super::notation::tree::Span;
+
+/// One fault: where, what is, what must be, what to do.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    /// What is wrong, in a line.
+    pub title: String,
+    /// The marked text; None for faults without a place.
+    pub span: Option<Span>,
+    /// What stands there and what may stand there.
+    pub label: String,
+    /// What to do.
+    pub help: Option<String>,
+    /// Another text than the scene's: a table, or the value of a `--set`.
+    pub source: Option<Arc<NamedSource<String>>>,
+}
+
+impl Fault {
+    /// A fault at a place of the scene's text.
+    pub fn new(title: impl Into<String>, span: Span, label: impl Into<String>) -> Self {
+        Self { title: title.into(), span: Some(span), label: label.into(), help: None, source: None }
+    }
+
+    /// A fault that no text shows.
+    pub fn placeless(title: impl Into<String>) -> Self {
+        Self { title: title.into(), span: None, label: String::new(), help: None, source: None }
+    }
+
+    /// The same with advice.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// The same in a text of its own.
+    #[must_use]
+    pub fn in_text(mut self, name: &str, text: &str) -> Self {
+        self.source = Some(Arc::new(NamedSource::new(name, text.to_owned())));
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.title)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl Diagnostic for Fault {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_deref().map(|source| source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let span = self.span?;
+        let label = (!self.label.is_empty()).then(|| self.label.clone());
+        let place = SourceSpan::from((span.start, span.end.saturating_sub(span.start)));
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(label, place))))
+    }
+}
+
+/// All faults of a scene, in the order of the text.
+#[derive(Clone, Debug)]
+pub struct SceneFaults {
+    /// Name and text of the scene as read, `--set` values included.
+    source: NamedSource<String>,
+    /// The faults; at least one.
+    faults: Vec<Fault>,
+}
+
+impl SceneFaults {
+    /// The faults of a text, sorted by place.
+    pub fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
+        faults.sort_by_key(|fault| fault.span.map_or((usize::MAX, 0), |s| (s.start, s.end)));
+        Self { source: NamedSource::new(name, text.to_owned()), faults }
+    }
+
+    /// The faults, in the order of the text.
+    pub fn faults(&self) -> &[Fault] {
+        &self.faults
+    }
+
+    /// Line and column of a fault, from 1, counted in characters; None without a place.
+    pub fn position(&self, fault: &Fault) -> Option<(usize, usize)> {
+        let text = fault.source.as_deref().unwrap_or(&self.source).inner().as_str();
+        let before = text.get(..fault.span?.start)?;
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
+        Some((line, column))
+    }
+}
+
+impl fmt::Display for SceneFaults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.source.name();
+        match self.faults.len() {
+            1 => write!(f, "{name} has 1 fault"),
+            count => write!(f, "{name} has {count} faults"),
+        }
+    }
+}
+
+impl std::error::Error for SceneFaults {}
+
+impl Diagnostic for SceneFaults {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.source)
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        Some(Box::new(self.faults.iter().map(|fault| fault as &dyn Diagnostic)))
+    }
+}
+
+/// The candidate most like `name`, if any is like it at all.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    candidates
+        .into_iter()
+        .map(|candidate| {
+            let likeness =
+                strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase())
+                    .max(0.95 * strsim::jaro_winkler(name, candidate) - 0.25);
+            (candidate, likeness)
+        })
+        .filter(|(_, likeness)| *likeness > 0.4)
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(candidate, _)| candidate)
+}
+
+/// "did you mean `near`? allowed: a, b, c".
+pub fn advice<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
+    let allowed = candidates.clone().into_iter().map(|c| format!("`{c}`")).collect::<Vec<_>>().join(", ");
+    match nearest(name, candidates) {
+        Some(near) => format!("did you mean `{near}`? allowed: {allowed}"),
+        None => format!("allowed: {allowed}"),
+    }
+}

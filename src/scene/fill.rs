@@ -1,0 +1,189 @@
+//! Which points of the lattice (or of wall-fitted rows) are fluid, wall, inflow or outflow.
+//!
+//! A point is inside when it and all points Δ/4 around it are: a wall that misses the middle between two
+//! rows by less than Δ/4 still has one row on each side. Inside points beyond a patch's plane belong to its
+//! zone, up to its depth; points outside, up to the support and half a spacing away, are wall, except
+//! behind the far end of a zone.
+
+use glam::DVec3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use super::geometry::Shape;
+use super::lattice::Lattice;
+use super::model::{Fill, Patch, Scene, Wcsph};
+use crate::particles::zone::Zone;
+
+/// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane count as fluid.
+const HAIR: f64 = 1e-9;
+
+/// A place for a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Position, m.
+    pub position: DVec3,
+    /// Fluid, wall, inflow or outflow.
+    pub zone: Zone,
+    /// Index of the inlet or outlet; 0 for others.
+    pub patch: u16,
+}
+
+/// All places, in the order of the lattice.
+pub fn places(scene: &Scene) -> Vec<Place> {
+    let filler = Filler::new(scene);
+    match &scene.layout.fill {
+        Fill::Lattice(lattice) => filler.lattice(lattice),
+        Fill::WallFitted { lower, upper, rows } => {
+            super::rows::points(scene, lower, upper, *rows, filler.reach)
+                .into_iter()
+                .filter_map(|point| filler.classify(point))
+                .collect()
+        }
+    }
+}
+
+/// Thickness of the walls: the kernel's support and half a spacing, m.
+pub fn wall_thickness(scene: &Scene) -> f64 {
+    layers(&scene.scheme) * scene.spacing
+}
+
+/// The same in spacings.
+pub fn layers(scheme: &Wcsph) -> f64 {
+    scheme.kernel.support_ratio() * scheme.smoothing_ratio + 0.5
+}
+
+/// Decides what a point is.
+struct Filler<'a> {
+    scene: &'a Scene,
+    reach: f64,
+    probes: Vec<DVec3>,
+}
+
+impl<'a> Filler<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let mut probes = Vec::new();
+        for index in 0..27 {
+            let step = |place: i32| f64::from(index / place % 3 - 1);
+            let direction = DVec3::new(step(1), step(3), step(9));
+            if direction != DVec3::ZERO && (scene.dimensions == 3 || direction.z == 0.0) {
+                probes.push(direction.normalize() * 0.25 * scene.spacing);
+            }
+        }
+        Self { scene, reach: wall_thickness(scene), probes }
+    }
+
+    fn lattice(&self, lattice: &Lattice) -> Vec<Place> {
+        let dimensions = self.scene.dimensions;
+        let (mut low, mut high) = self.scene.layout.confines.bounds();
+        let ranges: [std::ops::Range<i64>; 3] = std::array::from_fn(|axis| {
+            if axis >= dimensions {
+                return 0..1;
+            }
+            match self.scene.periodic[axis] {
+                Some((from, to)) => {
+                    let count = ((to - from) / lattice.spacing[axis]).round() as i64;
+                    0..count
+                }
+                None => {
+                    low[axis] -= self.reach;
+                    high[axis] += self.reach;
+                    lattice.range(axis, low[axis], high[axis])
+                }
+            }
+        });
+        let [xs, ys, zs] = ranges;
+        let columns: Vec<Vec<Place>> = xs
+            .into_par_iter()
+            .map(|i| {
+                let mut found = Vec::new();
+                for j in ys.clone() {
+                    for k in zs.clone() {
+                        found.extend(self.classify(lattice.point([i, j, k], dimensions)));
+                    }
+                }
+                found
+            })
+            .collect();
+        columns.concat()
+    }
+
+    fn classify(&self, point: DVec3) -> Option<Place> {
+        let distance = confined_distance(self.scene, point);
+        // A layer exactly at the thickness is out of every fluid particle's reach.
+        if distance > self.reach - HAIR * self.scene.spacing {
+            return None;
+        }
+        let place = |zone, patch| Some(Place { position: point, zone, patch });
+        let hair = HAIR * self.scene.spacing;
+        if !self.inside(point, distance) {
+            let walled = self.scene.layout.walled && !self.behind_a_zone(point);
+            return walled.then(|| place(Zone::Wall, 0)).flatten();
+        }
+        for (index, (patch, is_inlet)) in patches(self.scene).enumerate() {
+            let beyond = beyond(patch, is_inlet, point);
+            if beyond > hair && self.scene.layout.zones[index].contains(point, hair) {
+                let number = if is_inlet { index } else { index - self.scene.inlets.len() };
+                let zone = if is_inlet { Zone::Inflow } else { Zone::Outflow };
+                let within = beyond <= patch.depth + hair;
+                return within.then(|| place(zone, number as u16)).flatten();
+            }
+        }
+        place(Zone::Fluid, 0)
+    }
+
+    fn inside(&self, point: DVec3, distance: f64) -> bool {
+        let margin = 0.25 * self.scene.spacing;
+        // Between parts of a union that touch, the distance is near zero deep inside: look around.
+        distance < -margin
+            || (distance <= HAIR * self.scene.spacing
+                && self
+                    .probes
+                    .iter()
+                    .all(|probe| confined_distance(self.scene, point + *probe) <= HAIR * self.scene.spacing))
+    }
+
+    /// Whether a point lies behind the far end of a zone, where no wall must stand.
+    fn behind_a_zone(&self, point: DVec3) -> bool {
+        let margin = self.reach + self.scene.spacing;
+        patches(self.scene).any(|(patch, is_inlet)| {
+            let behind = beyond(patch, is_inlet, point) - patch.depth;
+            behind > HAIR * self.scene.spacing
+                && behind < 2.0 * (margin + self.scene.spacing)
+                && patch.covers(point, margin)
+        })
+    }
+}
+
+/// Inlets, then outlets; true for inlets.
+pub fn patches(scene: &Scene) -> impl Iterator<Item = (&Patch, bool)> {
+    let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, true));
+    inlets.chain(scene.outlets.iter().map(|outlet| (&outlet.patch, false)))
+}
+
+/// How far a point is outside of a patch's plane, m; negative inside the domain.
+pub fn beyond(patch: &Patch, is_inlet: bool, point: DVec3) -> f64 {
+    if is_inlet { -patch.along(point) } else { patch.along(point) }
+}
+
+/// Signed distance to the confines, their periodic images included, m.
+pub fn confined_distance(scene: &Scene, point: DVec3) -> f64 {
+    periodic_distance(&scene.layout.confines, &scene.periodic, point)
+}
+
+/// Signed distance to a shape and its periodic images, m. A point of a seam counts as inside by rounding.
+pub fn periodic_distance(shape: &Shape, periodic: &[Option<(f64, f64)>; 3], point: DVec3) -> f64 {
+    if periodic.iter().all(Option::is_none) {
+        return shape.signed_distance(point);
+    }
+    let period = periodic.map(|bounds| bounds.map_or(0.0, |(low, high)| high - low));
+    let images = period.map(|period| if period > 0.0 { -1..=1 } else { 0..=0 });
+    let mut distance = f64::INFINITY;
+    for i in images[0].clone() {
+        for j in images[1].clone() {
+            for k in images[2].clone() {
+                let shift = DVec3::new(f64::from(i), f64::from(j), f64::from(k)) * DVec3::from(period);
+                distance = distance.min(shape.signed_distance(point + shift));
+            }
+        }
+    }
+    distance
+}

@@ -1,0 +1,109 @@
+//! A section swept along an arc: the elbow of a pipe.
+//!
+//! In the arc's own coordinates (distance ρ from its axis, height ζ along it, angle θ) the section is a
+//! circle or rectangle about ρ = R, ζ = 0. Between the ends the nearest point has the same θ, beyond them it
+//! lies on the nearer end: exact outside for arcs of up to 180°.
+
+use glam::DVec3;
+
+use super::primitives::corner;
+
+/// Section of a bend, about the arc's line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Section {
+    /// Circle of a radius, m.
+    Circular(f64),
+    /// Half width along the arc's radius and half height along its axis, m.
+    Rectangular(f64, f64),
+}
+
+impl Section {
+    /// Signed distance in the section's plane, m.
+    fn signed_distance(self, radial: f64, height: f64) -> f64 {
+        match self {
+            Section::Circular(radius) => radial.hypot(height) - radius,
+            Section::Rectangular(half_width, half_height) => {
+                corner(radial.abs() - half_width, height.abs() - half_height)
+            }
+        }
+    }
+
+    /// Half the width along the arc's radius, m.
+    pub fn half_width(self) -> f64 {
+        match self {
+            Section::Circular(radius) => radius,
+            Section::Rectangular(half_width, _) => half_width,
+        }
+    }
+
+    /// Half the height along the arc's axis, m.
+    pub fn half_height(self) -> f64 {
+        match self {
+            Section::Circular(radius) => radius,
+            Section::Rectangular(_, half_height) => half_height,
+        }
+    }
+
+    /// Radius of a ball that holds the section, m.
+    pub fn reach(self) -> f64 {
+        match self {
+            Section::Circular(radius) => radius,
+            Section::Rectangular(half_width, half_height) => half_width.hypot(half_height),
+        }
+    }
+}
+
+/// A section swept along an arc.
+#[derive(Clone, Debug)]
+pub struct Bend {
+    /// Centre of the arc, m.
+    pub center: DVec3,
+    /// Unit vector from the centre to the beginning of the arc.
+    pub outwards: DVec3,
+    /// Unit vector along the pipe at the beginning.
+    pub direction: DVec3,
+    /// Radius of the arc, m.
+    pub radius: f64,
+    /// Angle turned through, rad, in (0, π].
+    pub angle: f64,
+    /// Section.
+    pub section: Section,
+}
+
+impl Bend {
+    /// Signed distance, m.
+    pub fn signed_distance(&self, point: DVec3) -> f64 {
+        let offset = point - self.center;
+        let axis = self.outwards.cross(self.direction);
+        let height = offset.dot(axis);
+        let (x, y) = (offset.dot(self.outwards), offset.dot(self.direction));
+        let (sin, cos) = self.angle.sin_cos();
+        // Distances beyond the two end planes, and radial distances measured in those planes.
+        let (before, at_start) = (-y, x);
+        let (after, at_end) = (y * cos - x * sin, x * cos + y * sin);
+        let angle = y.atan2(x);
+        let within = if angle < -1e-12 && self.angle < std::f64::consts::PI {
+            false
+        } else {
+            (-1e-12..=self.angle).contains(&angle)
+        };
+        if within {
+            let section = self.section.signed_distance(x.hypot(y) - self.radius, height);
+            let end = |beyond: f64, in_plane: f64| {
+                if in_plane > 0.0 { beyond } else { f64::NEG_INFINITY }
+            };
+            let ends = end(before, at_start).max(end(after, at_end));
+            return if section > 0.0 { section } else { section.max(ends) };
+        }
+        let beyond = |beyond: f64, in_plane: f64| {
+            let section = self.section.signed_distance(in_plane - self.radius, height);
+            beyond.abs().hypot(section.max(0.0))
+        };
+        beyond(before, at_start).min(beyond(after, at_end))
+    }
+
+    /// A ball that holds the bend: centre and radius, m.
+    pub fn bounds(&self) -> (DVec3, f64) {
+        (self.center, self.radius + self.section.reach())
+    }
+}

@@ -1,0 +1,152 @@
+//! What can be asked of any shape: bounds, gradient, nearest surface point.
+
+use glam::DVec3;
+
+use super::Shape;
+
+impl Shape {
+    /// Corners of a box that holds the shape, m; z from −∞ to ∞ in 2D.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        match self {
+            Shape::Box { min, max } => (*min, *max),
+            Shape::Ball { center, radius } => {
+                (center - DVec3::splat(*radius), center + DVec3::splat(*radius))
+            }
+            Shape::Cylinder { from, to, radius } => {
+                let axis = (*to - *from).normalize_or_zero();
+                let reach = *radius * (DVec3::ONE - axis * axis).max(DVec3::ZERO).map(f64::sqrt);
+                (from.min(*to) - reach, from.max(*to) + reach)
+            }
+            Shape::Prism { points, from, to } => {
+                let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+                for point in points {
+                    min = min.min(point.extend(*from));
+                    max = max.max(point.extend(*to));
+                }
+                (min, max)
+            }
+            Shape::Bend(bend) => {
+                let (center, reach) = bend.bounds();
+                (center - DVec3::splat(reach), center + DVec3::splat(reach))
+            }
+            Shape::Union(shapes) => shapes
+                .iter()
+                .map(Shape::bounds)
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (min, max)| {
+                    (low.min(min), high.max(max))
+                }),
+            Shape::Intersection(shapes) => shapes
+                .iter()
+                .map(Shape::bounds)
+                .fold((DVec3::NEG_INFINITY, DVec3::INFINITY), |(low, high), (min, max)| {
+                    (low.max(min), high.min(max))
+                }),
+            Shape::Difference(shape, _) => shape.bounds(),
+            Shape::Placed { shape, rotation, scale, origin } => {
+                let (min, max) = shape.bounds();
+                let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+                for corner in 0..8 {
+                    let pick = |axis: usize| {
+                        if corner >> axis & 1 == 0 { min[axis] } else { max[axis] }
+                    };
+                    let local = DVec3::new(pick(0), pick(1), pick(2));
+                    // An infinite z stays infinite and does not touch the others: 2D turns about z only.
+                    let placed = if local.z.is_finite() {
+                        *rotation * local * *scale + *origin
+                    } else {
+                        (*rotation * local.with_z(0.0) * *scale + *origin).with_z(local.z)
+                    };
+                    low = low.min(placed);
+                    high = high.max(placed);
+                }
+                (low, high)
+            }
+            Shape::Extension { shape, outwards, length, .. } => {
+                let (min, max) = shape.bounds();
+                let reach = outwards.abs() * *length;
+                (min - reach, max + reach)
+            }
+        }
+    }
+
+    /// Gradient of the signed distance by central differences over `step`, m, made a unit vector;
+    /// zero where the distance has no direction. Its z is zero in 2D.
+    pub fn gradient(&self, point: DVec3, step: f64, dimensions: usize) -> DVec3 {
+        let mut gradient = DVec3::ZERO;
+        for (axis, unit) in DVec3::AXES.iter().enumerate().take(dimensions) {
+            gradient[axis] =
+                self.signed_distance(point + step * *unit) - self.signed_distance(point - step * *unit);
+        }
+        gradient.normalize_or_zero()
+    }
+
+    /// A nearest point of the surface to a point outside, m, found by walks of the signed distance
+    /// along its gradient. Exact in one walk where the distance is.
+    pub fn nearest_surface(&self, point: DVec3, step: f64, dimensions: usize) -> DVec3 {
+        let mut surface = point;
+        for _ in 0..8 {
+            let distance = self.signed_distance(surface);
+            if distance.abs() < 1e-3 * step {
+                break;
+            }
+            surface -= distance * self.gradient(surface, step, dimensions);
+        }
+        surface
+    }
+}
+
+impl Shape {
+    /// Coordinates of planes across an axis (0, 1, 2) that touch the shape's surface: where straight walls may be.
+    pub fn planes(&self, found: &mut Vec<(usize, f64)>) {
+        match self {
+            Shape::Box { .. } | Shape::Ball { .. } | Shape::Cylinder { .. } => {
+                let (min, max) = self.bounds();
+                for axis in 0..3 {
+                    found.extend([(axis, min[axis]), (axis, max[axis])]);
+                }
+            }
+            Shape::Prism { points, from, to } => {
+                for (index, a) in points.iter().enumerate() {
+                    let edge = points[(index + 1) % points.len()] - *a;
+                    for axis in 0..2 {
+                        if edge[axis].abs() < 1e-9 * edge.length() {
+                            found.push((axis, a[axis]));
+                        }
+                    }
+                }
+                found.extend([(2, *from), (2, *to)]);
+            }
+            Shape::Bend(bend) => {
+                let axis = bend.outwards.cross(bend.direction);
+                let half = bend.section.half_height();
+                for (index, unit) in DVec3::AXES.iter().enumerate() {
+                    if axis.dot(*unit).abs() > 1.0 - 1e-9 {
+                        let middle = bend.center[index];
+                        found.extend([(index, middle - half), (index, middle + half)]);
+                    }
+                }
+            }
+            Shape::Union(shapes) | Shape::Intersection(shapes) => {
+                for shape in shapes {
+                    shape.planes(found);
+                }
+            }
+            Shape::Difference(shape, hole) => {
+                shape.planes(found);
+                hole.planes(found);
+            }
+            Shape::Placed { shape, rotation, scale, origin } => {
+                let mut local = Vec::new();
+                shape.planes(&mut local);
+                for (axis, coordinate) in local {
+                    let normal = *rotation * DVec3::AXES[axis];
+                    if let Some(index) = (0..3).find(|i| normal[*i].abs() > 1.0 - 1e-9) {
+                        let placed = origin[index] + coordinate * scale * normal[index].signum();
+                        found.push((index, placed));
+                    }
+                }
+            }
+            Shape::Extension { .. } => {}
+        }
+    }
+}

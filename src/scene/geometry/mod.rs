@@ -1,0 +1,157 @@
+//! Shapes as signed distances: negative inside, positive outside, m.
+//!
+//! * [`primitives`]: box, ball, cylinder
+//! * [`polygon`]: polygon and its extrusion
+//! * [`bend`]: a section swept along an arc
+//! * [`measure`]: nearest surface point, bounds, a plane's section
+//!
+//! Outside, the distance to a primitive and to a union is exact. Inside a union and on either side of an
+//! intersection or difference it is a lower bound in size; its sign is right everywhere. To add a shape:
+//! a room with its distance, a variant and an arm here, a variant in the schema.
+
+use glam::{DMat3, DVec2, DVec3};
+
+pub mod bend;
+pub mod measure;
+pub mod polygon;
+pub mod primitives;
+
+use bend::Bend;
+
+/// A region of space: negative inside, positive outside, m.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Axis-aligned box; in 2D its z reaches from −∞ to ∞.
+    Box {
+        /// Lower corner, m.
+        min: DVec3,
+        /// Upper corner, m.
+        max: DVec3,
+    },
+    /// Circle or sphere.
+    Ball {
+        /// Centre, m.
+        center: DVec3,
+        /// Radius, m.
+        radius: f64,
+    },
+    /// Cylinder with flat ends.
+    Cylinder {
+        /// Middle of one end, m.
+        from: DVec3,
+        /// Middle of the other end, m.
+        to: DVec3,
+        /// Radius, m.
+        radius: f64,
+    },
+    /// Polygon in x and y, drawn out along z from `from` to `to` (±∞ in 2D).
+    Prism {
+        /// Corners in order, m.
+        points: Vec<DVec2>,
+        /// Lower end, z in m.
+        from: f64,
+        /// Upper end, z in m.
+        to: f64,
+    },
+    /// A section swept along an arc.
+    Bend(Bend),
+    /// All that is in any of them.
+    Union(Vec<Shape>),
+    /// What is in all of them.
+    Intersection(Vec<Shape>),
+    /// What is in the first and not in the second.
+    Difference(std::boxed::Box<Shape>, std::boxed::Box<Shape>),
+    /// Turned, enlarged and moved: a point of the shape goes to `rotation · point · scale + origin`.
+    Placed {
+        /// What is placed.
+        shape: std::boxed::Box<Shape>,
+        /// Rotation.
+        rotation: DMat3,
+        /// Factor of enlargement.
+        scale: f64,
+        /// Where the shape's origin goes, m.
+        origin: DVec3,
+    },
+    /// The section of a shape by a plane, drawn out along the plane's normal.
+    Extension {
+        /// The shape.
+        shape: std::boxed::Box<Shape>,
+        /// A point of the plane, m.
+        at: DVec3,
+        /// Unit normal of the plane, out of the shape.
+        outwards: DVec3,
+        /// How far it is drawn out, m.
+        length: f64,
+        /// How far inside the shape the section is taken, m.
+        inset: f64,
+    },
+}
+
+impl Shape {
+    /// Signed distance to the surface, m; negative inside.
+    pub fn signed_distance(&self, point: DVec3) -> f64 {
+        match self {
+            Shape::Box { min, max } => primitives::cuboid(point, *min, *max),
+            Shape::Ball { center, radius } => point.distance(*center) - radius,
+            Shape::Cylinder { from, to, radius } => primitives::cylinder(point, *from, *to, *radius),
+            Shape::Prism { points, from, to } => polygon::prism(point, points, *from, *to),
+            Shape::Bend(bend) => bend.signed_distance(point),
+            Shape::Union(shapes) => union(shapes, point),
+            Shape::Intersection(shapes) => {
+                shapes.iter().map(|shape| shape.signed_distance(point)).fold(f64::NEG_INFINITY, f64::max)
+            }
+            Shape::Difference(shape, hole) => shape.signed_distance(point).max(-hole.signed_distance(point)),
+            Shape::Placed { shape, rotation, scale, origin } => {
+                let local = rotation.transpose() * (point - *origin) / *scale;
+                shape.signed_distance(local) * scale
+            }
+            Shape::Extension { shape, at, outwards, length, inset } => {
+                let along = (point - *at).dot(*outwards);
+                let projected = point - (along + inset) * *outwards;
+                // Inside, the section's own end caps the depth at `inset`; the sign is what counts.
+                let lateral = shape.signed_distance(projected);
+                let axial = (-along).max(along - length);
+                primitives::corner(lateral, axial)
+            }
+        }
+    }
+
+    /// Whether a point is inside or within `tolerance` (m) of the surface. On the seam between parts
+    /// of a union that touch, the distance is 0 give or take rounding: with a tolerance it is inside.
+    pub fn contains(&self, point: DVec3, tolerance: f64) -> bool {
+        self.signed_distance(point) <= tolerance
+    }
+}
+
+/// Distance to a union: exact outside, and negative on the seams of parts that touch.
+fn union(shapes: &[Shape], point: DVec3) -> f64 {
+    let nearest =
+        |point: DVec3| shapes.iter().map(|shape| shape.signed_distance(point)).fold(f64::INFINITY, f64::min);
+    let distance = nearest(point);
+    // A seam is within rounding of zero; there, a point is inside if all that surrounds it is.
+    let hair = 1e-12 * (1.0 + point.abs().max_element());
+    if distance.abs() > hair {
+        return distance;
+    }
+    let reach = 1e3 * hair;
+    let surrounded =
+        SURROUNDINGS.iter().all(|direction| nearest(point + reach * DVec3::from(*direction)) <= hair);
+    if surrounded { -reach } else { distance }
+}
+
+/// Directions in which the surroundings of a seam are looked at: the 26 neighbours of a cube's cell.
+/// A face, edge or corner of the union leaves at least one of them outside.
+const SURROUNDINGS: [[f64; 3]; 26] = {
+    let mut directions = [[0.0; 3]; 26];
+    let steps = [-1.0, 0.0, 1.0];
+    let mut count = 0;
+    let mut index = 0;
+    while index < 27 {
+        if index != 13 {
+            directions[count] = [steps[index % 3], steps[index / 3 % 3], steps[index / 9]];
+            count += 1;
+        }
+        index += 1;
+    }
+    directions
+};

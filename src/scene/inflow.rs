@@ -1,0 +1,95 @@
+//! Velocity that an inlet prescribes.
+
+use glam::DVec3;
+
+use super::model::{Inlet, InletVelocity};
+use crate::physics::inlet::poiseuille::startup_velocity;
+
+impl Inlet {
+    /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
+    pub fn velocity_at(&self, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
+        let towards = self.patch.towards;
+        let across = (point - self.patch.at).dot(self.patch.across[0]);
+        match &self.velocity {
+            InletVelocity::Normal(speed) => towards * speed.value(point.x, point.y, point.z, time),
+            InletVelocity::Components(components) => {
+                DVec3::from(components.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
+            }
+            InletVelocity::TimeTable(rows) => {
+                towards * interpolated(rows.len(), |row| rows[row].0, time, |row| rows[row].1)
+            }
+            InletVelocity::ProfileTable { times, positions, speeds } => {
+                let profile = |row: usize| {
+                    interpolated(positions.len(), |p| positions[p], across, |column| speeds[row][column])
+                };
+                towards * interpolated(times.len(), |row| times[row], time, profile)
+            }
+            InletVelocity::PoiseuilleStartup { half_width, body_force } => {
+                towards * startup_velocity(across, time, *half_width, *body_force, viscosity)
+            }
+        }
+    }
+}
+
+/// Linear between rising abscissae, held at the ends.
+fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: impl Fn(usize) -> f64) -> f64 {
+    let (mut next, mut end) = (0, count);
+    while next < end {
+        let middle = usize::midpoint(next, end);
+        if abscissa(middle) <= at { next = middle + 1 } else { end = middle }
+    }
+    if next == 0 {
+        return value(0);
+    }
+    if next == count {
+        return value(count - 1);
+    }
+    let (a, b) = (abscissa(next - 1), abscissa(next));
+    let weight = (at - a) / (b - a);
+    value(next - 1) * (1.0 - weight) + value(next) * weight
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::inlet::InletPressure;
+    use crate::scene::model::Patch;
+
+    fn inlet(velocity: InletVelocity) -> Inlet {
+        Inlet {
+            patch: Patch {
+                name: "inlet".to_owned(),
+                at: DVec3::new(0.0, 1.0, 0.0),
+                towards: DVec3::X,
+                across: [DVec3::Y, DVec3::ZERO],
+                half_extent: [1.0, 0.0],
+                depth: 0.5,
+                area: 2.0,
+            },
+            velocity,
+            pressure: InletPressure::Extrapolated,
+        }
+    }
+
+    #[test]
+    fn a_table_in_time_is_linear_between_rows_and_held_beyond() {
+        let inlet = inlet(InletVelocity::TimeTable(vec![(1.0, 2.0), (3.0, 6.0)]));
+        for (time, speed) in [(0.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (9.0, 6.0)] {
+            assert_eq!(inlet.velocity_at(0.0, DVec3::ZERO, time), DVec3::X * speed, "t = {time}");
+        }
+    }
+
+    #[test]
+    fn a_profile_table_is_bilinear_about_the_middle_of_the_section() {
+        let inlet = inlet(InletVelocity::ProfileTable {
+            times: vec![0.0, 1.0],
+            positions: vec![-1.0, 0.0, 1.0],
+            speeds: vec![vec![0.0, 0.0, 0.0], vec![0.0, 4.0, 2.0]],
+        });
+        let speed = |y: f64, t: f64| inlet.velocity_at(0.0, DVec3::Y * y, t).x;
+        assert_eq!(speed(1.0, 1.0), 4.0);
+        assert_eq!(speed(1.5, 1.0), 3.0);
+        assert_eq!(speed(1.5, 0.5), 1.5);
+        assert_eq!(speed(9.0, 2.0), 2.0);
+    }
+}

@@ -1,0 +1,193 @@
+//! The lattice on which particles are laid, and how well it fits the walls.
+//!
+//! One lattice with the same spacing along all axes runs through domain, zones and walls: its sums are
+//! the same everywhere, so a fluid at rest is exactly uniform. Walls should lie midway between two rows
+//! (Δ/2 from fluid and from wall particles). Along each axis the lattice is therefore shifted to the
+//! circular mean of the phases of all plane walls across that axis, weighted by their areas:
+//!
+//! ```text
+//! φ = (Δ/2π) arg Σ A_k exp(2πi c_k/Δ),   c_k: coordinate of wall k, A_k: its area
+//! ```
+//!
+//! A width that is no multiple of Δ cannot be met on both sides: the geometry stays as it is, its
+//! particles stand up to Δ/4 nearer to or farther from the wall, and `sphecs check` names the misfit. A periodic
+//! axis takes the lattice that divides its period.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::geometry::Shape;
+use super::model::Patch;
+
+/// A square or cubic lattice of particles.
+#[derive(Clone, Debug)]
+pub struct Lattice {
+    /// A corner at which cells meet, m.
+    pub origin: DVec3,
+    /// Distance of neighbours along each axis, m: Δ, and on periodic axes what divides the period.
+    pub spacing: DVec3,
+    /// How plane walls lie in it.
+    pub fits: Vec<WallFit>,
+}
+
+/// How a plane wall lies in the lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallFit {
+    /// Axis across the wall: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Coordinate of the wall on that axis, m.
+    pub coordinate: f64,
+    /// Area of the wall, m² (length in m in 2D).
+    pub area: f64,
+    /// Distance to the nearest plane between cells, in spacings: 0 is perfect, 0.5 the worst.
+    pub misfit: f64,
+}
+
+impl Lattice {
+    /// Centre of the cell with these indices, m.
+    pub fn point(&self, cell: [i64; 3], dimensions: usize) -> DVec3 {
+        let mut point = DVec3::ZERO;
+        for axis in 0..dimensions {
+            point[axis] = self.origin[axis] + (cell[axis] as f64 + 0.5) * self.spacing[axis];
+        }
+        point
+    }
+
+    /// Indices of the first cell and one past the last that a box touches, along an axis.
+    pub fn range(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<i64> {
+        let index = |x: f64| (x - self.origin[axis]) / self.spacing[axis];
+        (index(low) - 1e-9).floor() as i64..(index(high) + 1e-9).ceil() as i64
+    }
+
+    /// The lattice for a domain: `anchor` fixes it, otherwise its walls do.
+    pub fn fitted(
+        domain: &Shape,
+        patches: &[&Patch],
+        periodic: &[Option<(f64, f64)>; 3],
+        spacing: f64,
+        anchor: Option<DVec3>,
+        dimensions: usize,
+    ) -> Self {
+        let walls = plane_walls(domain, patches, periodic, spacing, dimensions);
+        let mut lattice =
+            Self { origin: domain.bounds().0.with_z(0.0), spacing: DVec3::splat(spacing), fits: Vec::new() };
+        for axis in 0..dimensions {
+            lattice.origin[axis] = match (periodic[axis], anchor) {
+                (Some((low, high)), _) => {
+                    let count = ((high - low) / spacing).round().max(1.0);
+                    lattice.spacing[axis] = (high - low) / count;
+                    low
+                }
+                (None, Some(anchor)) => anchor[axis],
+                (None, None) => phase(walls.iter().filter(|wall| wall.axis == axis), spacing)
+                    .unwrap_or(domain.bounds().0[axis]),
+            };
+        }
+        lattice.fits = walls
+            .into_iter()
+            .filter(|wall| wall.area > 0.0 && periodic[wall.axis].is_none())
+            .map(|wall| {
+                let cells = (wall.coordinate - lattice.origin[wall.axis]) / spacing;
+                let misfit = (cells - cells.round()).abs();
+                WallFit { misfit, ..wall }
+            })
+            .collect();
+        lattice
+    }
+}
+
+/// The shift at which walls lie between cells as well as they can, m; None without walls or if they cancel out.
+fn phase<'a>(walls: impl Iterator<Item = &'a WallFit>, spacing: f64) -> Option<f64> {
+    let (mut cosine, mut sine, mut weight) = (0.0, 0.0, 0.0);
+    let mut first = None;
+    for wall in walls {
+        // Distances from the first wall: phases then keep their digits far from the origin.
+        let first = *first.get_or_insert(wall.coordinate);
+        let angle = TAU * ((wall.coordinate - first) / spacing).fract();
+        // A plane with no area of wall on it (a patch, a tangent) decides only where no wall does.
+        let area = wall.area.max(1e-9 * spacing);
+        cosine += area * angle.cos();
+        sine += area * angle.sin();
+        weight += area;
+    }
+    let first = first?;
+    (cosine.hypot(sine) > 1e-6 * weight).then(|| {
+        let angle = sine.atan2(cosine);
+        // Rounding of a perfect fit must not shift the lattice by a hair.
+        let angle = if angle.abs() < 1e-9 { 0.0 } else { angle };
+        first + spacing * angle / TAU
+    })
+}
+
+/// All planes across an axis on which the domain has a surface, with the area of wall on them.
+fn plane_walls(
+    domain: &Shape,
+    patches: &[&Patch],
+    periodic: &[Option<(f64, f64)>; 3],
+    spacing: f64,
+    dimensions: usize,
+) -> Vec<WallFit> {
+    let mut planes = Vec::new();
+    domain.planes(&mut planes);
+    // The walls beside a zone: they decide in channels whose own walls slant.
+    for patch in patches {
+        for (across, half) in patch.across.iter().zip(patch.half_extent) {
+            let along_axis = (0..3).find(|axis| across[*axis].abs() > 1.0 - 1e-9);
+            if let Some(axis) = along_axis {
+                planes.extend([(axis, patch.at[axis] - half), (axis, patch.at[axis] + half)]);
+            }
+        }
+    }
+    planes.retain(|(axis, coordinate)| *axis < dimensions && coordinate.is_finite());
+    planes.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    planes.dedup_by(|a, b| a.0 == b.0 && (a.1 - b.1).abs() < 1e-6 * spacing);
+    planes
+        .into_iter()
+        .map(|(axis, coordinate)| WallFit {
+            axis,
+            coordinate,
+            area: match periodic[axis] {
+                Some(_) => 0.0,
+                None => exposed_area(domain, patches, axis, coordinate, spacing, dimensions),
+            },
+            misfit: 0.0,
+        })
+        .collect()
+}
+
+/// Samples on a plane per axis.
+const SAMPLES: [usize; 2] = [2000, 64];
+
+fn exposed_area(
+    domain: &Shape,
+    patches: &[&Patch],
+    axis: usize,
+    coordinate: f64,
+    spacing: f64,
+    dimensions: usize,
+) -> f64 {
+    let (low, high) = domain.bounds();
+    let others: Vec<usize> = (0..dimensions).filter(|other| *other != axis).collect();
+    let count = SAMPLES[others.len() - 1];
+    let step: Vec<f64> = others.iter().map(|&other| (high[other] - low[other]) / count as f64).collect();
+    let aside = 1e-3 * spacing * DVec3::AXES[axis];
+    let mut exposed = 0_usize;
+    for index in 0..count.pow(others.len() as u32) {
+        let mut point = DVec3::ZERO;
+        point[axis] = coordinate;
+        for (place, &other) in others.iter().enumerate() {
+            let along = (index / count.pow(place as u32) % count) as f64 + 0.5;
+            point[other] = low[other] + along * step[place];
+        }
+        let below = domain.contains(point - aside, 0.0);
+        let above = domain.contains(point + aside, 0.0);
+        let open = || {
+            patches.iter().any(|patch| patch.along(point).abs() < 0.01 * spacing && patch.covers(point, 0.0))
+        };
+        if below != above && !open() {
+            exposed += 1;
+        }
+    }
+    exposed as f64 * step.iter().product::<f64>()
+}

@@ -1,0 +1,119 @@
+//! Floor 4: from a RON file to a scene that cannot be wrong.
+//!
+//! ```text
+//! text ─ notation ─▶ tree with places ─ schema ─▶ SceneFile ─ build ─▶ Scene ─ spawn ─▶ particles
+//!        (--set)                       (serde)              (checks)          (fill, walls)
+//! ```
+//!
+//! * [`notation`]: RON with places, `--set`
+//! * [`schema`]: what may stand in a file
+//! * [`expression`], [`geometry`]: fields and shapes
+//! * [`build`]: every check of values
+//! * [`model`]: the checked scene
+//! * [`lattice`], [`fill`], [`rows`], [`walls`], [`spawn`]: its particles
+//! * [`inflow`]: velocities of its inlets
+//! * [`summary`]: its figures
+//! * [`faults`]: what is wrong with it
+
+use std::path::Path;
+
+pub mod build;
+pub mod expression;
+pub mod faults;
+pub mod fill;
+pub mod geometry;
+pub mod inflow;
+pub mod lattice;
+pub mod model;
+pub mod notation;
+pub mod rows;
+pub mod schema;
+pub mod spawn;
+pub mod summary;
+pub mod walls;
+
+mod constants;
+#[cfg(test)]
+mod tests;
+
+use build::Origin;
+use faults::{Fault, SceneFaults};
+use model::Scene;
+use notation::reader::{self, Reading};
+use notation::{paths, typed};
+use schema::SceneFile;
+
+pub use spawn::seeds;
+
+/// Reads a scene file, with values of `sets` (path, RON value) put in.
+///
+/// # Errors
+/// All faults of the scene.
+pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    let shown = path.display().to_string();
+    let refused = |reason: String| {
+        let fault =
+            Fault::placeless(reason).help("give the path of a scene, such as `scenes/quickstart.ron`");
+        SceneFaults::new(&shown, "", vec![fault])
+    };
+    let bytes = std::fs::read(path).map_err(|error| refused(format!("{shown}: {error}")))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|error| refused(format!("{shown} is no text: {}", error.utf8_error())))?;
+    let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let memory = summary::available_memory();
+    let origin = Origin { name: &name, text: &text, folder, memory };
+    read(&shown, origin, sets)
+}
+
+/// Reads a scene from a text; tables are looked for in the present folder.
+///
+/// # Errors
+/// All faults of the scene.
+pub fn load_str(name: &str, text: &str, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    let memory = summary::available_memory();
+    let folder = Path::new(".");
+    let origin = Origin { name, text, folder, memory };
+    read(name, origin, sets)
+}
+
+/// Reads a scene file at its `smoke` spacing: coarse, for quick tests.
+///
+/// # Errors
+/// All faults of the scene.
+pub fn load_smoke(path: &Path, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    let smoke = load(path, sets)?.smoke_spacing;
+    let mut sets = sets.to_vec();
+    sets.push(("spacing".to_owned(), format!("{smoke:e}")));
+    load(path, &sets)
+}
+
+fn read(shown: &str, origin: Origin<'_>, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    let refused = |faults| SceneFaults::new(shown, origin.text, faults);
+    let edited = paths::apply(origin.text, sets).map_err(refused)?;
+    let text = edited.text.as_str();
+    let Reading { root, mut faults, lost } = reader::read(text);
+    if lost {
+        return Err(SceneFaults::new(shown, text, faults));
+    }
+    let constants = constants::read(&root, &mut faults);
+    let (file, typed_faults) = typed::read::<SceneFile>(&root, &constants);
+    faults.extend(typed_faults);
+    let origin = Origin { text, ..origin };
+    let mut scene = None;
+    if let Some(file) = &file {
+        let (built, value_faults) = build::build(file, &constants, origin);
+        faults.extend(value_faults);
+        scene = built;
+    }
+    for fault in &mut faults {
+        let inserted = edited.inserted.iter().find(|(span, _)| Some(*span) == fault.span);
+        if let Some((_, path)) = inserted {
+            fault.title = format!("--set {path}: {}", fault.title);
+        }
+    }
+    match scene {
+        Some(scene) if faults.is_empty() => Ok(scene),
+        _ => Err(SceneFaults::new(shown, text, faults)),
+    }
+}

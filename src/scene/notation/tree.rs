@@ -1,0 +1,124 @@
+//! RON values with their places in the text.
+
+/// Bytes `start..end` of a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Span {
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// The place of a value that stands in for a faulty one: faults there are consequences, not causes.
+    pub const PLACEHOLDER: Span = Span { start: usize::MAX, end: usize::MAX };
+
+    /// Bytes `start..end`.
+    pub fn new(start: usize, end: usize) -> Self {
+        Self { start, end }
+    }
+
+    /// Whether the value stands in for a faulty or missing one.
+    pub fn is_placeholder(self) -> bool {
+        self == Self::PLACEHOLDER
+    }
+
+    /// Whether `inner` lies within.
+    pub fn contains(self, inner: Span) -> bool {
+        self.start <= inner.start && inner.end <= self.end
+    }
+}
+
+/// A value and its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// What it is.
+    pub value: Value,
+    /// Where it is.
+    pub span: Span,
+}
+
+/// A name and its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Name {
+    /// The name.
+    pub text: String,
+    /// Where it is.
+    pub span: Span,
+}
+
+/// A RON value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A syntax fault was reported here.
+    Broken,
+    /// `true` or `false`.
+    Bool(bool),
+    /// A number, and whether it was written without point and exponent.
+    Number(f64, bool),
+    /// Text in quotes; the second is the byte at which the text begins if it has no escapes.
+    Text(String, Option<usize>),
+    /// A bare name: `None` or a variant without content.
+    Name(String),
+    /// `[a, b]`
+    List(Vec<Node>),
+    /// `{a: b}`
+    Map(Vec<(Node, Node)>),
+    /// `(a, b)` or `Name(a, b)`, also empty.
+    Tuple(Option<Name>, Vec<Node>),
+    /// `(a: b)` or `Name(a: b)`
+    Struct(Option<Name>, Vec<Field>),
+}
+
+/// A field of a struct.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Its name.
+    pub name: Name,
+    /// Its value.
+    pub value: Node,
+}
+
+impl Node {
+    /// The part to mark when the whole is too long: the name or the opening bracket.
+    pub fn head(&self) -> Span {
+        match &self.value {
+            Value::Tuple(Some(name), _) | Value::Struct(Some(name), _) => name.span,
+            Value::List(_) | Value::Map(_) | Value::Tuple(..) | Value::Struct(..) => {
+                Span::new(self.span.start, (self.span.start + 1).min(self.span.end))
+            }
+            _ => self.span,
+        }
+    }
+
+    /// What it is, in words.
+    pub fn kind(&self) -> String {
+        match &self.value {
+            Value::Broken => "unreadable".to_owned(),
+            Value::Bool(value) => format!("`{value}`"),
+            Value::Number(value, _) => format!("the number `{value}`"),
+            Value::Text(..) => "text in quotes".to_owned(),
+            Value::Name(name) => format!("the name `{name}`"),
+            Value::List(_) => "a list".to_owned(),
+            Value::Map(_) => "a map".to_owned(),
+            Value::Tuple(None, items) | Value::Tuple(_, items) if items.is_empty() => {
+                "empty brackets".to_owned()
+            }
+            Value::Tuple(None, items) => format!("a tuple of {}", items.len()),
+            Value::Struct(None, _) => "brackets with named fields".to_owned(),
+            Value::Tuple(Some(name), _) | Value::Struct(Some(name), _) => {
+                format!("`{}(…)`", name.text)
+            }
+        }
+    }
+
+    /// The field of a struct.
+    pub fn field(&self, name: &str) -> Option<&Node> {
+        match &self.value {
+            Value::Struct(_, fields) => {
+                fields.iter().find(|field| field.name.text == name).map(|field| &field.value)
+            }
+            _ => None,
+        }
+    }
+}

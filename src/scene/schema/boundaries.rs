@@ -1,0 +1,123 @@
+//! Walls, inlets and outlets of a scene file.
+
+use serde::Deserialize;
+
+use super::{Formula, Number, ShapeFile, Text, Vector};
+use crate::physics::inlet::InletPressure;
+use crate::physics::outlet::OutletCondition;
+use crate::physics::wall::{Slip, WallModel};
+use crate::scene::notation::tree::Span;
+use crate::scene::notation::typed::Spanned;
+
+/// The walls.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Walls", deny_unknown_fields)]
+pub struct WallsFile {
+    /// How walls enter the sums.
+    #[serde(default)]
+    pub model: WallModel,
+    /// Slip condition.
+    #[serde(default)]
+    pub slip: Slip,
+    /// Surface velocity, m/s, default rest.
+    #[serde(default)]
+    pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// Parts that differ from the rest.
+    #[serde(default)]
+    pub parts: Vec<WallPartFile>,
+}
+
+impl WallsFile {
+    /// The walls of a scene that says nothing about them.
+    pub fn standard() -> Option<Spanned<Self>> {
+        Some(Spanned { value: Self::default(), span: Span::PLACEHOLDER, head: Span::PLACEHOLDER })
+    }
+}
+
+/// A part of the walls: the surface inside a region.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "WallPart", deny_unknown_fields)]
+pub struct WallPartFile {
+    /// Name for outputs and messages.
+    pub name: Text,
+    /// The wall's surface within this region belongs to the part; the first part that claims it has it.
+    pub region: Spanned<ShapeFile>,
+    /// Slip condition, default that of the walls.
+    #[serde(default)]
+    pub slip: Option<Slip>,
+    /// Surface velocity, m/s, default rest.
+    #[serde(default)]
+    pub velocity: Option<Spanned<Vec<Formula>>>,
+}
+
+/// An inlet.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Inlet", deny_unknown_fields)]
+pub struct InletFile {
+    /// Name, default `inlet 0` and so on.
+    #[serde(default)]
+    pub name: Option<Text>,
+    /// A point of its plane inside the domain's section, m.
+    pub at: Vector,
+    /// Direction of the flow, into the domain.
+    pub towards: Vector,
+    /// Length of its zone, m, rounded up to whole spacings; default five spacings or the support.
+    #[serde(default)]
+    pub depth: Option<Number>,
+    /// Velocity of the inflow.
+    pub velocity: Spanned<InletVelocityFile>,
+    /// Pressure of the inflow.
+    #[serde(default)]
+    pub pressure: InletPressure,
+}
+
+/// Velocity of the inflow.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum InletVelocityFile {
+    /// Speed along `towards`, m/s.
+    Normal(Formula),
+    /// Components, m/s.
+    Components(Spanned<Vec<Formula>>),
+    /// Speed along `towards` in time: rows of (s, m/s), or a CSV file of two columns.
+    TimeTable {
+        /// Rows of time (s) and speed (m/s).
+        #[serde(default)]
+        rows: Option<Vec<(Number, Number)>>,
+        /// CSV file beside the scene: time (s), speed (m/s).
+        #[serde(default)]
+        file: Option<Text>,
+    },
+    /// Speed along `towards` over time and the position across: a CSV file whose first row holds the
+    /// positions from the section's middle (m) and whose first column holds the times (s).
+    ProfileTable {
+        /// CSV file beside the scene.
+        file: Text,
+    },
+    /// Exact start-up of plane Poiseuille flow from rest.
+    PoiseuilleStartup {
+        /// Half the gap, m, default half the section.
+        #[serde(default)]
+        half_width: Option<Number>,
+        /// Force per mass along the flow, m/s².
+        body_force: Number,
+    },
+}
+
+/// An outlet.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Outlet", deny_unknown_fields)]
+pub struct OutletFile {
+    /// Name, default `outlet 0` and so on.
+    #[serde(default)]
+    pub name: Option<Text>,
+    /// A point of its plane inside the domain's section, m.
+    pub at: Vector,
+    /// Direction of the flow, out of the domain.
+    pub towards: Vector,
+    /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.
+    #[serde(default)]
+    pub depth: Option<Number>,
+    /// What its particles do.
+    pub condition: Spanned<OutletCondition>,
+}

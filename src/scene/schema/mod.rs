@@ -1,0 +1,244 @@
+//! What may stand in a scene file: the types that RON is read into, before any check of values.
+//!
+//! Numbers may be literals or expressions of the constants in quotes; a [`Formula`] may also depend on
+//! x, y, z (m) and t (s). Vectors have as many components as the scene has dimensions.
+
+use serde::Deserialize;
+use serde::de::{self, Deserializer, IgnoredAny, Visitor};
+
+use super::model::{Precision, WhenEmpty};
+use super::notation::typed::Spanned;
+use crate::math::kernel::Kernel;
+use crate::physics::shifting::Shifting;
+use crate::physics::viscosity::Viscosity;
+
+mod boundaries;
+mod output;
+mod shapes;
+
+pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallPartFile, WallsFile};
+pub use output::{OutputFile, ProbeFile, ProbeKindFile};
+pub use shapes::{SectionFile, ShapeFile};
+
+/// A number with its place.
+pub type Number = Spanned<f64>;
+/// Two or three numbers with their places.
+pub type Vector = Spanned<Vec<Number>>;
+/// A value of an enum or text with its place.
+pub type Text = Spanned<String>;
+
+/// A field of x, y, z, t: a number or an expression in quotes.
+pub type Formula = Spanned<FormulaText>;
+
+/// Content of a [`Formula`].
+#[derive(Clone, Debug)]
+pub enum FormulaText {
+    /// A number.
+    Number(f64),
+    /// An expression in quotes.
+    Text(String),
+}
+
+impl<'de> Deserialize<'de> for FormulaText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct FormulaVisitor;
+        impl Visitor<'_> for FormulaVisitor {
+            type Value = FormulaText;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number or an expression in quotes")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<FormulaText, E> {
+                Ok(FormulaText::Number(value))
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<FormulaText, E> {
+                Ok(FormulaText::Text(text.to_owned()))
+            }
+        }
+        deserializer.deserialize_any(FormulaVisitor)
+    }
+}
+
+/// A scene file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+pub struct SceneFile {
+    /// One line for people.
+    pub title: Text,
+    /// 2 or 3.
+    pub dimensions: Spanned<u64>,
+    /// Scalar of the pair sums, default `F64`.
+    #[serde(default)]
+    pub precision: Precision,
+    /// Particle spacing Δ, m.
+    pub spacing: Number,
+    /// Coarser spacing for quick tests, m.
+    pub smoke: Number,
+    /// Named constants: `{"v0": 4.45e-2, "D1": "2*R"}`, read before everything else.
+    #[serde(default)]
+    pub constants: Option<IgnoredAny>,
+    /// The fluid.
+    pub fluid: FluidFile,
+    /// Numerical scheme, default `Wcsph()`.
+    #[serde(default)]
+    pub scheme: SchemeFile,
+    /// What the fluid fills, zones of inlets and outlets not included.
+    pub domain: Spanned<ShapeFile>,
+    /// How it is filled, default `Lattice()`.
+    #[serde(default)]
+    pub fill: Option<Spanned<FillFile>>,
+    /// Everything at the domain's surface that is neither patch nor periodic, default no-slip images; `None` for no wall.
+    #[serde(default = "WallsFile::standard")]
+    pub walls: Option<Spanned<WallsFile>>,
+    /// Fields at t = 0, default rest.
+    #[serde(default)]
+    pub initial: InitialFile,
+    /// Inlets.
+    #[serde(default)]
+    pub inlets: Vec<InletFile>,
+    /// Outlets.
+    #[serde(default)]
+    pub outlets: Vec<OutletFile>,
+    /// Names of periodic axes.
+    #[serde(default)]
+    pub periodic: Vec<Text>,
+    /// Force per mass, m/s², default none.
+    #[serde(default)]
+    pub body_force: Option<Spanned<Vec<Formula>>>,
+    /// Particles stored for the inlets.
+    #[serde(default)]
+    pub reservoir: ReservoirFile,
+    /// End and time step.
+    pub time: TimeFile,
+    /// What is written and when.
+    pub output: OutputFile,
+    /// Velocity and length of the Reynolds number, default estimated.
+    #[serde(default)]
+    pub reference: ReferenceFile,
+}
+
+/// The fluid.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Fluid", deny_unknown_fields)]
+pub struct FluidFile {
+    /// Reference density ρ0, kg/m³.
+    pub density: Number,
+    /// Kinematic viscosity ν, m²/s.
+    pub viscosity: Number,
+    /// Sound speed c0, m/s; at least ten times the largest speed of the flow.
+    pub sound_speed: Number,
+}
+
+/// Numerical scheme.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SchemeFile {
+    /// Weakly compressible SPH of Alvarado-Rodríguez et al. (2017).
+    Wcsph {
+        /// Smoothing kernel, default `WendlandC2`.
+        #[serde(default)]
+        kernel: Option<Kernel>,
+        /// h/Δ, default by kernel and dimensions.
+        #[serde(default)]
+        smoothing_ratio: Option<Number>,
+        /// Viscous term.
+        #[serde(default)]
+        viscosity: Option<Spanned<Viscosity>>,
+        /// Particle shifting.
+        #[serde(default)]
+        shifting: Option<Spanned<Shifting>>,
+        /// p_b − p_a in place of p_a + p_b where p_a < 0, default true.
+        #[serde(default)]
+        tensile_control: Option<bool>,
+        /// A plain step replaces the leapfrog every so many steps, default 50.
+        #[serde(default)]
+        plain_step_every: Option<Spanned<u64>>,
+    },
+}
+
+impl Default for SchemeFile {
+    fn default() -> Self {
+        SchemeFile::Wcsph {
+            kernel: None,
+            smoothing_ratio: None,
+            viscosity: None,
+            shifting: None,
+            tensile_control: None,
+            plain_step_every: None,
+        }
+    }
+}
+
+/// How the domain is filled with particles.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum FillFile {
+    /// A square or cubic lattice.
+    Lattice {
+        /// A corner at which cells of the lattice meet, m; default chosen so that walls lie between cells.
+        #[serde(default)]
+        anchor: Option<Vector>,
+    },
+    /// Rows that follow the walls of a slanted or curved channel along x, in 2D.
+    WallFitted {
+        /// y of the lower wall as a function of x, m.
+        lower: Formula,
+        /// y of the upper wall as a function of x, m.
+        upper: Formula,
+    },
+}
+
+/// Fields at t = 0.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Initial", deny_unknown_fields)]
+pub struct InitialFile {
+    /// Velocity, m/s.
+    #[serde(default)]
+    pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// Pressure, Pa.
+    #[serde(default)]
+    pub pressure: Option<Formula>,
+    /// Passive tag.
+    #[serde(default)]
+    pub tag: Option<Formula>,
+}
+
+/// Particles stored for the inlets.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Reservoir", deny_unknown_fields)]
+pub struct ReservoirFile {
+    /// How many, default as many as the inflow zones hold.
+    #[serde(default)]
+    pub particles: Option<Spanned<u64>>,
+    /// What happens when there are none.
+    #[serde(default)]
+    pub when_empty: WhenEmpty,
+}
+
+/// End and time step.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Time", deny_unknown_fields)]
+pub struct TimeFile {
+    /// End of the run, s.
+    pub end: Number,
+    /// Courant factor, default 0.3.
+    #[serde(default)]
+    pub cfl: Option<Number>,
+    /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
+    #[serde(default)]
+    pub viscous: Option<Number>,
+}
+
+/// Velocity and length of the Reynolds number.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Reference", deny_unknown_fields)]
+pub struct ReferenceFile {
+    /// Velocity, m/s.
+    #[serde(default)]
+    pub velocity: Option<Number>,
+    /// Length, m.
+    #[serde(default)]
+    pub length: Option<Number>,
+}

@@ -1,0 +1,204 @@
+//! What a scene will be, without running it: the figures of `sphecs check`.
+
+use glam::DVec3;
+
+use super::geometry::Shape;
+use super::model::{BodyForce, InletVelocity, ParticleSeed, Scene};
+use crate::particles::zone::Zone;
+
+/// Memory of a particle in components, arrays, cell list and output, B: a generous round figure.
+pub const BYTES_PER_PARTICLE: f64 = 600.0;
+
+/// Bytes of a particle in a frame: position, velocity, density, pressure in f32 and its zone.
+const BYTES_PER_FRAME_2D: f64 = 6.0 * 4.0 + 2.0;
+const BYTES_PER_FRAME_3D: f64 = 8.0 * 4.0 + 2.0;
+
+/// The figures of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Particles by zone, in the order of [`Zone::ALL`].
+    pub by_zone: [usize; 5],
+    /// Reynolds number of the reference velocity and length.
+    pub reynolds: f64,
+    /// Mach number of the reference velocity.
+    pub mach: f64,
+    /// Time step that the sound speed allows, s.
+    pub courant_step: f64,
+    /// Time step that the viscosity allows, s; infinite without viscosity.
+    pub viscous_step: f64,
+    /// Steps to the end.
+    pub steps: f64,
+    /// Frames written.
+    pub frames: f64,
+    /// Memory, B.
+    pub memory: f64,
+    /// Output before compression, B.
+    pub output: f64,
+    /// The straight wall that lies worst in the lattice: axis, coordinate (m) and misfit in spacings.
+    pub worst_fit: Option<(char, f64, f64)>,
+    /// What a reader should know: low sound speed, misfit, no free surface.
+    pub notes: Vec<String>,
+}
+
+/// The figures of a scene, its particles laid out.
+pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
+    let mut by_zone = [0; 5];
+    for seed in seeds {
+        by_zone[seed.zone as usize] += 1;
+    }
+    let speed = scene.reference_velocity;
+    let viscosity = scene.fluid.viscosity;
+    let smoothing = scene.scheme.smoothing_ratio * scene.spacing;
+    // The signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
+    let courant_step = scene.time.cfl * smoothing / (scene.fluid.sound_speed + speed);
+    let viscous_step = scene.time.viscous * smoothing * smoothing / viscosity;
+    let steps = (scene.time.end / courant_step.min(viscous_step)).ceil();
+    let frames = (scene.time.end / scene.output.every).floor() + 1.0;
+    let moving = (seeds.len() - by_zone[Zone::Wall as usize]) as f64;
+    let frame = match scene.dimensions {
+        2 => BYTES_PER_FRAME_2D,
+        _ => BYTES_PER_FRAME_3D,
+    };
+    let worst_fit = worst_fit(scene);
+    Summary {
+        by_zone,
+        reynolds: speed * scene.reference_length / viscosity,
+        mach: speed / scene.fluid.sound_speed,
+        courant_step,
+        viscous_step,
+        steps,
+        frames,
+        memory: seeds.len() as f64 * BYTES_PER_PARTICLE,
+        output: frames * moving * frame,
+        worst_fit,
+        notes: notes(scene, worst_fit),
+    }
+}
+
+fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
+    let lattice = super::build::lattice(&scene.layout.fill)?;
+    let worst = lattice.fits.iter().max_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
+    let axis = ['x', 'y', 'z'][worst.axis];
+    Some((axis, worst.coordinate, worst.misfit))
+}
+
+fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
+    let mut notes = Vec::new();
+    if scene.reference_velocity > 0.1 * scene.fluid.sound_speed {
+        notes.push(format!(
+            "the sound speed, {} m/s, is less than ten times the reference velocity, {:.3} m/s: \
+             density errors grow with the square of the Mach number",
+            scene.fluid.sound_speed, scene.reference_velocity
+        ));
+    }
+    if let Some((axis, coordinate, misfit)) = worst_fit.filter(|(_, _, misfit)| *misfit > 0.1) {
+        notes.push(format!(
+            "the wall at {axis} = {coordinate} m misses the middle between two rows by {misfit:.2} spacings: \
+             a spacing that divides the widths fits better"
+        ));
+    }
+    notes.push("there is no free surface: every side of the domain is wall, opening or periodic".to_owned());
+    notes
+}
+
+/// Largest speed that inlets, walls and initial fields prescribe, sampled, m/s.
+pub fn largest_given_speed(scene: &Scene) -> f64 {
+    let mut largest = 0.0_f64;
+    let times = (0..=20).map(|k| scene.time.end * f64::from(k) / 20.0);
+    let times: Vec<f64> = times.collect();
+    for inlet in &scene.inlets {
+        let patch = &inlet.patch;
+        let places: Vec<DVec3> = (-10..=10)
+            .flat_map(|i| {
+                let offset = f64::from(i) / 10.0;
+                (0..2).map(move |axis| patch.at + offset * patch.half_extent[axis] * patch.across[axis])
+            })
+            .collect();
+        let given = match &inlet.velocity {
+            InletVelocity::TimeTable(rows) => rows.iter().map(|row| row.1.abs()).fold(0.0, f64::max),
+            InletVelocity::ProfileTable { speeds, .. } => {
+                speeds.iter().flatten().map(|speed| speed.abs()).fold(0.0, f64::max)
+            }
+            InletVelocity::PoiseuilleStartup { half_width, body_force } => {
+                steady_poiseuille(*body_force, *half_width, scene.fluid.viscosity)
+            }
+            InletVelocity::Normal(speed) => places
+                .iter()
+                .flat_map(|p| times.iter().map(move |t| speed.value(p.x, p.y, p.z, *t).abs()))
+                .fold(0.0, f64::max),
+            InletVelocity::Components(components) => places
+                .iter()
+                .flat_map(|p| {
+                    times.iter().map(move |t| {
+                        DVec3::from(components.each_ref().map(|c| c.value(p.x, p.y, p.z, *t))).length()
+                    })
+                })
+                .fold(0.0, f64::max),
+        };
+        largest = largest.max(given);
+    }
+    largest.max(initial_speed(scene)).max(forced_speed(scene))
+}
+
+/// Peak of plane Poiseuille flow, g H²/2ν, m/s.
+fn steady_poiseuille(force: f64, half_width: f64, viscosity: f64) -> f64 {
+    if viscosity > 0.0 { force.abs() * half_width * half_width / (2.0 * viscosity) } else { 0.0 }
+}
+
+/// Speed that a constant body force reaches between plates without inlets, m/s.
+fn forced_speed(scene: &Scene) -> f64 {
+    match &scene.body_force {
+        BodyForce::Constant(force) if scene.inlets.is_empty() && scene.layout.walled => {
+            let half_width = 0.5 * scene.reference_length;
+            steady_poiseuille(force.length(), half_width, scene.fluid.viscosity)
+        }
+        _ => 0.0,
+    }
+}
+
+fn initial_speed(scene: &Scene) -> f64 {
+    let (low, high) = scene.domain.bounds();
+    let count = if scene.dimensions == 2 { 32 } else { 12 };
+    let mut largest = 0.0_f64;
+    for index in 0..count * count * if scene.dimensions == 3 { count } else { 1 } {
+        let share = |place: i32| (f64::from(index / place % count) + 0.5) / f64::from(count);
+        let mut at = DVec3::ZERO;
+        for (axis, place) in [1, count, count * count].into_iter().enumerate().take(scene.dimensions) {
+            at[axis] = low[axis] + share(place) * (high[axis] - low[axis]);
+        }
+        let velocity = scene.initial.velocity.each_ref().map(|c| c.value(at.x, at.y, at.z, 0.0));
+        let speed = DVec3::from(velocity).length();
+        if scene.domain.contains(at, 0.0) && speed.is_finite() {
+            largest = largest.max(speed);
+        }
+    }
+    largest
+}
+
+/// Volume (area in 2D) within `reach` of a domain, m³ (m²), from samples: right to some per cent.
+pub fn estimated_volume(domain: &Shape, reach: f64, dimensions: usize) -> f64 {
+    let (low, high) = domain.bounds();
+    let (low, high) = (low - DVec3::splat(reach), high + DVec3::splat(reach));
+    let count: i32 = if dimensions == 2 { 300 } else { 45 };
+    let total = count.pow(dimensions as u32);
+    let mut hits = 0;
+    for index in 0..total {
+        let mut at = DVec3::ZERO;
+        for axis in 0..dimensions {
+            let share = (f64::from(index / count.pow(axis as u32) % count) + 0.5) / f64::from(count);
+            at[axis] = low[axis] + share * (high[axis] - low[axis]);
+        }
+        hits += i32::from(domain.signed_distance(at) <= reach);
+    }
+    let extent = high - low;
+    let volume: f64 = (0..dimensions).map(|axis| extent[axis]).product();
+    volume * f64::from(hits) / f64::from(total)
+}
+
+/// Memory that is free on this machine, B; None where the system does not tell.
+pub fn available_memory() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes * 1024.0)
+}

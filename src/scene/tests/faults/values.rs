@@ -1,0 +1,112 @@
+//! Faults of numbers, expressions, tables and probes.
+
+use super::{SOUND, check, faults_of};
+
+#[test]
+fn numbers_out_of_bounds_are_faults() {
+    check("spacing: 0.05", "spacing: -0.05", "`spacing` must be finite and greater than 0", "-0.05");
+    check("spacing: 0.05", "spacing: NaN", "`spacing` must be finite", "NaN");
+    check("density: 1000.0", "density: 0", "`density` must be finite and greater than 0", "0");
+    check("viscosity: 1.0e-3", "viscosity: -1e-3", "`viscosity` must be finite and not negative", "-1e-3");
+    check("sound_speed: 10.0", "sound_speed: inf", "`sound_speed` must be finite", "inf");
+    check("dimensions: 2", "dimensions: 4", "`dimensions` must be 2 or 3", "4");
+    check("smoothing_ratio: 1.5", "smoothing_ratio: 15", "`smoothing_ratio` is out of bounds", "15");
+    check("end: 1.0", "end: 0", "`end` must be finite and greater than 0", "0");
+    check("cfl: 0.3", "cfl: 3", "`cfl` must be greater than 0 and at most `1`", "3");
+    check("every: 0.1", "every: -1", "`every` must be finite and greater than 0", "-1");
+}
+
+#[test]
+fn expression_faults_point_into_the_text() {
+    let report = check("\"v0 * y\"", "\"v0 * velo\"", "unknown name `velo`", "velo");
+    assert!(report.contains("at Some((14, 88))"), "{report}");
+    check("\"v0 * y\"", "\"v0 * * y\"", "a value is missing in the expression", "*");
+    check("\"v0 * y\"", "\"min(v0)\"", "`min` has the wrong number of arguments", "min");
+    check("\"y > 0.2\"", "\"(y > 0.2\"", "never closed", "(");
+    check("\"H\")", "\"H + \")", "the expression ends too early", "");
+    check("\"H\")", "\"x\")", "cannot be used", "x");
+    check("\"H\": 0.4", "\"H\": \"G\"", "unknown name `G`", "G");
+    check("\"H\": 0.4", "\"H\": \"0.4/0\"", "cannot be used", "0.4/0");
+}
+
+#[test]
+fn fields_that_are_not_finite_are_faults() {
+    let report = check("\"v0 * y\"", "\"v0 / (t - 0.5)\"", "a field is not finite", "\"v0 / (t - 0.5)\"");
+    assert!(report.contains("t = 0.5 s"), "{report}");
+    check(
+        "velocity: (0.0, 0.0)",
+        "velocity: (\"sqrt(x - 0.5)\", 0.0)",
+        "a field is not finite",
+        "\"sqrt(x - 0.5)\"",
+    );
+    check("pressure: 0.0", "pressure: \"1/0\"", "an expression is not finite", "\"1/0\"");
+    check(
+        "body_force: (0.0, 0.0)",
+        "body_force: (\"ln(y - 0.1)\", 0.0)",
+        "a field is not finite",
+        "\"ln(y - 0.1)\"",
+    );
+}
+
+#[test]
+fn vectors_have_as_many_components_as_the_scene_has_dimensions() {
+    check(
+        "max: (1.0, \"H\")",
+        "max: (1.0, \"H\", 1.0)",
+        "`max` has the wrong number of components",
+        "(1.0, \"H\", 1.0)",
+    );
+    check("body_force: (0.0, 0.0)", "body_force: (0.0,)", "`body_force` has the wrong number", "(0.0,)");
+}
+
+#[test]
+fn probes_have_their_own_names_and_places() {
+    let two = "probes: [(name: \"p\", kind: Point(at: (0.1, 0.2))), (name";
+    check("probes: [(name", two, "a probe's name is empty or given twice", "\"p\"");
+    check("Point(at: (0.5, 0.2))", "Point(at: (0.5, 2.0))", "probe `p` is outside the domain", "Point");
+    check(
+        "(0.5, 0.2)))",
+        "(0.5, 0.2)), mean: (2.0, 1.0))",
+        "the interval of a time mean is wrong",
+        "(2.0, 1.0)",
+    );
+}
+
+#[test]
+fn tables_are_checked_in_their_own_text() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("speed.csv"), "# inflow\ntime,speed\n0.0,0.0\n0.5,fast\n0.4,1.0\n")
+        .unwrap();
+    std::fs::write(folder.path().join("profile.csv"), "0,-0.2,0.2\n0,1,1\n1,2\n").unwrap();
+    let run = |velocity: &str| {
+        let path = folder.path().join("scene.ron");
+        std::fs::write(&path, SOUND.replace("Normal(\"v0 * y\")", velocity)).unwrap();
+        match crate::scene::load(&path, &[]) {
+            Ok(_) => panic!("{velocity} was taken"),
+            Err(faults) => faults,
+        }
+    };
+    let faults = run("TimeTable(file: \"speed.csv\")");
+    let fault = &faults.faults()[0];
+    assert_eq!(faults.position(fault), Some((4, 5)), "{fault:?}");
+    assert!(fault.label.contains("is `fast`, must be a finite number"));
+    let faults = run("ProfileTable(file: \"profile.csv\")");
+    assert_eq!(faults.position(&faults.faults()[0]), Some((3, 1)), "{faults:?}");
+    let faults = run("TimeTable(file: \"nowhere.csv\")");
+    assert!(faults.faults()[0].title.contains("`nowhere.csv` cannot be read"));
+    let faults = run("TimeTable(rows: [(0.0, 0.0), (0.0, 1.0)])");
+    assert!(faults.faults()[0].title.contains("do not rise"));
+}
+
+#[test]
+fn a_file_that_is_not_there_is_a_fault() {
+    let faults = crate::scene::load(std::path::Path::new("no/such/scene.ron"), &[]);
+    assert!(faults.is_err_and(|f| f.faults()[0].title.contains("no/such/scene.ron")));
+}
+
+#[test]
+fn the_exact_startup_needs_a_viscosity() {
+    let text = SOUND.replace("Normal(\"v0 * y\")", "PoiseuilleStartup(body_force: 1.0)");
+    let faults = faults_of(&text.replace("viscosity: 1.0e-3", "viscosity: 0"));
+    assert!(faults.faults()[0].title.contains("needs a viscosity"), "{faults:?}");
+}

@@ -1,0 +1,80 @@
+//! `--set path=value`.
+
+use super::shipped::path;
+use crate::physics::outlet::OutletCondition;
+use crate::scene::faults::SceneFaults;
+use crate::scene::load;
+use crate::scene::model::Scene;
+
+fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneFaults> {
+    let sets: Vec<_> = sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
+    load(&path("constricted_r2.ron"), &sets)
+}
+
+fn sound(sets: &[(&str, &str)]) -> Scene {
+    match with(sets) {
+        Ok(scene) => scene,
+        Err(faults) => panic!("{:?}", miette::Report::new(faults)),
+    }
+}
+
+fn advice(sets: &[(&str, &str)]) -> String {
+    let faults = match with(sets) {
+        Ok(_) => panic!("{sets:?} was taken"),
+        Err(faults) => faults,
+    };
+    let lines = faults
+        .faults()
+        .iter()
+        .map(|fault| format!("{}: {}; {}", fault.title, fault.label, fault.help.clone().unwrap_or_default()));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_number_is_replaced_and_the_text_keeps_its_comments() {
+    let scene = sound(&[("fluid.sound_speed", "1.0"), ("constants.v0", "0.05")]);
+    assert_eq!(scene.fluid.sound_speed, 1.0);
+    assert!(scene.text.contains("sound_speed: 1.0"));
+    assert!(scene.text.contains("\"v0\": 0.05, // m/s, peak of the inflow"));
+    assert!((scene.reference_velocity - 2.0 / 3.0 * 0.05 * 0.0889 / 0.0133).abs() < 1e-12);
+}
+
+#[test]
+fn a_choice_is_replaced() {
+    let scene = sound(&[("outlets.0.condition", "Orlanski(frame: Fixed)")]);
+    assert!(matches!(scene.outlets[0].condition, OutletCondition::Orlanski { .. }));
+}
+
+#[test]
+fn a_field_that_the_file_leaves_out_is_put_in() {
+    let scene = sound(&[
+        ("scheme.tensile_control", "false"),
+        ("outlets.0.depth", "0.02"),
+        ("precision", "F32"),
+        ("outlets.0.condition.frame", "Fixed"),
+        ("scheme.shifting", "Off"),
+        ("spacing", "1.9e-3"),
+    ]);
+    assert!(!scene.scheme.tensile_control);
+    assert!((scene.outlets[0].patch.depth - 11.0 * 1.9e-3).abs() < 1e-12);
+    assert!(scene.text.contains("precision: F32"));
+    // The text as run is itself a scene.
+    assert!(crate::scene::load_str("again", &scene.text, &[]).is_ok());
+}
+
+#[test]
+fn a_wrong_path_is_answered_with_the_nearest() {
+    assert!(advice(&[("fluid.sound_sped", "1.0")]).contains("did you mean `sound_speed`"));
+    assert!(advice(&[("fluid.sound_sped", "1.0")]).contains("--set fluid.sound_sped"));
+    assert!(advice(&[("fluids.viscosity", "1.0")]).contains("did you mean `fluid.viscosity`"));
+    assert!(advice(&[("outlets.3.condition", "Orlanski()")]).contains("did you mean `outlets.0.condition`"));
+    assert!(advice(&[("", "1.0")]).contains("no such path"));
+}
+
+#[test]
+fn a_value_of_the_wrong_kind_is_a_fault() {
+    assert!(advice(&[("fluid.viscosity", "[1]")]).contains("is a list, must be a number"));
+    assert!(advice(&[("fluid.viscosity", "2*v0")]).contains("an expression has no quotes"));
+    assert!(advice(&[("fluid.viscosity", "-1")]).contains("must be finite and not negative"));
+    assert!(advice(&[("fluid.viscosity", "(")]).contains("never closed"));
+}

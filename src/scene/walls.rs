@@ -1,0 +1,65 @@
+//! Where wall particles stand behind their surface, and to which part of the wall they belong.
+
+use glam::DVec3;
+
+use super::fill::confined_distance;
+use super::model::Scene;
+
+/// A wall particle's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Distance behind it, m, ≥ 0.
+    pub distance: f64,
+    /// Unit normal at the nearest point, into the fluid.
+    pub normal: DVec3,
+    /// Index of the wall part.
+    pub part: u16,
+}
+
+/// The surface in front of a wall particle.
+///
+/// The nearest surface point is found by walks along the gradient of the signed distance. A particle that
+/// the lattice puts up to Δ/4 in front of its surface has distance 0.
+pub fn surface(scene: &Scene, point: DVec3) -> Surface {
+    let step = 1e-4 * scene.spacing;
+    let mut nearest = point;
+    for _ in 0..8 {
+        let distance = confined_distance(scene, nearest);
+        if distance.abs() < 1e-3 * step {
+            break;
+        }
+        nearest -= distance * gradient(scene, nearest, step);
+    }
+    let outside = confined_distance(scene, point) > 0.0;
+    let distance = if outside { point.distance(nearest) } else { 0.0 };
+    let direction =
+        if distance > step { (nearest - point) / distance } else { -gradient(scene, point, step) };
+    Surface { distance, normal: snapped(direction), part: part(scene, nearest) }
+}
+
+/// Gradient of the signed distance by central differences, made a unit vector.
+fn gradient(scene: &Scene, point: DVec3, step: f64) -> DVec3 {
+    let mut gradient = DVec3::ZERO;
+    for (axis, unit) in DVec3::AXES.iter().enumerate().take(scene.dimensions) {
+        gradient[axis] =
+            confined_distance(scene, point + step * *unit) - confined_distance(scene, point - step * *unit);
+    }
+    gradient.normalize_or_zero()
+}
+
+/// A normal along an axis, freed from the rounding of differences.
+fn snapped(normal: DVec3) -> DVec3 {
+    let clean = normal.map(|component| if component.abs() < 1e-9 { 0.0 } else { component });
+    clean.normalize_or_zero()
+}
+
+/// The first part whose region has the surface point, or the rest.
+fn part(scene: &Scene, surface: DVec3) -> u16 {
+    let tolerance = 1e-3 * scene.spacing;
+    scene
+        .layout
+        .wall_regions
+        .iter()
+        .position(|region| region.contains(surface, tolerance))
+        .map_or(0, |index| index as u16 + 1)
+}

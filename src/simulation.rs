@@ -1,0 +1,242 @@
+//! A running simulation: the world, its schedules and the plugin list.
+
+use std::sync::Arc;
+
+use bevy_ecs::schedule::Schedules;
+use bevy_ecs::world::World;
+use glam::DVec3;
+
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+pub use crate::particles::sample::Sample;
+use crate::particles::zone::Zone;
+use crate::pass::sampling::Sampler;
+use crate::scene::model::{ParticleSeed, Precision, Scene};
+use crate::scene::spawn;
+use crate::systems::clock::Clock;
+use crate::systems::core_plugins::{BoundaryPlugin, NeighboursPlugin, ObservePlugin, WcsphPlugin};
+use crate::systems::failure::Failure;
+use crate::systems::home::{self, FreshHome};
+use crate::systems::ledger::Ledger;
+use crate::systems::monitor::{self, MonitorRow};
+use crate::systems::neighbours::{Grid, scene_grid, sort_particles};
+use crate::systems::pair::{Pair, pair_settings};
+use crate::systems::plugin::{Parts, Plugin};
+use crate::systems::rates::{sum_density, sum_gradients};
+use crate::systems::schedule::{Step, stage_schedule, step_schedule};
+use crate::systems::setup::{Resolution, SceneInUse, spawn_particles};
+use crate::systems::stopwatch::Stopwatch;
+
+/// A scene in motion.
+pub struct Simulation {
+    world: World,
+    scene: Arc<Scene>,
+    typed: Typed,
+}
+
+/// The functions that know precision and dimension, chosen once.
+#[derive(Clone, Copy)]
+struct Typed {
+    scatter: fn(&mut World),
+    refresh: fn(&mut World),
+    monitor_row: fn(&mut World) -> MonitorRow,
+    sample: fn(&World, &[DVec3]) -> Vec<Option<Sample>>,
+}
+
+/// Why a run cannot go on.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum Stop {
+    /// The flow blew up.
+    #[error("the flow blew up at step {step}, t = {time:.6} s: {what}")]
+    BlowUp {
+        /// Step.
+        step: u64,
+        /// Time, s.
+        time: f64,
+        /// Particle, zone, position and what was found.
+        what: String,
+        /// What a user can do about it.
+        cure: &'static str,
+    },
+    /// An inlet found the reservoir empty and the scene says to stop.
+    #[error("the reservoir is empty at step {step}, t = {time:.6} s")]
+    ReservoirEmpty {
+        /// Step.
+        step: u64,
+        /// Time, s.
+        time: f64,
+    },
+}
+
+impl Simulation {
+    /// Builds the world of a scene, ready for its first step.
+    pub fn from_scene(scene: Scene) -> Self {
+        Self::with_plugins(scene, &[])
+    }
+
+    /// Builds the world of a scene with plugins of one's own, which come after those of the engine.
+    pub fn with_plugins(scene: Scene, plugins: &[&dyn Plugin]) -> Self {
+        let seeds = spawn::seeds(&scene);
+        match (scene.precision, scene.dimensions) {
+            (Precision::F64, 2) => Self::build::<f64, 2>(scene, &seeds, plugins),
+            (Precision::F64, _) => Self::build::<f64, 3>(scene, &seeds, plugins),
+            (Precision::F32, 2) => Self::build::<f32, 2>(scene, &seeds, plugins),
+            (Precision::F32, _) => Self::build::<f32, 3>(scene, &seeds, plugins),
+        }
+    }
+
+    fn build<R: Real, const D: usize>(scene: Scene, seeds: &[ParticleSeed], plugins: &[&dyn Plugin]) -> Self {
+        let typed = std::marker::PhantomData::<R>;
+        let scene = Arc::new(scene);
+        let mut world = World::new();
+        world.insert_resource(SceneInUse(scene.clone()));
+        world.insert_resource(Resolution::of(&scene));
+        let pair = pair_settings(&scene);
+        world.insert_resource(Grid::<D>(scene_grid(&scene, &pair, seeds)));
+        world.insert_resource(Pair(pair));
+        spawn_particles(&mut world, &scene, seeds);
+        let (mut step, mut stage) = (step_schedule(), stage_schedule());
+        let mut parts = Parts { world: &mut world, step: &mut step, stage: &mut stage };
+        let own: [&dyn Plugin; 4] = [
+            &NeighboursPlugin::<R, D>(typed),
+            &WcsphPlugin::<R, D>(typed),
+            &BoundaryPlugin::<R, D>(typed),
+            &ObservePlugin::<R, D>(typed),
+        ];
+        for plugin in own.iter().chain(plugins) {
+            plugin.build(&mut parts);
+        }
+        let mut schedules = Schedules::default();
+        schedules.insert(step);
+        schedules.insert(stage);
+        world.insert_resource(schedules);
+        Self {
+            world,
+            scene,
+            typed: Typed {
+                scatter: home::scatter::<R, D>,
+                refresh: refresh::<R, D>,
+                monitor_row: monitor::monitor_row::<R, D>,
+                sample: sample::<R, D>,
+            },
+        }
+    }
+
+    /// One time step.
+    ///
+    /// # Errors
+    /// [`Stop`] when the flow blew up or an inlet found no particle; the world keeps the state found.
+    pub fn step(&mut self) -> Result<(), Stop> {
+        self.world.resource_mut::<Stopwatch>().start();
+        let world = &mut self.world;
+        // On a thread of the pool: from outside, each parallel loop would wake the pool and sleep until it is done.
+        rayon::scope(|_| world.run_schedule(Step));
+        let clock = self.clock();
+        let failure = self.world.resource::<Failure>();
+        if let Some(fault) = &failure.fault {
+            return Err(Stop::BlowUp {
+                step: clock.step,
+                time: clock.time,
+                what: format!(
+                    "{} of {} particle {} at ({:.6}, {:.6}, {:.6}) m",
+                    fault.found,
+                    fault.zone.name(),
+                    fault.id,
+                    fault.position.x,
+                    fault.position.y,
+                    fault.position.z
+                ),
+                cure: fault.cure,
+            });
+        }
+        if failure.reservoir_empty {
+            return Err(Stop::ReservoirEmpty { step: clock.step, time: clock.time });
+        }
+        Ok(())
+    }
+
+    /// Steps until the first time at or past `time`, s.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn run_until(&mut self, time: f64) -> Result<(), Stop> {
+        while self.clock().time < time {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The world with all components brought up to date, density and pressure at the present positions. What a caller changes in the
+    /// components is seen by the next step only after [`Self::world_mut`].
+    pub fn world(&mut self) -> &World {
+        self.bring_up_to_date();
+        &self.world
+    }
+
+    /// The world, up to date; the next step starts from what the caller leaves in its components.
+    pub fn world_mut(&mut self) -> &mut World {
+        self.bring_up_to_date();
+        self.world.insert_resource(FreshHome::Components);
+        &mut self.world
+    }
+
+    fn bring_up_to_date(&mut self) {
+        (self.typed.refresh)(&mut self.world);
+        (self.typed.scatter)(&mut self.world);
+    }
+
+    /// Time, step and step size.
+    pub fn clock(&self) -> Clock {
+        *self.world.resource::<Clock>()
+    }
+
+    /// The particle ledger.
+    pub fn ledger(&self) -> &Ledger {
+        self.world.resource::<Ledger>()
+    }
+
+    /// Integral figures at the present time; the mean mass flows are those since the previous call.
+    pub fn monitor_row(&mut self) -> MonitorRow {
+        (self.typed.refresh)(&mut self.world);
+        (self.typed.monitor_row)(&mut self.world)
+    }
+
+    /// Velocity (m/s), pressure (Pa) and density (kg/m³) of the fluid at points, by corrected kernel sums;
+    /// None where no fluid is near.
+    pub fn sample(&mut self, points: &[DVec3]) -> Vec<Option<Sample>> {
+        (self.typed.refresh)(&mut self.world);
+        (self.typed.sample)(&self.world, points)
+    }
+
+    /// Wall-clock seconds by stage: name and seconds, in the order of the step.
+    pub fn stage_times(&self) -> Vec<(&'static str, f64)> {
+        self.world.resource::<Stopwatch>().table()
+    }
+}
+
+/// Sorts the particles at their present positions and sums their density, so that what is read belongs to one instant. The next
+/// step does the same from the same positions: reading changes no bit of a run.
+fn refresh<R: Real, const D: usize>(world: &mut World) {
+    home::gather::<R, D>(world);
+    for run in [
+        |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
+        |world: &mut World| world.run_system_cached(sum_density::<R, D>),
+        |world: &mut World| world.run_system_cached(sum_gradients::<R, D>),
+    ] {
+        // A system of this crate with resources that `build` inserts cannot fail to run.
+        run(world).expect("sort and density find their resources");
+    }
+}
+
+fn sample<R: Real, const D: usize>(world: &World, points: &[DVec3]) -> Vec<Option<Sample>> {
+    let arrays = world.resource::<ParticleArrays<R, D>>();
+    let sampler = Sampler::new(&world.resource::<Grid<D>>().0, arrays, &world.resource::<Pair>().0, |zone| {
+        zone == Zone::Fluid
+    });
+    points.iter().map(|&point| sampler.sample(point)).collect()
+}

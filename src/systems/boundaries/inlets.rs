@@ -1,0 +1,96 @@
+//! Velocity and pressure of inflow particles.
+//!
+//! The velocity is the scene's. An extrapolated pressure is the fluid's at the mirror image of the particle in the
+//! inlet plane, by first-order corrected sums, carried back over the distance by the pressure gradient that
+//! the prescribed motion needs:
+//!
+//! ```text
+//! p_o = p(x_k) + ρ0 (g − dv_in/dt)·(x_o − x_k),   x_k = x_o − 2 ((x_o − x_plane)·n) n
+//! ```
+//!
+//! Negi et al. (2020), Eq. 22, for the first term. Extrapolating the sampled gradient instead would multiply its
+//! noise by the distance.
+
+use bevy_ecs::system::{Res, ResMut};
+use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+
+use super::rows::PatchRows;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::rows::set_real_vector;
+use crate::particles::zone::Zone;
+use crate::pass::sampling::Sampler;
+use crate::physics::inlet::InletPressure;
+use crate::scene::model::{Inlet, Scene};
+use crate::systems::clock::Clock;
+use crate::systems::forces::body_force;
+use crate::systems::neighbours::Grid;
+use crate::systems::pair::Pair;
+use crate::systems::setup::SceneInUse;
+
+/// Velocity that an inlet prescribes at a point and time, m/s.
+pub fn inlet_velocity(inlet: &Inlet, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
+    inlet.velocity_at(viscosity, point, time)
+}
+
+/// Sets velocity, pressure and density of inflow particles at the present time.
+pub fn apply_inlets<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    clock: Res<Clock>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    rows: Res<PatchRows>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let scene = &*scene.0;
+    let nu = scene.fluid.viscosity;
+    let tait = scene.fluid.tait();
+    for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
+        let pressures: Vec<f64> = {
+            let sampler = Sampler::new(&grid.0, &arrays, &pair.0, |zone| zone == Zone::Fluid);
+            rows.par_iter()
+                .with_min_len(32)
+                .map(|&row| match inlet.pressure {
+                    InletPressure::Prescribed(pressure) => pressure,
+                    InletPressure::Extrapolated => extrapolated_pressure(
+                        scene,
+                        inlet,
+                        &sampler,
+                        arrays.position_of(row as usize),
+                        clock.time,
+                    )
+                    .unwrap_or(arrays.pressure[row as usize].to_f64()),
+                })
+                .collect()
+        };
+        for (&row, pressure) in rows.iter().zip(pressures) {
+            let row = row as usize;
+            let velocity = inlet_velocity(inlet, nu, arrays.position_of(row), clock.time);
+            set_real_vector(&mut arrays.velocity, row, velocity);
+            arrays.pressure[row] = R::from_f64(pressure);
+            arrays.density[row] = R::from_f64(tait.density(pressure));
+        }
+    }
+}
+
+fn extrapolated_pressure<R: Real, const D: usize>(
+    scene: &Scene,
+    inlet: &Inlet,
+    sampler: &Sampler<'_, R, D>,
+    point: DVec3,
+    time: f64,
+) -> Option<f64> {
+    let normal = inlet.patch.towards;
+    let behind = inlet.patch.along(point);
+    let mirrored = point - normal * (2.0 * behind);
+    let sampled = sampler.pressure(mirrored)?;
+    // A central difference over a time that no inlet resolves, short against any ramp.
+    let moment = 1e-4 * scene.spacing / scene.fluid.sound_speed;
+    let nu = scene.fluid.viscosity;
+    let rate = (inlet_velocity(inlet, nu, point, time + moment)
+        - inlet_velocity(inlet, nu, point, time - moment))
+        / (2.0 * moment);
+    let gradient = (body_force(&scene.body_force, point, time) - rate) * scene.fluid.density;
+    Some(sampled + gradient.dot(normal) * (2.0 * behind))
+}

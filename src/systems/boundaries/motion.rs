@@ -1,0 +1,73 @@
+//! How inflow and outflow particles move in the kick.
+
+use glam::DVec3;
+
+use super::inlets::inlet_velocity;
+use super::outlets::OutletState;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::rows::{real_vector, set_real_vector};
+use crate::physics::outlet::Frame;
+use crate::scene::model::{Inlet, Outlet};
+
+/// Moves the particles of an inlet by one step from `time` (s) with the prescribed velocity.
+pub fn move_inflow<R: Real, const D: usize>(
+    inlet: &Inlet,
+    viscosity: f64,
+    rows: &[u32],
+    time: f64,
+    time_step: f64,
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    for &row in rows {
+        let row = row as usize;
+        let v = arrays.velocity_of(row);
+        let next = inlet_velocity(inlet, viscosity, arrays.position_of(row), time + time_step);
+        set_real_vector(&mut arrays.velocity_before, row, v);
+        set_real_vector(&mut arrays.velocity, row, next);
+        // The mean of both ends carries the prescribed flux through a ramp to second order.
+        move_row(arrays, row, (v + next) * (0.5 * time_step));
+    }
+}
+
+/// Moves the particles of an outlet by one step, s.
+///
+/// The rates are dissipative, so each step is a plain one: the leapfrog would let them grow. A particle moves along the normal only, in
+/// the moving frame with the convective velocity, in the fixed frame with its own, never back.
+pub fn move_outflow<R: Real, const D: usize>(
+    outlet: &Outlet,
+    state: &OutletState,
+    rows: &[u32],
+    time_step: f64,
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    let normal = outlet.patch.towards;
+    let frame = outlet.condition.frame();
+    for (&row, &convective) in rows.iter().zip(&state.convective) {
+        let row = row as usize;
+        let v = arrays.velocity_of(row);
+        let mut next = v + real_vector(&arrays.acceleration, row) * time_step;
+        let speed = match frame {
+            Frame::Moving => {
+                if convective < 0.0 {
+                    // What flows back has the velocity with which it is drawn in, not the one with which it left.
+                    next += normal * (convective - next.dot(normal));
+                }
+                convective
+            }
+            Frame::Fixed => {
+                next -= normal * next.dot(normal).min(0.0);
+                0.5 * (v + next).dot(normal)
+            }
+        };
+        set_real_vector(&mut arrays.velocity_before, row, v);
+        set_real_vector(&mut arrays.velocity, row, next);
+        move_row(arrays, row, normal * (speed * time_step));
+    }
+}
+
+fn move_row<R: Real, const D: usize>(arrays: &mut ParticleArrays<R, D>, row: usize, by: DVec3) {
+    for axis in 0..D {
+        arrays.position[axis][row] += by[axis];
+    }
+}

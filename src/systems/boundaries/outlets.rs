@@ -1,0 +1,226 @@
+//! Pressure, convective velocity and rates of outflow particles, by the condition of their outlet.
+
+use bevy_ecs::resource::Resource;
+use bevy_ecs::system::{Res, ResMut};
+use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelExtend, ParallelIterator};
+
+use super::rows::PatchRows;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::rows::set_real_vector;
+use crate::particles::zone::Zone;
+use crate::pass::neighbours::Neighbours;
+use crate::pass::sampling::Sampler;
+use crate::physics::outlet::OutletPressure;
+use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
+use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
+use crate::physics::outlet::wave::{WavePair, WaveSetting, WaveSums};
+use crate::scene::model::{Outlet, Scene};
+use crate::systems::clock::Clock;
+use crate::systems::neighbours::Grid;
+use crate::systems::pair::Pair;
+use crate::systems::rates::Sums;
+use crate::systems::setup::SceneInUse;
+
+/// What each outlet remembers from step to step.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct OutletStates(pub Vec<OutletState>);
+
+/// Memory of one outlet, and what the present stage found there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OutletState {
+    /// State of an absorbing pressure.
+    pub absorbing: Absorbing,
+    /// Mean normal velocity of the fluid next to the outlet, m/s.
+    pub fluid_velocity: f64,
+    /// Mean pressure of the fluid next to the outlet, Pa.
+    pub fluid_pressure: f64,
+    /// Convective velocity of each outflow row of the outlet, m/s.
+    pub convective: Vec<f64>,
+}
+
+/// Passages of sound through the domain in which an absorbing pressure follows the mean flow, where a scene says nothing. Shorter, and
+/// the resonance of an inlet with a throat is hardly damped; longer, and the start takes longer to settle.
+const PASSAGES: f64 = 4.0;
+
+/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would see no fluid.
+const LAYERS_INSIDE: f64 = 1.0;
+
+fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
+    if rows.is_empty() {
+        return 0.0;
+    }
+    rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
+}
+
+/// Sets pressure and density of outflow particles and finds their convective velocities.
+pub fn apply_outlets<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    clock: Res<Clock>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    rows: Res<PatchRows>,
+    mut states: ResMut<OutletStates>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let scene = &*scene.0;
+    let tait = scene.fluid.tait();
+    states.0.resize_with(scene.outlets.len(), OutletState::default);
+    for (index, outlet) in scene.outlets.iter().enumerate() {
+        let normal = outlet.patch.towards;
+        let (zone, before) = (&rows.outflow[index], &rows.before_outlet[index]);
+        let state = &mut states.0[index];
+        if !before.is_empty() {
+            state.fluid_velocity = mean(before, |row| arrays.velocity_of(row).dot(normal));
+            state.fluid_pressure = mean(before, |row| arrays.pressure[row].to_f64());
+        }
+        set_pressure(scene, outlet, zone, clock.time_step, state, &mut arrays);
+        let sampler = Sampler::new(&grid.0, &arrays, &pair.0, |zone| zone == Zone::Fluid);
+        state.convective.clear();
+        state.convective.par_extend(zone.par_iter().with_min_len(32).map(|&row| {
+            let row = row as usize;
+            let x = arrays.position_of(row);
+            let foot = x - normal * (outlet.patch.along(x) + LAYERS_INSIDE * scene.spacing);
+            let (velocity, pressure) = sampler
+                .section_flow(foot, normal, outlet.patch.across)
+                .unwrap_or((state.fluid_velocity, state.fluid_pressure));
+            let impedance = scene.fluid.density * scene.fluid.sound_speed;
+            convective_velocity(velocity, pressure, arrays.pressure[row].to_f64(), impedance)
+        }));
+        // A pressure that a particle keeps from step to step must not lose its dynamic part again and again.
+        let given = matches!(
+            outlet.condition.pressure(),
+            OutletPressure::Reference(_) | OutletPressure::Absorbing { .. }
+        );
+        for (&row, &velocity) in zone.iter().zip(&state.convective) {
+            let row = row as usize;
+            let pressure = arrays.pressure[row].to_f64();
+            let pressure =
+                if given { backflow_pressure(pressure, velocity, scene.fluid.density) } else { pressure };
+            arrays.pressure[row] = R::from_f64(pressure);
+            arrays.density[row] = R::from_f64(tait.density(pressure));
+        }
+    }
+}
+
+fn set_pressure<R: Real, const D: usize>(
+    scene: &Scene,
+    outlet: &Outlet,
+    zone: &[u32],
+    time_step: f64,
+    state: &mut OutletState,
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    match outlet.condition.pressure() {
+        OutletPressure::Frozen => {}
+        OutletPressure::Reference(pressure) => {
+            for &row in zone {
+                arrays.pressure[row as usize] = R::from_f64(pressure);
+            }
+        }
+        OutletPressure::Relaxed { target, time } => {
+            let share = -(-time_step / time).exp_m1();
+            for &row in zone {
+                let pressure = arrays.pressure[row as usize].to_f64();
+                arrays.pressure[row as usize] = R::from_f64(pressure + share * (target - pressure));
+            }
+        }
+        OutletPressure::Absorbing { target, time } => {
+            let setting = AbsorbingSetting {
+                target,
+                time: time
+                    .unwrap_or(PASSAGES * scene.extent_along(outlet.patch.towards) / scene.fluid.sound_speed),
+                density: scene.fluid.density,
+                sound_speed: scene.fluid.sound_speed,
+            };
+            let pressure =
+                state.absorbing.advance(&setting, state.fluid_pressure, state.fluid_velocity, time_step);
+            for &row in zone {
+                arrays.pressure[row as usize] = R::from_f64(pressure);
+            }
+        }
+    }
+}
+
+/// Rates of outflow particles by the wave equation of their outlet, and their shifting vector.
+///
+/// Rods that slide past each other bring particles close together, and a vortex carries such pairs back into the fluid, whose density sees them
+/// at once: so the zone is kept even by the same shifting as the fluid.
+pub fn outlet_rates<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    rows: Res<PatchRows>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let scene = &*scene.0;
+    for (outlet, rows) in scene.outlets.iter().zip(&rows.outflow) {
+        let setting = WaveSetting {
+            frame: outlet.condition.frame(),
+            transverse: outlet.condition.transverse(),
+            normal: outlet.patch.towards,
+            dimensions: scene.dimensions,
+            eta_squared: 0.01 * pair.0.smoothing_length * pair.0.smoothing_length,
+            viscosity: scene.fluid.viscosity,
+        };
+        let neighbours = Neighbours::new(&grid.0, &arrays);
+        let rates: Vec<(DVec3, DVec3)> = rows
+            .par_iter()
+            .with_min_len(32)
+            .map(|&row| wave_rate(&setting, &pair, &neighbours, row as usize))
+            .collect();
+        for (&row, (rate, mut concentration)) in rows.iter().zip(rates) {
+            let row = row as usize;
+            set_real_vector(&mut arrays.acceleration, row, rate);
+            // Beyond the far end there is nothing: the normal part would empty the zone.
+            if outlet.patch.along(arrays.position_of(row)) > outlet.patch.depth - pair.0.support() {
+                concentration -= setting.normal * concentration.dot(setting.normal);
+            }
+            set_real_vector(&mut sums.0.shift, row, concentration);
+        }
+    }
+}
+
+/// Nearest distance to a wall over the spacing that the image velocity of a wall particle sees.
+const LEAST_WALL_DISTANCE: f64 = 0.05;
+
+fn wave_rate<R: Real, const D: usize>(
+    setting: &WaveSetting,
+    pair: &Pair,
+    neighbours: &Neighbours<'_, R, D>,
+    row: usize,
+) -> (DVec3, DVec3) {
+    let arrays = neighbours.particles;
+    let v_o = arrays.velocity_of(row);
+    let d_o = arrays.wall_distance[row].to_f64().max(LEAST_WALL_DISTANCE * pair.0.spacing);
+    let mut sums = WaveSums::default();
+    let mut concentration = DVec3::ZERO;
+    neighbours.for_each(std::array::from_fn(|axis| arrays.position[axis][row]), |b, x_ob, r_squared| {
+        let v_b = arrays.velocity_of(b);
+        let wall = arrays.zone[b] == Zone::Wall;
+        // The image velocity of a wall particle, as the fluid sees it.
+        let stretch = if wall { 1.0 + arrays.wall_distance[b].to_f64() / d_o } else { 1.0 };
+        let mut x = DVec3::ZERO;
+        for axis in 0..D {
+            x[axis] = x_ob[axis];
+        }
+        let r = r_squared.sqrt();
+        let (volume, f) = (pair.0.mass / arrays.density[b].to_f64(), pair.0.f(r));
+        concentration += x * (volume * f);
+        sums.add(
+            setting,
+            &WavePair {
+                x_ob: x,
+                v_ob: (v_o - v_b) * stretch,
+                v_n_b: v_b.dot(setting.normal),
+                volume,
+                w: pair.0.w(r),
+                f,
+                flows: !wall,
+            },
+        );
+    });
+    (sums.rate(setting), concentration)
+}

@@ -1,0 +1,14 @@
+//! Time, step and step size.
+
+use bevy_ecs::resource::Resource;
+
+/// Time, step and step size.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// Time, s.
+    pub time: f64,
+    /// Steps done.
+    pub step: u64,
+    /// Size of the last step, s.
+    pub time_step: f64,
+}

@@ -1,0 +1,91 @@
+//! The plugins that every simulation has: which system runs in which set.
+
+use bevy_ecs::schedule::IntoScheduleConfigs;
+use bevy_ecs::world::World;
+
+use super::boundaries::inlets::apply_inlets;
+use super::boundaries::outlets::{OutletStates, apply_outlets, outlet_rates};
+use super::boundaries::rows::PatchRows;
+use super::boundaries::walls::apply_walls;
+use super::clock::Clock;
+use super::failure::{Failure, check_state};
+use super::forces::{AddedForces, add_forces};
+use super::home::{FreshHome, gather};
+use super::integrate::kick;
+use super::neighbours::{Spare, sort_particles};
+use super::plugin::{Parts, Plugin};
+use super::rates::{RatesFound, StepsSincePlain, Sums, sum_density, sum_gradients, sum_rates};
+use super::schedule::{Stage, StageSystems, StepSystems};
+use super::shift::shift;
+use super::stopwatch::Stopwatch;
+use super::transitions::transition;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+
+/// The arrays, their sort and the two homes of the state.
+pub struct NeighboursPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
+
+/// The scheme of Alvarado-Rodríguez et al. (2017): density, gradients, rates, forces, Verlet, shifting.
+pub struct WcsphPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
+
+/// Inflow, outflow and wall particles, and the change of zones.
+pub struct BoundaryPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
+
+/// Checks after each step.
+pub struct ObservePlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
+
+fn run_stage(world: &mut World) {
+    world.run_schedule(Stage);
+}
+
+impl<R: Real, const D: usize> Plugin for NeighboursPlugin<R, D> {
+    fn build(&self, parts: &mut Parts<'_>) {
+        parts.world.init_resource::<FreshHome>();
+        parts.world.init_resource::<Stopwatch>();
+        parts.world.init_resource::<PatchRows>();
+        parts.world.insert_resource(Spare::<R>(Default::default()));
+        parts.world.insert_resource(ParticleArrays::<R, D>::default());
+        parts.step.add_systems(gather::<R, D>.in_set(StepSystems::Gather));
+        parts.step.add_systems(run_stage.in_set(StepSystems::Advance));
+        parts.stage.add_systems(sort_particles::<R, D>.in_set(StageSystems::Neighbours));
+    }
+}
+
+impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
+    fn build(&self, parts: &mut Parts<'_>) {
+        parts.world.init_resource::<Clock>();
+        parts.world.init_resource::<RatesFound>();
+        parts.world.init_resource::<StepsSincePlain>();
+        parts.world.init_resource::<AddedForces>();
+        parts.world.insert_resource(Sums::<R, D>(Default::default()));
+        parts.stage.add_systems((
+            sum_density::<R, D>.in_set(StageSystems::Density),
+            sum_gradients::<R, D>.in_set(StageSystems::Gradients),
+            sum_rates::<R, D>.in_set(StageSystems::Rates),
+            add_forces::<R, D>.in_set(StageSystems::Forces),
+            kick::<R, D>.in_set(StageSystems::Kick),
+        ));
+        parts.step.add_systems(shift::<R, D>.in_set(StepSystems::Shift));
+    }
+}
+
+impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
+    fn build(&self, parts: &mut Parts<'_>) {
+        parts.world.init_resource::<OutletStates>();
+        // Walls look at the pressure of inflow and outflow particles, so they come last.
+        parts.stage.add_systems(
+            (apply_inlets::<R, D>, apply_outlets::<R, D>, apply_walls::<R, D>)
+                .chain()
+                .in_set(StageSystems::Boundary),
+        );
+        parts.stage.add_systems(outlet_rates::<R, D>.in_set(StageSystems::Rates).after(sum_rates::<R, D>));
+        parts.step.add_systems(transition::<R, D>.in_set(StepSystems::Transition));
+    }
+}
+
+impl<R: Real, const D: usize> Plugin for ObservePlugin<R, D> {
+    fn build(&self, parts: &mut Parts<'_>) {
+        parts.world.init_resource::<Failure>();
+        parts.step.add_systems(check_state::<R, D>.in_set(StepSystems::Observe));
+    }
+}

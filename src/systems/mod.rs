@@ -1,0 +1,39 @@
+//! Floor 5: thin systems, their sets and plugins.
+//!
+//! - [`boundaries`]: inflow, outflow and wall particles
+//! - [`clock`]: time, step and step size
+//! - [`core_plugins`]: which system runs in which set
+//! - [`failure`]: what makes a run stop
+//! - [`forces`]: the body force, and forces that a user adds
+//! - [`home`]: which home of the state is fresh
+//! - [`integrate`]: the kick
+//! - [`ledger`]: the particle ledger
+//! - [`monitor`]: integral figures of the flow
+//! - [`neighbours`]: the cell grid and the sorted arrays
+//! - [`pair`]: the settings of the pair sums
+//! - [`plugin`]: what a simulation is made of
+//! - [`rates`]: the systems that call the hot passes
+//! - [`schedule`]: the two schedules and their sets
+//! - [`setup`]: from a scene to a world
+//! - [`shift`]: particle shifting
+//! - [`stopwatch`]: wall-clock time by set
+//! - [`transitions`]: particles change zone
+
+pub mod boundaries;
+pub mod clock;
+pub mod core_plugins;
+pub mod failure;
+pub mod forces;
+pub mod home;
+pub mod integrate;
+pub mod ledger;
+pub mod monitor;
+pub mod neighbours;
+pub mod pair;
+pub mod plugin;
+pub mod rates;
+pub mod schedule;
+pub mod setup;
+pub mod shift;
+pub mod stopwatch;
+pub mod transitions;

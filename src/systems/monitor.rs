@@ -1,0 +1,146 @@
+//! Integral figures of the flow, computed when a row is due.
+
+use bevy_ecs::resource::Resource;
+use bevy_ecs::world::World;
+use glam::DVec3;
+
+use super::clock::Clock;
+use super::ledger::Ledger;
+use super::neighbours::Grid;
+use super::rates::RatesFound;
+use super::setup::{Resolution, SceneInUse};
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+use crate::pass::neighbours::Neighbours;
+
+/// One row of `monitor.nc`.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct MonitorRow {
+    /// Time, s.
+    pub time: f64,
+    /// Steps done.
+    pub step: u64,
+    /// Size of the last step, s.
+    pub time_step: f64,
+    /// Particles by zone, in the order of `Zone::ALL`.
+    pub count: [u64; 5],
+    /// Mass by zone, kg (per metre of depth in 2D).
+    pub mass: [f64; 5],
+    /// Mass flow into the domain through each inlet, kg/s (per metre of depth in 2D), mean since the previous row.
+    pub inlet_mass_flow: Vec<f64>,
+    /// Mass flow out of the domain through each outlet, kg/s, mean since the previous row.
+    pub outlet_mass_flow: Vec<f64>,
+    /// Kinetic energy of the fluid, J (per metre of depth in 2D).
+    pub kinetic_energy: f64,
+    /// Momentum of the fluid, kg m/s.
+    pub momentum: DVec3,
+    /// Largest speed of the fluid, m/s.
+    pub largest_speed: f64,
+    /// Largest |ρ − ρ0|/ρ0 of the fluid.
+    pub largest_density_deviation: f64,
+    /// Largest |∇·v| of the fluid, 1/s.
+    pub largest_divergence: f64,
+    /// Mean pressure of the fluid, Pa.
+    pub mean_pressure: f64,
+    /// Fluid particles that stand behind a wall surface.
+    pub through_walls: u64,
+    /// Pairs of fluid particles nearer than half a spacing.
+    pub close_pairs: u64,
+}
+
+/// Crossings and time at the previous row: mass flows are means since then.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct PreviousRow {
+    time: f64,
+    entered: Vec<i64>,
+    left: Vec<i64>,
+}
+
+/// Two fluid particles nearer than this over the spacing are a clump.
+const CLOSE: f64 = 0.5;
+
+/// A particle is behind a wall when its distance outside the container is more than this over the spacing.
+const BEHIND: f64 = 1e-6;
+
+fn net(out: &[u64], back: &[u64]) -> Vec<i64> {
+    out.iter().zip(back).map(|(&out, &back)| out as i64 - back as i64).collect()
+}
+
+fn flow(now: &[i64], before: &[i64], mass: f64, interval: f64) -> Vec<f64> {
+    now.iter()
+        .enumerate()
+        .map(|(patch, &count)| {
+            let crossed = count - before.get(patch).copied().unwrap_or(0);
+            if interval > 0.0 { crossed as f64 * mass / interval } else { 0.0 }
+        })
+        .collect()
+}
+
+/// The row of the present state, whose arrays must be sorted and have their density; starts a new interval of the mean flows.
+pub fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
+    let clock = *world.resource::<Clock>();
+    let ledger = world.resource::<Ledger>();
+    let now = PreviousRow {
+        time: clock.time,
+        entered: net(&ledger.entered, &ledger.entered_back),
+        left: net(&ledger.left, &ledger.left_back),
+    };
+    let before = world.get_resource::<PreviousRow>().cloned().unwrap_or_default();
+    let row = figures::<R, D>(world, &clock, &now, &before);
+    world.insert_resource(now);
+    row
+}
+
+fn figures<R: Real, const D: usize>(
+    world: &World,
+    clock: &Clock,
+    now: &PreviousRow,
+    before: &PreviousRow,
+) -> MonitorRow {
+    let scene = &world.resource::<SceneInUse>().0;
+    let mass = world.resource::<Resolution>().mass;
+    let ledger = world.resource::<Ledger>();
+    let arrays = world.resource::<ParticleArrays<R, D>>();
+    let neighbours = Neighbours::new(&world.resource::<Grid<D>>().0, arrays);
+    let interval = clock.time - before.time;
+    let close = (CLOSE * scene.spacing).powi(2);
+    let mut row = MonitorRow {
+        time: clock.time,
+        step: clock.step,
+        time_step: clock.time_step,
+        count: ledger.by_zone,
+        mass: ledger.by_zone.map(|count| count as f64 * mass),
+        inlet_mass_flow: flow(&now.entered, &before.entered, mass, interval),
+        outlet_mass_flow: flow(&now.left, &before.left, mass, interval),
+        largest_divergence: world.resource::<RatesFound>().largest_divergence,
+        ..MonitorRow::default()
+    };
+    let (mut pressure, mut fluid) = (0.0, 0_u64);
+    for a in 0..arrays.len() {
+        if arrays.zone[a] != Zone::Fluid {
+            continue;
+        }
+        fluid += 1;
+        let v = arrays.velocity_of(a);
+        row.kinetic_energy += 0.5 * mass * v.length_squared();
+        row.momentum += mass * v;
+        row.largest_speed = row.largest_speed.max(v.length());
+        let deviation = (arrays.density[a].to_f64() / scene.fluid.density - 1.0).abs();
+        row.largest_density_deviation = row.largest_density_deviation.max(deviation);
+        pressure += arrays.pressure[a].to_f64();
+        let point = arrays.position_of(a);
+        // Only a particle next to a wall can be behind it; the signed distance of a scene is dear.
+        let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;
+        if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
+            row.through_walls += 1;
+        }
+        neighbours.for_each(std::array::from_fn(|axis| point[axis]), |b, _, r_squared| {
+            if b > a && r_squared < close && arrays.zone[b] == Zone::Fluid {
+                row.close_pairs += 1;
+            }
+        });
+    }
+    row.mean_pressure = if fluid > 0 { pressure / fluid as f64 } else { 0.0 };
+    row
+}

@@ -1,0 +1,40 @@
+//! The settings of the pair sums, made from a scene.
+
+use bevy_ecs::resource::Resource;
+
+use crate::pass::settings::{PairSettings, WallPartSettings};
+use crate::physics::wall::{Slip, WallModel};
+use crate::scene::model::{BodyForce, Scene};
+
+/// Settings of the pair sums in use.
+#[derive(Resource, Clone, Debug)]
+pub struct Pair(pub PairSettings);
+
+/// The settings of a scene.
+pub fn pair_settings(scene: &Scene) -> PairSettings {
+    let scheme = &scene.scheme;
+    let WallModel::Image { velocity_cap, pressure } = scene.walls.model;
+    let mut pair = PairSettings::new(
+        scheme.kernel,
+        scene.dimensions,
+        scene.spacing,
+        scheme.smoothing_ratio,
+        scene.fluid.tait(),
+    );
+    pair.viscosity = scene.fluid.viscosity;
+    pair.viscous_term = scheme.viscosity;
+    pair.shifting = scheme.shifting;
+    pair.tensile_control = scheme.tensile_control;
+    pair.velocity_cap = velocity_cap;
+    pair.wall_pressure = pressure;
+    if let BodyForce::Constant(force) = scene.body_force {
+        pair.body_force = force.to_array();
+    }
+    pair.wall_parts = scene
+        .walls
+        .parts
+        .iter()
+        .map(|part| WallPartSettings { free_slip: part.slip == Slip::FreeSlip, acceleration: [0.0; 3] })
+        .collect();
+    pair
+}

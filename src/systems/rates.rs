@@ -1,0 +1,93 @@
+//! Density, gradients and pair forces: the systems that call the hot passes.
+
+use bevy_ecs::resource::Resource;
+use bevy_ecs::system::{Res, ResMut};
+
+use super::neighbours::Grid;
+use super::pair::Pair;
+use super::setup::SceneInUse;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::pass::density;
+use crate::pass::gradients;
+use crate::pass::rates::{self, VelocityLevel};
+use crate::pass::stress;
+use crate::pass::sums::PairSums;
+use crate::physics::viscosity::Viscosity;
+
+/// Sums of the pair pass that are not part of the state.
+#[derive(Resource, Default)]
+pub struct Sums<R: Real, const D: usize>(pub PairSums<R, D>);
+
+/// Extremes that the pair pass found.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct RatesFound {
+    /// Largest c_a + max_b |h x·v/(r² + η²)|, m/s.
+    pub largest_signal: f64,
+    /// Largest speed of a fluid particle, m/s.
+    pub largest_speed: f64,
+    /// Largest |∇·v|, 1/s.
+    pub largest_divergence: f64,
+    /// Largest kinematic viscosity, eddy viscosity included, m²/s.
+    pub largest_viscosity: f64,
+    /// Largest rate at which the viscous term damps a particle, 1/s.
+    pub largest_damping: f64,
+}
+
+/// Steps since the last plain one; 0: the present step is plain, as the first and then every so many are.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepsSincePlain(pub u32);
+
+/// The velocities that the dissipative terms take in the present step: see `physics/integrator/verlet.rs`.
+fn level(since_plain: StepsSincePlain) -> VelocityLevel {
+    if since_plain.0 == 0 { VelocityLevel::Present } else { VelocityLevel::Previous }
+}
+
+/// Density of fluid particles by summation, pressure by Tait.
+pub fn sum_density<R: Real, const D: usize>(
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+}
+
+/// Velocity gradients and sub-particle stress, in a scene that needs them.
+pub fn sum_gradients<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    since_plain: Res<StepsSincePlain>,
+    arrays: Res<ParticleArrays<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+) {
+    let scheme = &scene.0.scheme;
+    let turbulent = matches!(scheme.viscosity, Viscosity::Sps { .. });
+    if turbulent || scheme.shifting.corrects_velocity() {
+        gradients::sum_gradients(&pair.0, &grid.0, &arrays, level(*since_plain), &mut sums.0);
+    }
+    if turbulent {
+        stress::find_stress(&pair.0, &grid.0, &arrays, &mut sums.0);
+    }
+}
+
+/// Pair forces, shifting vector, divergence and the extremes that limit the step.
+pub fn sum_rates<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    since_plain: Res<StepsSincePlain>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut found: ResMut<RatesFound>,
+) {
+    let summary = rates::sum_rates(&pair.0, &grid.0, &mut arrays, level(*since_plain), &mut sums.0);
+    *found = RatesFound {
+        largest_signal: summary.signal_speed.max(scene.0.fluid.sound_speed),
+        largest_speed: summary.speed,
+        largest_divergence: summary.divergence,
+        largest_damping: summary.damping,
+        largest_viscosity: scene.0.fluid.viscosity + summary.eddy_viscosity,
+    };
+}

@@ -1,0 +1,309 @@
+//! The program as a user meets it: exit codes, messages, and what is left on the disk.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use tempfile::TempDir;
+
+/// Long enough for any of the short runs below on a busy machine; reached only when something hangs.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn sphecs<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sphecs"));
+    // A folder of its own for whatever a command might write beside what it is told to.
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).env_remove("RUST_BACKTRACE").args(arguments);
+    command
+}
+
+fn answer<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
+    sphecs(arguments).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Ends with this code and has these words on standard error.
+#[track_caller]
+fn refused(output: &Output, code: i32, words: &[&str]) {
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    for word in words {
+        assert!(message.contains(word), "no `{word}` in:\n{message}");
+    }
+    assert!(!message.contains("panicked") && !message.contains("fault of its own"), "{message}");
+}
+
+#[track_caller]
+fn done(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(0), "{}\n{}", text(&output.stdout), text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// The shipped quick scene, coarse.
+fn short_run(out: &Path, more: &[&str]) -> Command {
+    let mut command = sphecs(["run", "scenes/quickstart.ron", "--smoke", "--out"]);
+    command.arg(out).args(more);
+    command
+}
+
+/// A scene in a file of its own with one passage replaced.
+fn changed_scene(folder: &Path, passage: &str, by: &str) -> PathBuf {
+    let scene =
+        fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/quickstart.ron")).expect("the scene");
+    assert!(scene.contains(passage), "the scene has no `{passage}`");
+    let path = folder.join("changed.ron");
+    fs::write(&path, scene.replacen(passage, by, 1)).expect("written");
+    path
+}
+
+fn summary(run: &Path) -> serde_json::Value {
+    let text = fs::read_to_string(run.join("summary.json")).expect("a summary");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn nonsense_on_the_command_line_is_bad_input() {
+    refused(&answer::<&str>([]), 2, &["Usage"]);
+    refused(&answer(["chekc", "scenes/quickstart.ron"]), 2, &["check"]);
+    refused(&answer(["scenes/quickstart.ron", "--theads", "2"]), 2, &["--threads"]);
+    refused(&answer(["run", "scenes/quickstart.ron", "--until", "soon"]), 2, &["number"]);
+}
+
+#[test]
+fn help_has_examples_and_the_exit_codes() {
+    let help = done(&answer(["--help"]));
+    for word in ["sphecs scenes/quickstart.ron", "render", "130 interrupted"] {
+        assert!(help.contains(word), "no `{word}` in:\n{help}");
+    }
+    for command in ["run", "check", "render", "info", "export", "pack"] {
+        assert!(done(&answer([command, "--help"])).contains("Usage"));
+    }
+}
+
+#[test]
+fn missing_scene_is_named() {
+    refused(&answer(["scenes/nowhere.ron"]), 2, &["scenes/nowhere.ron"]);
+}
+
+#[test]
+fn fault_in_a_scene_has_its_place_and_leaves_nothing() {
+    let folder = folder();
+    let scene = changed_scene(folder.path(), "spacing:", "spacign:");
+    let line = 1 + fs::read_to_string(&scene)
+        .expect("read")
+        .find("spacign")
+        .map_or(0, |at| fs::read_to_string(&scene).expect("read")[..at].matches('\n').count());
+    let out = folder.path().join("out");
+    let output = sphecs([scene.as_os_str(), OsStr::new("--out"), out.as_os_str()]).output().expect("started");
+    refused(&output, 2, &["spacign", "spacing", &format!("changed.ron:{line}:")]);
+    assert!(!out.exists(), "a folder was made for a scene with faults");
+}
+
+#[test]
+fn wrong_path_of_a_set_is_answered_with_the_nearest_right_one() {
+    let output = answer(["check", "scenes/quickstart.ron", "--set", "fluid.sound_sped=1.0"]);
+    refused(&output, 2, &["sound_sped", "sound_speed"]);
+    let output = answer(["check", "scenes/quickstart.ron", "--set", "spacing=-1e-3"]);
+    refused(&output, 2, &["spacing"]);
+}
+
+#[test]
+fn check_runs_nothing_and_says_what_a_run_would_be() {
+    let report = done(&answer(["check", "scenes/quickstart.ron", "--smoke"]));
+    for word in ["fluid", "wall", "Re", "Mach", "steps"] {
+        assert!(report.contains(word), "no `{word}` in:\n{report}");
+    }
+}
+
+#[test]
+fn short_run_goes_from_scene_to_picture() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    let said = done(&short_run(&run, &["--steps", "20", "--threads", "2"]).output().expect("started"));
+    for word in ["particles", "completed", "20 steps", "rates", "at the start", "particles.nc"] {
+        assert!(said.contains(word), "no `{word}` in:\n{said}");
+    }
+    let figures = summary(&run);
+    assert_eq!(figures["status"], "completed");
+    assert_eq!(figures["steps"], 20);
+    assert_eq!(figures["threads"], 2);
+    assert_eq!(figures["ledger"]["balances"], true);
+    for file in ["particles.nc", "monitor.nc", "monitor.csv", "scene.ron"] {
+        assert!(run.join(file).is_file(), "no {file}");
+    }
+
+    let picture = folder.path().join("speed.png");
+    done(
+        &sphecs(["render"])
+            .arg(&run)
+            .args(["--field", "speed", "--width", "400", "-o"])
+            .arg(&picture)
+            .output()
+            .expect("started"),
+    );
+    assert_eq!(fs::read(&picture).expect("a picture")[1..4], *b"PNG");
+    let series = folder.path().join("series/pressure.png");
+    done(
+        &sphecs(["render"])
+            .arg(&run)
+            .args(["--field", "pressure", "--all", "--width", "300", "-o"])
+            .arg(&series)
+            .output()
+            .expect("started"),
+    );
+    let pictures = fs::read_dir(folder.path().join("series")).expect("pictures").count();
+    assert_eq!(pictures as u64, figures["frames"].as_u64().expect("a count"));
+
+    let info = done(&sphecs(["info"]).arg(&run).output().expect("started"));
+    assert!(info.contains("completed") && info.contains("frames"), "{info}");
+
+    let vtu = folder.path().join("vtu");
+    done(&sphecs(["export"]).arg(&run).args(["--vtu", "-o"]).arg(&vtu).output().expect("started"));
+    let written: Vec<_> = fs::read_dir(&vtu).expect("a folder").flatten().map(|entry| entry.path()).collect();
+    for extension in ["vtu", "pvd"] {
+        assert!(
+            written.iter().any(|path| path.extension() == Some(OsStr::new(extension))),
+            "no .{extension} in {written:?}"
+        );
+    }
+
+    // A packed run is packed: asking again changes nothing and is no fault.
+    let before = fs::read(run.join("particles.nc")).expect("results");
+    done(&sphecs(["pack"]).arg(&run).output().expect("started"));
+    assert_eq!(fs::read(run.join("particles.nc")).expect("results"), before);
+}
+
+#[test]
+fn earlier_run_is_replaced_by_force_only() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    done(&short_run(&run, &["--steps", "2"]).output().expect("started"));
+    refused(&short_run(&run, &["--steps", "3"]).output().expect("started"), 2, &["--force"]);
+    assert_eq!(summary(&run)["steps"], 2);
+    done(&short_run(&run, &["--steps", "3", "--force"]).output().expect("started"));
+    assert_eq!(summary(&run)["steps"], 3);
+
+    let other = folder.path().join("thesis");
+    fs::create_dir(&other).expect("a folder");
+    fs::write(other.join("thesis.tex"), "years").expect("written");
+    refused(&short_run(&other, &["--force"]).output().expect("started"), 2, &["thesis"]);
+    assert!(other.join("thesis.tex").exists());
+}
+
+#[test]
+fn quiet_says_nothing_and_verbose_says_every_frame() {
+    let folder = folder();
+    let quiet =
+        short_run(&folder.path().join("quiet"), &["--steps", "2", "--quiet"]).output().expect("started");
+    assert_eq!(done(&quiet), "");
+    assert_eq!(text(&quiet.stderr), "");
+    let verbose =
+        short_run(&folder.path().join("verbose"), &["--steps", "2", "-v"]).output().expect("started");
+    assert!(done(&verbose).contains("frame    0"));
+}
+
+#[test]
+fn reader_that_leaves_is_no_fault() {
+    let folder = folder();
+    let mut command = short_run(&folder.path().join("run"), &["--steps", "5", "-v"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("started");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[test]
+fn run_that_is_no_run_is_bad_input() {
+    let folder = folder();
+    for command in ["info", "pack"] {
+        refused(&sphecs([command]).arg(folder.path()).output().expect("started"), 2, &["is not a run"]);
+    }
+}
+
+#[test]
+fn folder_that_cannot_be_made_is_a_matter_of_files() {
+    let folder = folder();
+    fs::write(folder.path().join("file"), "in the way").expect("written");
+    let output = short_run(&folder.path().join("file/run"), &["--steps", "1"]).output().expect("started");
+    refused(&output, 4, &["file"]);
+}
+
+#[test]
+fn blow_up_says_where_and_keeps_the_frames() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    // At a Mach number of five the density of a weakly compressible flow leaves its bounds within some steps.
+    let output = short_run(&run, &["--set", "fluid.sound_speed=0.02", "--set", "output.every=0.01"])
+        .output()
+        .expect("started");
+    refused(&output, 3, &["blew up", "step", "t =", "particle", "m"]);
+    let figures = summary(&run);
+    assert_eq!(figures["status"], "blown up");
+    assert!(run.join("particles.nc").is_file());
+}
+
+/// A run that would last for long, once its first frame is on the disk.
+fn long_run(out: &Path) -> Child {
+    let mut command = sphecs(["run", "scenes/quickstart.ron", "--until", "1e6", "--out"]);
+    let mut child = command.arg(out).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("started");
+    wait_for(|| {
+        assert!(child.try_wait().expect("a state").is_none(), "the run ended by itself");
+        out.join("journal/frame-00000000.nc").exists()
+    });
+    child
+}
+
+#[track_caller]
+fn wait_for(mut happened: impl FnMut() -> bool) {
+    let started = Instant::now();
+    while !happened() {
+        assert!(started.elapsed() < PATIENCE, "waited in vain");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn send(child: &Child, signal: i32) {
+    let sent =
+        Command::new("kill").arg(format!("-{signal}")).arg(child.id().to_string()).status().expect("kill");
+    assert!(sent.success());
+}
+
+#[test]
+fn signal_ends_a_run_with_whole_files() {
+    for (signal, code, status) in [(SIGINT, 130, "interrupted"), (SIGTERM, 143, "terminated")] {
+        let folder = folder();
+        let run = folder.path().join("run");
+        let child = long_run(&run);
+        send(&child, signal);
+        let output = child.wait_with_output().expect("ended");
+        let said = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(code), "{said}{}", text(&output.stderr));
+        assert!(said.contains(status) && said.contains("steps in"), "{said}");
+        let figures = summary(&run);
+        assert_eq!(figures["status"], status);
+        assert!(figures["frames"].as_u64() >= Some(1));
+        assert!(run.join("particles.nc").is_file() && !run.join("journal").exists());
+    }
+}
+
+#[test]
+fn killed_run_is_packed_on_demand() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    let mut child = long_run(&run);
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    assert!(!run.join("particles.nc").exists());
+    done(&sphecs(["pack"]).arg(&run).output().expect("started"));
+    assert!(run.join("particles.nc").is_file());
+    assert!(done(&sphecs(["info"]).arg(&run).output().expect("started")).contains("running"));
+}

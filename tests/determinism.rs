@@ -1,0 +1,115 @@
+//! A run gives the same bits for any number of threads, and whoever looks at it meanwhile.
+
+mod census;
+
+use std::path::{Path, PathBuf};
+
+use census::{Particle, census};
+use rayon::ThreadPoolBuilder;
+use sphecs::glam::DVec3;
+use sphecs::scene::load_smoke;
+use sphecs::simulation::Simulation;
+
+/// Steps of each run: particles change zone, and plain steps come round, several times.
+const STEPS: usize = 500;
+
+/// Steps of the runs that somebody looks at.
+const LOOKED_AT: usize = 100;
+
+fn shipped() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let entries = std::fs::read_dir(folder).expect("scenes/");
+    let mut scenes: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    scenes.retain(|path| path.extension().is_some_and(|extension| extension == "ron"));
+    scenes.sort();
+    scenes
+}
+
+fn simulation(path: &Path) -> Simulation {
+    Simulation::from_scene(load_smoke(path, &[]).expect("a shipped scene reads"))
+}
+
+/// Every bit of a particle: `==` would take -0 for 0.
+fn bits(particle: &Particle) -> [u64; 20] {
+    let [x, v] = [particle.position, particle.velocity].map(|v| v.to_array().map(f64::to_bits));
+    let [before, rate] =
+        [particle.velocity_before, particle.acceleration].map(|v| v.to_array().map(f64::to_bits));
+    let [density, pressure, tag] = [particle.density, particle.pressure, particle.tag].map(f64::to_bits);
+    let [zone, patch] = [particle.zone as u64, u64::from(particle.patch)];
+    let [passage, fresh] = [u64::from(particle.passage), u64::from(particle.fresh)];
+    let vectors = [x, v, before, rate];
+    let scalars = [density, pressure, tag, zone, patch, passage, fresh, u64::from(particle.id)];
+    let mut all = [0; 20];
+    for (to, from) in all.iter_mut().zip(vectors.as_flattened().iter().chain(&scalars)) {
+        *to = *from;
+    }
+    all
+}
+
+/// The first particle of which a bit differs, with both of its states.
+fn difference(one: &mut Simulation, other: &mut Simulation) -> Option<String> {
+    let (a, b) = (one.clock(), other.clock());
+    if (a.time.to_bits(), a.step) != (b.time.to_bits(), b.step) {
+        return Some(format!("{a:?} against {b:?}"));
+    }
+    let (a, b) = (census(one), census(other));
+    if a.len() != b.len() {
+        return Some(format!("{} particles against {}", a.len(), b.len()));
+    }
+    a.iter().zip(&b).find(|(a, b)| bits(a) != bits(b)).map(|(a, b)| format!("{a:?}\nagainst {b:?}"))
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let pools = [1, 2, 3].map(|threads| {
+        ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads")
+    });
+    for path in shipped() {
+        let mut runs = [(); 3].map(|()| simulation(&path));
+        for (run, pool) in runs.iter_mut().zip(&pools) {
+            pool.install(|| (0..STEPS).for_each(|_| run.step().expect("a step")));
+        }
+        let [one, others @ ..] = &mut runs;
+        for (other, threads) in others.iter_mut().zip(2..) {
+            let found = difference(one, other);
+            assert_eq!(found, None, "{}: 1 thread against {threads}", path.display());
+        }
+    }
+}
+
+/// Runs each shipped scene as it is and with what `look` does before its steps, and fails with all differences.
+#[track_caller]
+fn each_scene_stays_the_same_under(look: impl Fn(&mut Simulation, usize)) {
+    let mut faults = Vec::new();
+    for path in shipped() {
+        let (mut alone, mut looked_at) = (simulation(&path), simulation(&path));
+        for step in 0..LOOKED_AT {
+            look(&mut looked_at, step);
+            alone.step().expect("a step");
+            looked_at.step().expect("a step");
+        }
+        if let Some(found) = difference(&mut alone, &mut looked_at) {
+            faults.push(format!("{}: {found}", path.display()));
+        }
+    }
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn reading_between_steps_changes_no_bit() {
+    each_scene_stays_the_same_under(|simulation, step| match step % 11 {
+        0 => drop(simulation.monitor_row()),
+        3 => drop(simulation.sample(&[DVec3::ZERO, DVec3::splat(1e-4)])),
+        5 => drop(census(simulation)),
+        _ => {}
+    });
+}
+
+#[test]
+fn taking_the_world_and_leaving_it_as_it_is_changes_no_bit() {
+    each_scene_stays_the_same_under(|simulation, step| {
+        if step % 7 == 0 {
+            simulation.world_mut();
+        }
+    });
+}

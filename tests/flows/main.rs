@@ -1,0 +1,83 @@
+//! Flows with a known answer, driven as a user of the library drives them.
+//!
+//! * [`periodic`]: conservation, decay and stability without walls
+//! * [`rest`]: what must not move, and water under gravity
+//! * [`channel`]: flows along plane walls, against their exact solutions
+//! * [`shipped`]: the shipped scenes at their smoke spacings, step by step
+
+mod channel;
+mod periodic;
+mod rest;
+mod shipped;
+
+use std::path::{Path, PathBuf};
+
+use sphecs::bevy_ecs::query::With;
+use sphecs::glam::DVec3;
+use sphecs::particles::components::{Density, Fluid, ParticleId, Position, Velocity};
+use sphecs::scene::{load, load_smoke, load_str};
+use sphecs::simulation::Simulation;
+
+/// A fluid particle.
+#[derive(Clone, Copy, Debug)]
+struct State {
+    id: ParticleId,
+    /// m.
+    position: DVec3,
+    /// m/s.
+    velocity: DVec3,
+    /// kg/m³.
+    density: f64,
+}
+
+/// The fluid particles by number.
+fn fluid(simulation: &mut Simulation) -> Vec<State> {
+    let world = simulation.world_mut();
+    let mut query = world.query_filtered::<(&ParticleId, &Position, &Velocity, &Density), With<Fluid>>();
+    let mut states: Vec<State> = query
+        .iter(world)
+        .map(|(&id, position, velocity, density)| State {
+            id,
+            position: position.0,
+            velocity: velocity.0,
+            density: density.0,
+        })
+        .collect();
+    states.sort_by_key(|state| state.id);
+    states
+}
+
+/// Paths and values as `--set` takes them.
+fn sets(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
+    pairs.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect()
+}
+
+/// A simulation of a scene in this crate's tests.
+fn flow(text: &str, pairs: &[(&str, &str)]) -> Simulation {
+    Simulation::from_scene(load_str("flow", text, &sets(pairs)).unwrap_or_else(|faults| panic!("{faults:?}")))
+}
+
+/// The path of a shipped scene.
+fn shipped_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)
+}
+
+/// A simulation of a shipped scene with values of one's own.
+fn shipped_flow(name: &str, pairs: &[(&str, &str)]) -> Simulation {
+    let scene = load(&shipped_path(name), &sets(pairs));
+    Simulation::from_scene(scene.unwrap_or_else(|faults| panic!("{name}: {faults:?}")))
+}
+
+/// A simulation of a shipped scene at its smoke spacing.
+fn smoke(name: &str, pairs: &[(&str, &str)]) -> Simulation {
+    let scene = load_smoke(&shipped_path(name), &sets(pairs));
+    Simulation::from_scene(scene.unwrap_or_else(|faults| panic!("{name}: {faults:?}")))
+}
+
+/// Takes steps, and fails where the flow blows up.
+#[track_caller]
+fn advance(simulation: &mut Simulation, steps: u64) {
+    for _ in 0..steps {
+        simulation.step().unwrap_or_else(|stop| panic!("{stop}"));
+    }
+}

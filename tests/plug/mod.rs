@@ -1,0 +1,31 @@
+//! Plug flow between an inlet and an outlet, without walls: every particle moves by the same formula.
+
+use sphecs::scene::load_str;
+use sphecs::scene::model::Scene;
+
+/// A fixed outlet pressure holds the uniform state to the last digit: an absorbing one sees the start as a wave.
+/// The tag says where and when a particle entered.
+const SCENE: &str = r#"Scene(
+    title: "Plug flow",
+    dimensions: 2,
+    spacing: 0.01,
+    smoke: 0.01,
+    constants: { "u": 0.1 },
+    fluid: (density: 1000.0, viscosity: 1.0e-6, sound_speed: 1.0),
+    domain: Box(min: (0.0, 0.0), max: (0.16, 0.08)),
+    walls: None,
+    periodic: ["y"],
+    initial: (velocity: ("u", 0.0), tag: "y + 10*t"),
+    inlets: [(at: (0.0, 0.04), towards: (1.0, 0.0), velocity: Normal("u"))],
+    outlets: [(at: (0.16, 0.04), towards: (1.0, 0.0), condition: WaveEquation(pressure: Reference(0.0)))],
+    reservoir: (particles: 40),
+    time: (end: 100.0),
+    output: (every: 1.0),
+)"#;
+
+/// The scene with values put in.
+pub fn scene(sets: &[(&str, &str)]) -> Scene {
+    let sets: Vec<(String, String)> =
+        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
+    load_str("plug", SCENE, &sets).unwrap_or_else(|faults| panic!("{faults:?}"))
+}

@@ -1,0 +1,189 @@
+//! What was written can be read, drawn and exported, packed or not, in 2D and in 3D.
+
+use std::path::Path;
+
+use sphecs::output::folder::RunFolder;
+use sphecs::output::frame::Frame;
+use sphecs::output::header::Header;
+use sphecs::output::info;
+use sphecs::output::picture::{Field, RenderOptions, Slice, render, render_all};
+use sphecs::output::probes::ProbeSet;
+use sphecs::output::results::Results;
+use sphecs::output::summary::{Status, Summary};
+use sphecs::output::vtk::export_vtu;
+
+const SPACING: f64 = 0.05;
+
+/// A channel of 40 × 10 (× 6) particles between walls with a parabolic flow; the last slots are in the reservoir.
+fn channel(dimensions: usize, time: f64) -> Frame {
+    let layers = if dimensions == 3 { 6 } else { 1 };
+    let inside = 40 * 14 * layers;
+    let mut frame = Frame::absent(inside + 5);
+    frame.zone[inside..].fill(4);
+    for slot in 0..inside {
+        let (column, row, layer) = (slot % 40, slot / 40 % 14, slot / 560);
+        let place = [column, row, layer].map(|k| (k as f64 + 0.5) * SPACING);
+        let y = place[1] / (14.0 * SPACING) * 2.0 - 1.0;
+        let wall = !(2..12).contains(&row);
+        frame.zone[slot] = if wall { 1 } else { 0 };
+        for (axis, &x) in place.iter().take(dimensions).enumerate() {
+            frame.position[axis][slot] = x;
+        }
+        if dimensions == 2 {
+            frame.position[2][slot] = 0.0;
+        }
+        frame.velocity[0][slot] = (1.0 - y * y) as f32;
+        frame.velocity[1][slot] = time as f32;
+        frame.velocity[2][slot] = 0.0;
+        frame.density[slot] = 1000.0;
+        frame.pressure[slot] = place[0] as f32;
+        frame.tag[slot] = column as f32;
+        frame.passage[slot] = row as u32;
+    }
+    frame.time = time;
+    frame.step = (1000.0 * time) as u64;
+    frame.time_step = 1e-3;
+    frame
+}
+
+fn run(path: &Path, dimensions: usize) -> RunFolder {
+    let first = channel(dimensions, 0.0);
+    let header = Header {
+        scene: "channel".to_owned(),
+        title: "Plane channel".to_owned(),
+        text: "Scene()".to_owned(),
+        dimensions,
+        spacing: SPACING,
+        smoothing_length: 1.5 * SPACING,
+        bounds: first.bounds().expect("particles"),
+        ..Header::default()
+    };
+    let mut run = RunFolder::create(path, false, &header, &ProbeSet::default()).expect("a run folder");
+    for time in [0.0, 0.1, 0.25] {
+        run.submit(channel(dimensions, time)).expect("accepted");
+    }
+    run
+}
+
+/// Walls come back with their place only; everything else bit for bit.
+fn assert_same(found: &Frame, wanted: &Frame) {
+    assert_eq!((found.time, found.step, found.time_step), (wanted.time, wanted.step, wanted.time_step));
+    assert_eq!(found.zone, wanted.zone);
+    for slot in 0..wanted.len() {
+        for axis in 0..3 {
+            let places = (found.position[axis][slot], wanted.position[axis][slot]);
+            assert!(
+                places.0 == places.1 || places.0.is_nan() && places.1.is_nan(),
+                "slot {slot}: {places:?}"
+            );
+        }
+        if wanted.zone[slot] == 0 {
+            assert_eq!(found.velocity[0][slot], wanted.velocity[0][slot]);
+            assert_eq!(found.velocity[1][slot], wanted.velocity[1][slot]);
+            assert_eq!(found.pressure[slot], wanted.pressure[slot]);
+            assert_eq!(found.passage[slot], wanted.passage[slot]);
+            assert_eq!(found.tag[slot], wanted.tag[slot]);
+        }
+    }
+}
+
+#[test]
+fn frames_read_back_from_journal_and_from_packed_file() {
+    for dimensions in [2, 3] {
+        let parent = tempfile::tempdir().expect("a folder");
+        let path = parent.path().join("run");
+        let run = run(&path, dimensions);
+        while run.frames_written() < 3 {
+            std::thread::yield_now();
+        }
+        let journal = Results::open(&path).expect("a run");
+        assert!(!journal.is_packed());
+        run.finish(Summary { status: Status::Completed, ..Summary::default() }).expect("ended");
+        let packed = Results::open(&path).expect("a run");
+        assert!(packed.is_packed());
+        // The first was opened before its journal went away under it.
+        for results in [&journal, &packed] {
+            assert_eq!(results.times(), [0.0, 0.1, 0.25]);
+            for (index, time) in results.times().into_iter().enumerate() {
+                assert_same(&results.frame(index).expect("a frame"), &channel(dimensions, time));
+            }
+        }
+        assert_eq!(packed.nearest(0.14).expect("a frame"), 1);
+        assert!(packed.frame(3).expect_err("refused").to_string().contains("0 to 2"));
+        let text = info::describe(&packed).expect("described");
+        assert!(
+            text.contains("Plane channel") && text.contains("completed") && text.contains("3 from 0.0000 s"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn picture_shows_field_walls_and_nothing_else() {
+    for dimensions in [2, 3] {
+        let parent = tempfile::tempdir().expect("a folder");
+        let path = parent.path().join("run");
+        run(&path, dimensions).finish(Summary::default()).expect("ended");
+        let results = Results::open(&path).expect("a run");
+        let picture = parent.path().join("flow.png");
+        for field in Field::ALL {
+            let options = RenderOptions { field, width: 640, ..RenderOptions::default() };
+            match render(&results, Some(0.11), &options, &picture) {
+                Ok(time) => assert_eq!(time, 0.1),
+                Err(error) => assert!(field == Field::W && dimensions == 2, "{}: {error}", field.name()),
+            }
+        }
+        let options = RenderOptions { width: 640, range: Some((0.0, 1.0)), ..RenderOptions::default() };
+        render(&results, None, &options, &picture).expect("drawn");
+        let image = image::open(&picture).expect("a picture").to_rgb8();
+        assert_eq!(image.width(), 640);
+        let grey = |pixel: &image::Rgb<u8>| pixel.0 == [0x9a, 0x9f, 0xa6];
+        let walls = image.pixels().filter(|pixel| grey(pixel)).count() as f64;
+        let field = image.pixels().filter(|pixel| {
+            let [r, g, b] = pixel.0.map(i32::from);
+            (r - g).abs().max((g - b).abs()) > 30
+        });
+        // Four rows of wall on ten of fluid; the colour bar adds a few per cent to the fluid.
+        let ratio = walls / field.count() as f64;
+        assert!((0.33..0.41).contains(&ratio), "walls to fluid {ratio} in {dimensions}D");
+    }
+}
+
+#[test]
+fn series_has_a_picture_and_a_grid_per_frame() {
+    let parent = tempfile::tempdir().expect("a folder");
+    let path = parent.path().join("run");
+    run(&path, 3).finish(Summary::default()).expect("ended");
+    let results = Results::open(&path).expect("a run");
+    let options =
+        RenderOptions { width: 320, slice: Slice { axis: 0, at: None }, ..RenderOptions::default() };
+    let mut counted = Vec::new();
+    let pictures = render_all(&results, &options, &parent.path().join("flow.png"), |done, all| {
+        counted.push((done, all))
+    })
+    .expect("drawn");
+    assert_eq!(counted, [(1, 3), (2, 3), (3, 3)]);
+    assert!(pictures.iter().all(|path| path.exists()) && pictures[2].ends_with("flow-0002.png"));
+
+    let series = export_vtu(&results, &path.join("vtk"), |_, _| {}).expect("exported");
+    let text = std::fs::read_to_string(series).expect("read");
+    assert_eq!(text.matches("<DataSet").count(), 3);
+    assert!(path.join("vtk/particles-00002.vtu").exists() && path.join("vtk/walls.vtu").exists());
+}
+
+#[test]
+fn requests_that_do_not_fit_are_refused() {
+    let parent = tempfile::tempdir().expect("a folder");
+    let path = parent.path().join("run");
+    run(&path, 3).finish(Summary::default()).expect("ended");
+    let results = Results::open(&path).expect("a run");
+    let picture = parent.path().join("flow.png");
+    let refused =
+        |options: RenderOptions| render(&results, None, &options, &picture).expect_err("refused").to_string();
+    let outside =
+        refused(RenderOptions { slice: Slice { axis: 2, at: Some(7.0) }, ..RenderOptions::default() });
+    assert!(outside.contains("from 0.025 to 0.275 m"), "{outside}");
+    let reversed = refused(RenderOptions { range: Some((1.0, 0.0)), ..RenderOptions::default() });
+    assert!(reversed.contains("smaller"), "{reversed}");
+    assert!(Results::open(parent.path()).expect_err("refused").to_string().contains("is not a run"));
+}

@@ -1,0 +1,53 @@
+//! What is read and written during a run does not change the flow.
+
+use std::path::Path;
+
+use sphecs::output::frame::Frame;
+use sphecs::scene::load_smoke;
+use sphecs::simulation::Simulation;
+
+fn simulation(scene: &str, precision: &str) -> Simulation {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+    let sets = [("precision".to_owned(), precision.to_owned())];
+    Simulation::from_scene(load_smoke(&path, &sets).expect("a shipped scene reads"))
+}
+
+/// Every bit of the state that a frame holds.
+fn bits(simulation: &mut Simulation) -> Vec<u64> {
+    let frame = Frame::from_world(simulation.world_mut());
+    let wide = frame.position.iter().flatten().map(|x| x.to_bits());
+    let narrow = frame.velocity.iter().chain([&frame.density, &frame.pressure]).flatten();
+    let counts =
+        frame.zone.iter().map(|zone| u64::from(*zone)).chain(frame.passage.iter().map(|n| u64::from(*n)));
+    wide.chain(narrow.map(|x| u64::from(x.to_bits()))).chain(counts).collect()
+}
+
+#[track_caller]
+fn check(scene: &str, precision: &str) {
+    let (mut watched, mut alone) = (simulation(scene, precision), simulation(scene, precision));
+    let points: Vec<_> = watched.scene().inlets.iter().map(|inlet| inlet.patch.at).collect();
+    for step in 0..100 {
+        if step % 7 == 0 {
+            watched.monitor_row();
+            watched.sample(&points);
+            bits(&mut watched);
+        }
+        watched.step().expect("a step");
+        alone.step().expect("a step");
+        let (with, without) = (watched.clock(), alone.clock());
+        assert_eq!(with.time.to_bits(), without.time.to_bits(), "{scene}, {precision}: step {step} differs");
+    }
+    assert!(
+        bits(&mut watched) == bits(&mut alone),
+        "{scene}, {precision}: the state differs after 100 steps"
+    );
+}
+
+#[test]
+fn reading_a_flow_changes_no_bit_of_it() {
+    for scene in ["quickstart.ron", "poiseuille_periodic.ron", "duct3d.ron"] {
+        for precision in ["F64", "F32"] {
+            check(scene, precision);
+        }
+    }
+}
