@@ -29,6 +29,32 @@ impl Inlet {
             }
         }
     }
+
+    /// What the prescribed motion needs of gravity and pressure, dv/dt − ν ∇²v, m/s², at a point (m) and time (s).
+    ///
+    /// `spacing` (m) and `moment` (s) are the steps of the differences in the expressions: shorter than anything that
+    /// an inlet resolves. The profile does not change along the flow; the second differences are taken across it. A
+    /// table has none: between its rows it is straight, at them it has no second derivative.
+    pub fn inertia(&self, viscosity: f64, point: DVec3, time: f64, spacing: f64, moment: f64) -> DVec3 {
+        let velocity = |point, time| self.velocity_at(viscosity, point, time);
+        if let InletVelocity::PoiseuilleStartup { body_force, .. } = self.velocity {
+            // The equation that the series solves.
+            return self.patch.towards * body_force;
+        }
+        let (before, after) = ((time - moment).max(0.0), time + moment);
+        let rate = (velocity(point, after) - velocity(point, before)) / (after - before);
+        if !matches!(self.velocity, InletVelocity::Normal(_) | InletVelocity::Components(_)) {
+            return rate;
+        }
+        let here = velocity(point, time);
+        let second = |across: DVec3| {
+            let step = across * spacing;
+            (velocity(point + step, time) + velocity(point - step, time) - here * 2.0) / (spacing * spacing)
+        };
+        let curvature: DVec3 =
+            self.patch.across.into_iter().filter(|across| *across != DVec3::ZERO).map(second).sum();
+        rate - curvature * viscosity
+    }
 }
 
 /// Linear between rising abscissae, held at the ends.
@@ -53,6 +79,7 @@ fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: i
 mod tests {
     use super::*;
     use crate::physics::inlet::InletPressure;
+    use crate::scene::expression::{Constants, Expression};
     use crate::scene::model::Patch;
 
     fn inlet(velocity: InletVelocity) -> Inlet {
@@ -91,5 +118,25 @@ mod tests {
         assert_eq!(speed(1.5, 1.0), 3.0);
         assert_eq!(speed(1.5, 0.5), 1.5);
         assert_eq!(speed(9.0, 2.0), 2.0);
+    }
+
+    #[test]
+    fn a_parabola_needs_the_force_that_drives_it_and_a_ramp_its_rate() {
+        let read = |text| Expression::read(text, &Constants::default()).unwrap();
+        let inertia = |velocity| inlet(velocity).inertia(0.02, DVec3::Y * 0.3, 0.5, 0.01, 1e-4);
+        let parabola = inertia(InletVelocity::Normal(read("3 * (1 - y^2)")));
+        assert!((parabola - DVec3::X * (2.0 * 3.0 * 0.02)).length() < 1e-9, "{parabola}");
+        let ramp = inertia(InletVelocity::Components([read("t^2"), read("0"), read("y*t")]));
+        assert!((ramp - DVec3::new(1.0, 0.0, 0.3)).length() < 1e-9, "{ramp}");
+        let table = inertia(InletVelocity::TimeTable(vec![(0.0, 0.0), (1.0, 4.0)]));
+        assert!((table - DVec3::X * 4.0).length() < 1e-9, "{table}");
+        let startup = InletVelocity::PoiseuilleStartup { half_width: 1.0, body_force: 0.1 };
+        assert_eq!(inertia(startup), DVec3::X * 0.1);
+    }
+
+    #[test]
+    fn at_the_start_only_what_follows_counts() {
+        let steps = InletVelocity::TimeTable(vec![(-1.0, 0.0), (0.0, 5.0), (1.0, 5.0)]);
+        assert_eq!(inlet(steps).inertia(0.0, DVec3::ZERO, 0.0, 0.01, 1e-3), DVec3::ZERO);
     }
 }

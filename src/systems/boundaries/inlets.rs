@@ -5,7 +5,7 @@
 //! the prescribed motion needs:
 //!
 //! ```text
-//! p_o = p(x_k) + ρ0 (g − dv_in/dt)·(x_o − x_k),   x_k = x_o − 2 ((x_o − x_plane)·n) n
+//! p_o = p(x_k) + ρ0 (g − dv_in/dt + ν ∇²v_in)·(x_o − x_k),   x_k = x_o − 2 ((x_o − x_plane)·n) n
 //! ```
 //!
 //! Negi et al. (2020), Eq. 22, for the first term. Extrapolating the sampled gradient instead would multiply its
@@ -22,6 +22,7 @@ use crate::particles::rows::set_real_vector;
 use crate::particles::zone::Zone;
 use crate::pass::sampling::Sampler;
 use crate::physics::inlet::InletPressure;
+use crate::physics::viscosity::Viscosity;
 use crate::scene::model::{Inlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::forces::body_force;
@@ -85,12 +86,13 @@ fn extrapolated_pressure<R: Real, const D: usize>(
     let behind = inlet.patch.along(point);
     let mirrored = point - normal * (2.0 * behind);
     let sampled = sampler.pressure(mirrored)?;
-    // A central difference over a time that no inlet resolves, short against any ramp.
-    let moment = 1e-4 * scene.spacing / scene.fluid.sound_speed;
-    let nu = scene.fluid.viscosity;
-    let rate = (inlet_velocity(inlet, nu, point, time + moment)
-        - inlet_velocity(inlet, nu, point, time - moment))
-        / (2.0 * moment);
-    let gradient = (body_force(&scene.body_force, point, time) - rate) * scene.fluid.density;
+    // Short against any ramp, and against any profile that the particles can follow.
+    let (moment, step) = (1e-4 * scene.spacing / scene.fluid.sound_speed, 0.25 * scene.spacing);
+    let viscosity = match scene.scheme.viscosity {
+        Viscosity::Artificial { .. } => 0.0,
+        Viscosity::Laminar { .. } | Viscosity::Sps { .. } => scene.fluid.viscosity,
+    };
+    let inertia = inlet.inertia(viscosity, point, time, step, moment);
+    let gradient = (body_force(&scene.body_force, point, time) - inertia) * scene.fluid.density;
     Some(sampled + gradient.dot(normal) * (2.0 * behind))
 }
