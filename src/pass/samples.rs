@@ -3,8 +3,10 @@
 use glam::DVec3;
 
 use super::density::sum_density;
+use super::gradients::{Walls, sum_gradients};
 use super::rates::{RatesSummary, VelocityLevel, sum_rates};
 use super::settings::PairSettings;
+use super::strain::find_strain;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::Kernel;
@@ -95,6 +97,13 @@ impl<R: Real, const D: usize> Sample<R, D> {
     /// Density and pressure.
     pub fn density(&mut self) {
         sum_density(&self.pair, &self.grid, &mut self.particles, &mut self.sums);
+    }
+
+    /// Rates of strain, walls left out.
+    pub fn strain(&mut self) {
+        let (level, walls) = (VelocityLevel::Present, Walls::LeftOut);
+        sum_gradients(&self.pair, &self.grid, &self.particles, level, walls, &mut self.sums);
+        find_strain(&mut self.sums);
     }
 
     /// Accelerations.

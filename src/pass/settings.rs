@@ -29,6 +29,8 @@ pub struct PairSettings {
     pub viscosity: f64,
     /// Viscous term.
     pub viscous_term: Viscosity,
+    /// α of the damping of noise; 0: none.
+    pub noise_damping: f64,
     /// Which shifting vector is summed.
     pub shifting: Shifting,
     /// p_b − p_a in place of p_a + p_b where p_a < 0 and the support is full.
@@ -68,6 +70,7 @@ impl PairSettings {
             tait,
             viscosity: 0.0,
             viscous_term: Viscosity::default(),
+            noise_damping: 0.0,
             shifting: Shifting::default(),
             tensile_control: true,
             velocity_cap: None,

@@ -14,6 +14,7 @@ use crate::physics::inlet::InletPressure;
 use crate::physics::outlet::OutletCondition;
 use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
+use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::physics::wall::{Slip, WallModel};
 
 /// A complete, checked scene.
@@ -117,6 +118,8 @@ pub struct Wcsph {
     pub smoothing_ratio: f64,
     /// Viscous term.
     pub viscosity: Viscosity,
+    /// Damping of single particles' noise.
+    pub noise_damping: NoiseDamping,
     /// Particle shifting.
     pub shifting: Shifting,
     /// p_b − p_a in place of p_a + p_b where p_a < 0.

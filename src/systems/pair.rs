@@ -23,6 +23,7 @@ pub fn pair_settings(scene: &Scene) -> PairSettings {
     );
     pair.viscosity = scene.fluid.viscosity;
     pair.viscous_term = scheme.viscosity;
+    pair.noise_damping = scheme.noise_damping.alpha();
     pair.shifting = scheme.shifting;
     pair.tensile_control = scheme.tensile_control;
     pair.velocity_cap = velocity_cap;

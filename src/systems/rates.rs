@@ -9,11 +9,12 @@ use super::setup::SceneInUse;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::pass::density;
-use crate::pass::gradients;
+use crate::pass::gradients::{self, Walls};
 use crate::pass::rates::{self, VelocityLevel};
-use crate::pass::stress;
 use crate::pass::sums::PairSums;
+use crate::pass::{strain, stress};
 use crate::physics::viscosity::Viscosity;
+use crate::physics::viscosity::reconstructed::NoiseDamping;
 
 /// Sums of the pair pass that are not part of the state.
 #[derive(Resource, Default)]
@@ -53,7 +54,7 @@ pub fn sum_density<R: Real, const D: usize>(
     density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
 }
 
-/// Velocity gradients and sub-particle stress, in a scene that needs them.
+/// Velocity gradients, rate of strain and sub-particle stress, in a scene that needs them.
 pub fn sum_gradients<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     pair: Res<Pair>,
@@ -64,8 +65,13 @@ pub fn sum_gradients<R: Real, const D: usize>(
 ) {
     let scheme = &scene.0.scheme;
     let turbulent = matches!(scheme.viscosity, Viscosity::Sps { .. });
-    if turbulent || scheme.shifting.corrects_velocity() {
-        gradients::sum_gradients(&pair.0, &grid.0, &arrays, level(*since_plain), &mut sums.0);
+    let damped = scheme.noise_damping != NoiseDamping::Off;
+    if turbulent || damped {
+        let walls = if turbulent { Walls::Imaged } else { Walls::LeftOut };
+        gradients::sum_gradients(&pair.0, &grid.0, &arrays, level(*since_plain), walls, &mut sums.0);
+    }
+    if damped {
+        strain::find_strain(&mut sums.0);
     }
     if turbulent {
         stress::find_stress(&pair.0, &grid.0, &arrays, &mut sums.0);

@@ -13,8 +13,8 @@ use crate::particles::zone::Zone;
 use crate::pass::blocks::for_each_part;
 use crate::physics::shifting::{ShiftStep, Shifting};
 
-/// Moves fluid and outflow particles by the shifting vector that the pair sums found; with
-/// `correct_velocity` a fluid particle takes the velocity that the flow has at its new place, v + δx·∇v.
+/// Moves fluid and outflow particles by the shifting vector that the pair sums found. They keep their velocity: carried
+/// along its gradient, v + δx·∇v, the noise of single particles feeds itself (a constricted channel blew up with A = 6).
 pub fn shift<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
@@ -33,11 +33,9 @@ pub fn shift<R: Real, const D: usize>(
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };
-    let corrects_velocity = shifting.corrects_velocity();
-    let ParticleArrays { zone, position, velocity, .. } = &mut *arrays;
+    let ParticleArrays { zone, position, .. } = &mut *arrays;
     let (zone, sums) = (&*zone, &sums.0);
-    let columns = (position.each_mut().map(Vec::as_mut_slice), velocity.each_mut().map(Vec::as_mut_slice));
-    let work = |rows: Range<usize>, (position, velocity): ([&mut [f64]; D], [&mut [R]; D])| {
+    let work = |rows: Range<usize>, position: [&mut [f64]; D]| {
         for (at, row) in rows.enumerate() {
             if zone[row] != Zone::Fluid && zone[row] != Zone::Outflow {
                 continue;
@@ -47,14 +45,7 @@ pub fn shift<R: Real, const D: usize>(
             for axis in 0..D {
                 position[axis][at] += moved[axis];
             }
-            if corrects_velocity && zone[row] == Zone::Fluid {
-                for axis in 0..D {
-                    let change: f64 =
-                        (0..D).map(|along| moved[along] * sums.gradient[axis][along][row].to_f64()).sum();
-                    velocity[axis][at] += R::from_f64(change);
-                }
-            }
         }
     };
-    for_each_part(0..zone.len(), columns, &work);
+    for_each_part(0..zone.len(), position.each_mut().map(Vec::as_mut_slice), &work);
 }

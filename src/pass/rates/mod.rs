@@ -1,7 +1,7 @@
 //! Rates of the fluid: one fused pair loop for everything that the step needs.
 //!
 //! ```text
-//! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
+//! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ damping of noise) (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
 //! ∇C_a    = Σ V_b ∇W,   ∇·v_a = Σ V_b (v_b − v_a)·∇W,   signal_a = max_b |h x_ab·v_ab/(r² + η²)|
 //! ```
 //!
@@ -124,7 +124,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             wall_normal,
             ..
         } = self.particles;
-        let PairSums { shift, divergence, eddy_viscosity, stress, columns, packs, .. } = self.sums;
+        let PairSums { shift, divergence, eddy_viscosity, strain, stress, columns, packs, .. } = self.sums;
         let layout = Layout::new::<D>(self.pair);
         let mut neighbours: [&[R]; Layout::MOST_COLUMNS] = [&[]; Layout::MOST_COLUMNS];
         let velocity = match self.level {
@@ -134,6 +134,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
         let in_order = velocity
             .iter()
             .chain([&*density, &*pressure, &columns.volume, &columns.image_distance, &columns.viscous])
+            .chain(strain.iter().take(layout.strain_components::<D>()))
             .chain(wall_normal.iter().filter(|_| layout.normal.is_some()))
             .chain(stress.iter().take(layout.stress_components::<D>()));
         let mut count = 0;
@@ -194,18 +195,21 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for RatesBlock<'_, K
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> RatesSummary {
         let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout);
-        if pair_loop.is_plain() {
-            self.sweep::<L, true>(&pair_loop)
-        } else {
-            self.sweep::<L, false>(&pair_loop)
+        match (pair_loop.is_plain(), pair_loop.is_damped()) {
+            (true, false) => self.sweep::<L, true, false>(&pair_loop),
+            (true, true) => self.sweep::<L, true, true>(&pair_loop),
+            (false, _) => self.sweep::<L, false, false>(&pair_loop),
         }
     }
 }
 
 impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
-    /// All fluid rows of the block; `PLAIN` as the loop says.
+    /// All fluid rows of the block; `PLAIN` and `DAMPED` as the loop says.
     #[inline(always)]
-    fn sweep<L: Lanes<Real = R>, const PLAIN: bool>(self, pair_loop: &PairLoop<L, D>) -> RatesSummary {
+    fn sweep<L: Lanes<Real = R>, const PLAIN: bool, const DAMPED: bool>(
+        self,
+        pair_loop: &PairLoop<L, D>,
+    ) -> RatesSummary {
         let grid = self.source.grid;
         let first = grid.rows(self.cells.start).start;
         let (acceleration, shift, [divergence]) = self.outputs;
@@ -221,7 +225,7 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     continue;
                 }
                 let point = self.pack.relative(self.source, row);
-                let rates = pair_loop.sum::<K, PLAIN>(
+                let rates = pair_loop.sum::<K, PLAIN, DAMPED>(
                     self.pack,
                     self.source,
                     point,

@@ -10,7 +10,7 @@ use crate::pass::settings::PairSettings;
 use crate::physics::momentum;
 use crate::physics::shifting::{Shifting, vacondio};
 use crate::physics::sps;
-use crate::physics::viscosity::{Viscosity, artificial, laminar};
+use crate::physics::viscosity::{Viscosity, artificial, laminar, reconstructed};
 use crate::physics::wall::{WallPressure, image};
 
 /// Which of a pack's columns is what. The coordinates are the first `D`, the velocity the next.
@@ -22,6 +22,8 @@ pub(super) struct Layout {
     volume: usize,
     image_distance: usize,
     viscous: usize,
+    /// Components of the rate of strain, only where noise is damped.
+    strain: Option<usize>,
     /// Wall normals, only where a wall is free-slip.
     pub normal: Option<usize>,
     /// Components of T/ρ², only with sub-particle stress.
@@ -31,12 +33,13 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Most columns beside the coordinates: velocity, five scalars, normal and stress in 3D.
-    pub const MOST_COLUMNS: usize = 3 + 5 + 3 + 6;
+    /// Most columns beside the coordinates: velocity, five scalars, strain, normal and stress in 3D.
+    pub const MOST_COLUMNS: usize = 3 + 5 + 6 + 3 + 6;
 
-    /// The columns that every pass has.
+    /// The columns that every pass has, and those of the damping.
     #[inline(always)]
-    const fn plain<const D: usize>() -> Self {
+    const fn plain<const D: usize>(damped: bool) -> Self {
+        let scalars = 2 * D + 5;
         Self {
             velocity: D,
             density: 2 * D,
@@ -44,14 +47,15 @@ impl Layout {
             volume: 2 * D + 2,
             image_distance: 2 * D + 3,
             viscous: 2 * D + 4,
+            strain: if damped { Some(scalars) } else { None },
             normal: None,
             stress: None,
-            count: 2 * D + 5,
+            count: if damped { scalars + sps::components(D) } else { scalars },
         }
     }
 
     pub fn new<const D: usize>(pair: &PairSettings) -> Self {
-        let mut layout = Self::plain::<D>();
+        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0);
         if pair.has_free_slip() {
             layout.normal = Some(layout.count);
             layout.count += D;
@@ -61,6 +65,11 @@ impl Layout {
             layout.count += sps::components(D);
         }
         layout
+    }
+
+    /// Components of the rate of strain that are packed.
+    pub fn strain_components<const D: usize>(&self) -> usize {
+        if self.strain.is_some() { sps::components(D) } else { 0 }
     }
 
     /// Components of the stress that are packed.
@@ -133,16 +142,22 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         }
     }
 
-    /// Whether the loop has no terms beyond the plain ones: then it is compiled without their branches, which would
-    /// keep half of the accumulators out of the registers.
+    /// Whether the loop has no terms beyond the plain ones and the damping: then it is compiled without their branches,
+    /// which would keep half of the accumulators out of the registers.
     #[inline(always)]
     pub fn is_plain(&self) -> bool {
         self.terms == Terms::default() && self.layout.normal.is_none() && self.layout.stress.is_none()
     }
 
+    /// Whether noise is damped.
+    #[inline(always)]
+    pub fn is_damped(&self) -> bool {
+        self.layout.strain.is_some()
+    }
+
     /// Sums over a pack for the row at `point` (relative to the pack, in units of h).
     #[inline(always)]
-    pub fn sum<K: KernelShape, const PLAIN: bool>(
+    pub fn sum<K: KernelShape, const PLAIN: bool, const DAMPED: bool>(
         &self,
         pack: &Pack<L::Real>,
         source: &Source<L::Real, D>,
@@ -152,7 +167,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
     ) -> RowRates<D> {
         let pair = self.pair;
         let (layout, terms) =
-            if PLAIN { (Layout::plain::<D>(), Terms::default()) } else { (self.layout, self.terms) };
+            if PLAIN { (Layout::plain::<D>(DAMPED), Terms::default()) } else { (self.layout, self.terms) };
         let h = pair.smoothing_length;
         let own = |column: usize| source.columns[column - D][row];
         let density = own(layout.density).to_f64();
@@ -169,6 +184,12 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             v_a[d] = L::splat(own(layout.velocity + d));
             weight_a[d] = L::constant(-density * pair.body_force[d] * h);
         }
+        let mut strain_a = [zero; 6];
+        if let Some(first) = layout.strain {
+            for (c, strain) in strain_a.iter_mut().enumerate().take(sps::components(D)) {
+                *strain = L::splat(own(first + c));
+            }
+        }
         let mut stress_a = [zero; 6];
         if let Some(first) = layout.stress {
             for (c, stress) in stress_a.iter_mut().enumerate().take(sps::components(D)) {
@@ -184,6 +205,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let speed_a = pair.tait.sound_speed_at(density);
         // Terms along x_ab that are not divided by ρ_a are multiplied by −ρ_a first.
         let artificial_scale = L::constant(-density * self.artificial_mass);
+        let noise_scale = L::constant(-density * pair.noise_damping * pair.mass);
         let stress_scale = L::constant(-density * pair.mass);
 
         let mut along_x = [zero; D];
@@ -245,6 +267,19 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 let damping =
                     artificial::factor(L::constant(speed_a) + speed_b, approach, inverse_density_sum);
                 push = (damping * viscous * artificial_scale).mul_add(slope, push);
+            }
+            if let Some(first) = layout.strain {
+                let mut strain_sum = strain_a;
+                for (c, strain) in strain_sum.iter_mut().enumerate().take(sps::components(D)) {
+                    *strain = *strain + entry.column(first + c);
+                }
+                let speed_b = rho_b * rho_b * rho_b * self.speed_scale;
+                let approach = reconstructed::unexplained(xv, strain_sum, x, h) * inverse_softened;
+                let damping =
+                    reconstructed::factor(L::constant(speed_a) + speed_b, approach, inverse_density_sum);
+                let is_wall = zero.less(entry.column(layout.image_distance));
+                let damping = L::select(is_wall, zero, damping * noise_scale);
+                push = damping.mul_add(slope, push);
             }
             let drag = if terms.printed {
                 laminar::printed_factor(slope, inverse_density_sum, q2, inverse_softened)

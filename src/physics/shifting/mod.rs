@@ -22,9 +22,6 @@ pub enum Shifting {
         /// Strength, dimensionless.
         #[serde(default = "fickian_coefficient")]
         coefficient: f64,
-        /// Carry the velocity along its gradient to the shifted position.
-        #[serde(default)]
-        correct_velocity: bool,
     },
     /// Vacondio et al. (2013) with the local mean spacing of Xu et al. (2009).
     Vacondio {
@@ -44,7 +41,7 @@ fn vacondio_coefficient() -> f64 {
 
 impl Default for Shifting {
     fn default() -> Self {
-        Shifting::Fickian { coefficient: fickian_coefficient(), correct_velocity: false }
+        Shifting::Fickian { coefficient: fickian_coefficient() }
     }
 }
 
@@ -65,17 +62,12 @@ pub struct ShiftStep {
 }
 
 impl Shifting {
-    /// Whether the velocity is carried along its gradient to the shifted position.
-    pub fn corrects_velocity(&self) -> bool {
-        matches!(self, Shifting::Fickian { correct_velocity: true, .. })
-    }
-
     /// Displacement of a particle, m, from the vector that the rate pass summed for it; never longer than 0.1 Δ.
     pub fn displacement<const D: usize>(&self, vector: [f64; D], step: ShiftStep) -> [f64; D] {
         let path = step.largest_speed * step.time_step;
         let scale = match *self {
             Shifting::Off => 0.0,
-            Shifting::Fickian { coefficient, .. } => -coefficient * step.smoothing_length * path,
+            Shifting::Fickian { coefficient } => -coefficient * step.smoothing_length * path,
             Shifting::Vacondio { beta } => beta * path,
         };
         let length = scale.abs() * vector.iter().map(|x| x * x).sum::<f64>().sqrt();

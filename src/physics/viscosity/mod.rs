@@ -2,6 +2,7 @@
 
 pub mod artificial;
 pub mod laminar;
+pub mod reconstructed;
 
 use serde::{Deserialize, Serialize};
 

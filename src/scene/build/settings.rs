@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::checker::Checker;
 use crate::math::kernel::Kernel;
+use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
 use crate::scene::fill;
@@ -38,8 +39,15 @@ fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
 
 /// The scheme, defaults put in.
 pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> Wcsph {
-    let SchemeFile::Wcsph { kernel, smoothing_ratio, viscosity, shifting, tensile_control, plain_step_every } =
-        file;
+    let SchemeFile::Wcsph {
+        kernel,
+        smoothing_ratio,
+        viscosity,
+        noise_damping,
+        shifting,
+        tensile_control,
+        plain_step_every,
+    } = file;
     let kernel = kernel.unwrap_or(Kernel::WendlandC2);
     let ratio = match smoothing_ratio {
         Some(number) if !(0.8..=4.0).contains(&number.value) => {
@@ -68,10 +76,27 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
         Some(number) => number.value as u32,
         None => 50,
     };
+    if let Some(damping) = noise_damping
+        && !(0.0..=NoiseDamping::LARGEST_ALPHA).contains(&damping.value.alpha())
+    {
+        check.report(
+            Fault::new(
+                "`alpha` of the noise damping is out of bounds",
+                damping.span,
+                format!(
+                    "is `{}`, must be from `0` to `{}`",
+                    damping.value.alpha(),
+                    NoiseDamping::LARGEST_ALPHA
+                ),
+            )
+            .help("`0.05` to `0.3` is usual"),
+        );
+    }
     Wcsph {
         kernel,
         smoothing_ratio: ratio,
         viscosity: viscosity.as_ref().map(|v| v.value).unwrap_or_default(),
+        noise_damping: noise_damping.as_ref().map(|damping| damping.value).unwrap_or_default(),
         shifting: shifting.as_ref().map(|s| s.value).unwrap_or_default(),
         tensile_control: tensile_control.unwrap_or(true),
         plain_step_every: every,

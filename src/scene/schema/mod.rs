@@ -11,6 +11,7 @@ use super::notation::typed::Spanned;
 use crate::math::kernel::Kernel;
 use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
+use crate::physics::viscosity::reconstructed::NoiseDamping;
 
 mod boundaries;
 mod output;
@@ -146,6 +147,9 @@ pub enum SchemeFile {
         /// Viscous term.
         #[serde(default)]
         viscosity: Option<Spanned<Viscosity>>,
+        /// Damping of single particles' noise, default `Off`.
+        #[serde(default)]
+        noise_damping: Option<Spanned<NoiseDamping>>,
         /// Particle shifting.
         #[serde(default)]
         shifting: Option<Spanned<Shifting>>,
@@ -164,6 +168,7 @@ impl Default for SchemeFile {
             kernel: None,
             smoothing_ratio: None,
             viscosity: None,
+            noise_damping: None,
             shifting: None,
             tensile_control: None,
             plain_step_every: None,

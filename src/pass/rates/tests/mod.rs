@@ -43,6 +43,12 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
             *column = ids.map(|id| 0.1 * noise(id * 64 + 32 + component as u32)).collect();
         }
     }
+    if sample.pair.noise_damping != 0.0 {
+        for (component, column) in sample.sums.strain.iter_mut().enumerate().take(sps::components(D)) {
+            let ids = sample.particles.id.iter();
+            *column = ids.map(|id| 5.0 * noise(id * 64 + 48 + component as u32)).collect();
+        }
+    }
     let summary = sample.rates();
     let mut largest = RatesSummary::default();
     let mut found = vec![Vec::new(); 2 * D + 1];
@@ -89,7 +95,10 @@ fn rates_are_the_printed_sums() {
         let viscous_term = Viscosity::Sps { smagorinsky: 0.12, isotropic: 0.0066, lattice_normalised: true };
         let turbulent = PairSettings { viscous_term, ..viscous(kernel, 2, 1.3) };
         check(turbulent.clone(), [12, 9]);
-        check(PairSettings { dimensions: 3, ..turbulent }, [6, 9, 5]);
+        check(PairSettings { dimensions: 3, ..turbulent.clone() }, [6, 9, 5]);
+        check(PairSettings { noise_damping: 0.2, ..turbulent }, [12, 9]);
+        check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 2, 1.3) }, [12, 9]);
+        check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 3, 1.3) }, [6, 9, 5]);
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         check(
             PairSettings {
@@ -125,11 +134,12 @@ fn two_particles_push_and_drag_each_other() {
 
 #[test]
 fn momentum_is_conserved_to_rounding_in_a_periodic_box() {
-    for kernel in Kernel::ALL {
-        let pair = PairSettings { tensile_control: false, ..viscous(kernel, 2, 1.3) };
+    for (kernel, noise_damping) in Kernel::ALL.into_iter().flat_map(|kernel| [(kernel, 0.0), (kernel, 0.3)]) {
+        let pair = PairSettings { tensile_control: false, noise_damping, ..viscous(kernel, 2, 1.3) };
         let mut sample = Sample::<f64, 2>::lattice(pair, [20, 14], true);
         sample.stir(0.2, 1.0);
         sample.density();
+        sample.strain();
         sample.rates();
         for column in &sample.particles.acceleration {
             let sum: f64 = column.iter().sum();
@@ -152,16 +162,46 @@ fn a_parabola_has_the_viscous_force_of_its_curvature() {
     }
 }
 
+#[test]
+fn damping_of_noise_leaves_a_linear_flow_alone_and_slows_a_lonely_particle() {
+    let accelerations = |noise_damping: f64, kick: f64| {
+        let pair = PairSettings { noise_damping, ..settings(Kernel::WendlandC2, 2, 1.5) };
+        let mut sample = Sample::<f64, 2>::lattice(pair, [13, 13], false);
+        sample.stir(0.2, 0.0);
+        for row in 0..sample.particles.len() {
+            let [x, y] = [0, 1].map(|d| sample.particles.position[d][row]);
+            sample.particles.velocity[0][row] = 2.0 * x - 3.0 * y;
+            sample.particles.velocity[1][row] = 5.0 * x + 0.5 * y;
+        }
+        let middle = sample.row(6 * 13 + 6);
+        sample.particles.velocity[0][middle] += kick;
+        sample.density();
+        sample.strain();
+        sample.rates();
+        (sample.particles.acceleration.clone(), middle)
+    };
+    let ((plain, middle), (damped, _)) = (accelerations(0.0, 0.0), accelerations(0.3, 0.0));
+    let size = plain[0].iter().fold(0.0_f64, |size, a| size.max(a.abs()));
+    for (plain, damped) in plain.iter().flatten().zip(damped.iter().flatten()) {
+        assert!((plain - damped).abs() < 1e-11 * size, "{plain} {damped}");
+    }
+    let slowed = accelerations(0.3, 1.0).0[0][middle] - accelerations(0.0, 1.0).0[0][middle];
+    // On an even lattice the rate is 1.75 α c0/h: the bound that the time step relies on.
+    let rate = 1.75 * 0.3 * WATER.sound_speed / (1.5 * SPACING);
+    assert!((0.5..1.2).contains(&(-slowed / rate)), "{} of the rate", -slowed / rate);
+}
+
 /// Results of a stirred periodic box.
 fn stirred<R: Real, const D: usize>(
     set: InstructionSet,
     kernel: Kernel,
     counts: [usize; D],
 ) -> Vec<Vec<f64>> {
-    let pair = PairSettings { lanes: set, ..viscous(kernel, D, 1.5) };
+    let pair = PairSettings { lanes: set, noise_damping: 0.2, ..viscous(kernel, D, 1.5) };
     let mut sample = Sample::<R, D>::lattice(pair, counts, true);
     sample.stir(0.2, 1.0);
     sample.density();
+    sample.strain();
     sample.rates();
     sample.results()
 }

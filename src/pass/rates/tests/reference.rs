@@ -75,6 +75,18 @@ pub fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D]
                 }
             }
         }
+        if pair.noise_damping != 0.0 && !wall {
+            let strain = |row: usize, i, j| sample.sums.strain[sps::component::<D>(i, j)][row];
+            let mut w = dot(x, v);
+            for i in 0..D {
+                for j in 0..D {
+                    w -= 0.5 * x[i] * (strain(a, i, j) + strain(b, i, j)) * x[j];
+                }
+            }
+            let speed = 0.5 * (WATER.sound_speed_at(rho_a) + WATER.sound_speed_at(rho_b));
+            let pi = -pair.noise_damping * speed * h * w / (r2 + eta2) / (0.5 * (rho_a + rho_b));
+            along_x -= pair.mass * pi * slope;
+        }
         for d in 0..D {
             acceleration[d] += along_x * x[d] + along_v * v[d];
             fickian[d] += volume * slope * x[d];

@@ -1,0 +1,95 @@
+//! Artificial viscosity of what a linear flow leaves unexplained: it damps the noise of single particles.
+//!
+//! ```text
+//! (dv_a/dt)_b = −m_b Π_ab ∇W,   Π_ab = −α c̄_ab h w_ab/((r² + η²) ρ̄_ab),   η² = 0.01 h²
+//! w_ab = v_ab·x_ab − ½ x_ab·(S_a + S_b)·x_ab,   S = ½ (∇v + ∇vᵀ)
+//! ```
+//!
+//! Monaghan (1992)'s form with the velocities of both particles carried to the middle of the pair along their
+//! gradients, as Frontiere et al. (2017) and Rosswog (2020) do it: only the symmetric part of ∇v shows in w_ab. Here it
+//! acts on parting pairs as on approaching ones and has no limiter: there are no shocks to catch.
+//!
+//! Water at a cell Reynolds number u Δ/ν of 100 does not damp the velocity that uneven neighbours give a particle. It
+//! piles up to a tenth of the flow's, mixes momentum like an eddy viscosity of 10 ν and blunts every jet and
+//! boundary layer. A viscosity that damps it within a shear time would be 50 ν; this term has it for the noise and,
+//! by construction, none for a linear flow. Acts along the line of a pair and is antisymmetric: linear and angular
+//! momentum are conserved.
+
+use serde::{Deserialize, Serialize};
+
+use crate::math::lanes::{Lanes, dot};
+use crate::physics::sps;
+
+/// Damping of the velocities that single particles have beside the flow's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum NoiseDamping {
+    /// None: for flows whose own viscosity rules at the size of a particle.
+    #[default]
+    Off,
+    /// Artificial viscosity between linearly reconstructed velocities.
+    Reconstructed {
+        /// Strength α, dimensionless, from 0 to 0.5.
+        #[serde(default = "usual_strength")]
+        alpha: f64,
+    },
+}
+
+fn usual_strength() -> f64 {
+    0.2
+}
+
+impl NoiseDamping {
+    /// Largest α whose damping rate, 1.75 α c0/h, the acoustic limit of the time step covers.
+    pub const LARGEST_ALPHA: f64 = 0.5;
+
+    /// α, 0 where it is off.
+    pub fn alpha(self) -> f64 {
+        match self {
+            NoiseDamping::Off => 0.0,
+            NoiseDamping::Reconstructed { alpha } => alpha,
+        }
+    }
+}
+
+/// w_ab over h² in lengths over h: `x` is x_ab/h, `xv` is x_ab·v_ab/h (m/s), `strain_sum` the components of S_a + S_b
+/// (1/s) as in [`sps::component`].
+#[inline(always)]
+pub fn unexplained<L: Lanes, const D: usize>(xv: L, strain_sum: [L; 6], x: [L; D], h: f64) -> L {
+    dot(sps::product(strain_sum, x), x).mul_add(L::constant(-0.5 * h), xv)
+}
+
+/// −Π_ab/α = (c_a + c_b) h w_ab/((r² + η²)(ρ_a + ρ_b)), to be multiplied by α m ∇W.
+///
+/// `speed_sum` is c_a + c_b, m/s; `approach` is h w_ab/(r² + η²), m/s.
+#[inline(always)]
+pub fn factor<L: Lanes>(speed_sum: L, approach: L, inverse_density_sum: L) -> L {
+    speed_sum * approach * inverse_density_sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::Array;
+
+    #[test]
+    fn a_linear_flow_is_left_alone_and_the_rest_is_not() {
+        let (x, h) = ([0.6, -0.8], 0.25);
+        // v = G x with G = [[2, -1], [4, 0.5]]: its rotation does not show.
+        let velocity = |x: [f64; 2]| [h * (2.0 * x[0] - x[1]), h * (4.0 * x[0] + 0.5 * x[1])];
+        let strain = [2.0, 0.5, 1.5, 0.0, 0.0, 0.0].map(|s| Array([2.0 * s]));
+        let left = |v: [f64; 2]| {
+            unexplained(Array([x[0] * v[0] + x[1] * v[1]]), strain, x.map(|x| Array([x])), h).0[0]
+        };
+        let [u, v] = velocity(x);
+        assert!(left([u, v]).abs() < 1e-15);
+        assert!((left([u + 3.0, v - 1.0]) - (0.6 * 3.0 + 0.8)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn parting_pairs_are_held_as_approaching_ones_are_pushed() {
+        let damping = |approach: f64| factor(Array([8.0]), Array([approach]), Array([1.0 / 2000.0])).0[0];
+        assert_eq!(damping(-0.5), -0.002);
+        assert_eq!(damping(0.5), 0.002);
+    }
+}
