@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Monaghan (1992)'s form with the velocities of both particles carried to the middle of the pair along their
-//! gradients, as Frontiere et al. (2017) and Rosswog (2020) do it: only the symmetric part of ∇v shows in w_ab. Here it
-//! acts on parting pairs as on approaching ones and has no limiter: there are no shocks to catch.
+//! gradients: Frontiere et al. (2017); Rosswog (2020). Only the symmetric part of ∇v shows in w_ab. Here the term
+//! acts on parting pairs as on approaching ones, without a limiter: there are no shocks to catch.
 //!
 //! Water at a cell Reynolds number u Δ/ν of 100 does not damp the velocity that uneven neighbours give a particle. It
 //! piles up to a tenth of the flow's, mixes momentum like an eddy viscosity of 10 ν and blunts every jet and

@@ -1,8 +1,8 @@
 //! Velocity and pressure of inflow particles.
 //!
 //! The velocity is the scene's. An extrapolated pressure is the fluid's at the mirror image of the particle in the
-//! inlet plane, by first-order corrected sums, carried back over the distance by the pressure gradient that
-//! the prescribed motion needs:
+//! inlet plane, by first-order corrected sums, carried back over the distance by the pressure gradient that the
+//! prescribed motion needs:
 //!
 //! ```text
 //! p_o = p(x_k) + ρ0 (g − dv_in/dt + ν ∇²v_in)·(x_o − x_k),   x_k = x_o − 2 ((x_o − x_plane)·n) n
@@ -10,6 +10,11 @@
 //!
 //! Negi et al. (2020), Eq. 22, for the first term. Extrapolating the sampled gradient instead would multiply its
 //! noise by the distance.
+//!
+//! The particle's pressure follows it over the time in which sound passes two particles. At once, the inlet is a wall
+//! that reflects sound with a gain, for the sums extrapolate where the first row of fluid stands away from the plane:
+//! Poiseuille flow at c0 = 2 m/s burst when its first particles came to cross. A wall whose pressure lags gives way to
+//! the wave and takes its energy: the flow stays within 0.1 % of the series.
 
 use bevy_ecs::system::{Res, ResMut};
 use glam::DVec3;
@@ -30,6 +35,9 @@ use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::setup::SceneInUse;
 
+/// Time over which an extrapolated pressure is followed, in passages of sound over Δ.
+const LAG: f64 = 2.0;
+
 /// Velocity that an inlet prescribes at a point and time, m/s.
 pub fn inlet_velocity(inlet: &Inlet, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
     inlet.velocity_at(viscosity, point, time)
@@ -47,7 +55,12 @@ pub fn apply_inlets<R: Real, const D: usize>(
     let scene = &*scene.0;
     let nu = scene.fluid.viscosity;
     let tait = scene.fluid.tait();
+    let lag = LAG * scene.spacing / scene.fluid.sound_speed;
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
+        let share = match inlet.pressure {
+            InletPressure::Prescribed(_) => 1.0,
+            InletPressure::Extrapolated => clock.time_step / (clock.time_step + lag),
+        };
         let pressures: Vec<f64> = {
             let sampler = Sampler::new(&grid.0, &arrays, &pair.0, |zone| zone == Zone::Fluid);
             rows.par_iter()
@@ -69,6 +82,12 @@ pub fn apply_inlets<R: Real, const D: usize>(
             let row = row as usize;
             let velocity = inlet_velocity(inlet, nu, arrays.position_of(row), clock.time);
             set_real_vector(&mut arrays.velocity, row, velocity);
+            let pressure = if arrays.fresh[row] || clock.step == 0 {
+                pressure
+            } else {
+                let before = arrays.pressure[row].to_f64();
+                before + share * (pressure - before)
+            };
             arrays.pressure[row] = R::from_f64(pressure);
             arrays.density[row] = R::from_f64(tait.density(pressure));
         }
@@ -83,9 +102,8 @@ fn extrapolated_pressure<R: Real, const D: usize>(
     time: f64,
 ) -> Option<f64> {
     let normal = inlet.patch.towards;
-    let behind = inlet.patch.along(point);
-    let mirrored = point - normal * (2.0 * behind);
-    let sampled = sampler.pressure(mirrored)?;
+    let distance = -2.0 * inlet.patch.along(point);
+    let sampled = sampler.pressure(point + normal * distance)?;
     // Short against any ramp, and against any profile that the particles can follow.
     let (moment, step) = (1e-4 * scene.spacing / scene.fluid.sound_speed, 0.25 * scene.spacing);
     let viscosity = match scene.scheme.viscosity {
@@ -94,5 +112,5 @@ fn extrapolated_pressure<R: Real, const D: usize>(
     };
     let inertia = inlet.inertia(viscosity, point, time, step, moment);
     let gradient = (body_force(&scene.body_force, point, time) - inertia) * scene.fluid.density;
-    Some(sampled + gradient.dot(normal) * (2.0 * behind))
+    Some(sampled - gradient.dot(normal) * distance)
 }
