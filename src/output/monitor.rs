@@ -62,6 +62,11 @@ fn columns(header: &Header) -> Vec<(Column, String)> {
     );
     add("largest_divergence".into(), "s-1", "largest absolute divergence of the velocity".into());
     add("mean_pressure".into(), "Pa", "mean pressure of the fluid".into());
+    add(
+        "held_at_walls".into(),
+        "1",
+        "times that a fluid particle was set back onto a wall since the row before".into(),
+    );
     add("through_walls".into(), "1", "fluid particles behind a wall surface".into());
     add("close_pairs".into(), "1", "pairs of fluid particles nearer than half a spacing".into());
     columns
@@ -92,7 +97,7 @@ impl MonitorWriter {
             [row.largest_speed, row.largest_density_deviation, row.largest_divergence, row.mean_pressure]
                 .map(number),
         );
-        cells.extend([row.through_walls, row.close_pairs].map(|count| count.to_string()));
+        cells.extend([row.held_at_walls, row.through_walls, row.close_pairs].map(|count| count.to_string()));
         self.table.append([cells])
     }
 }
@@ -154,6 +159,7 @@ mod tests {
             inlet_mass_flow: vec![1.5],
             outlet_mass_flow: vec![0.5, 1.0],
             momentum: DVec3::new(7.0, 8.0, 0.0),
+            held_at_walls: 7,
             close_pairs: 9,
             ..MonitorRow::default()
         };
@@ -171,6 +177,7 @@ mod tests {
             ("inlet_mass_flow_in", 1.5),
             ("outlet_mass_flow_right_leg", 1.0),
             ("momentum_y", 8.0),
+            ("held_at_walls", 7.0),
             ("close_pairs", 9.0),
         ] {
             assert_eq!(value(name), wanted, "{name}");

@@ -3,6 +3,7 @@
 use bevy_ecs::schedule::IntoScheduleConfigs;
 use bevy_ecs::world::World;
 
+use super::boundaries::hold::{HeldAtWalls, hold_at_walls};
 use super::boundaries::inlets::apply_inlets;
 use super::boundaries::outlets::{OutletStates, apply_outlets, outlet_rates};
 use super::boundaries::rows::PatchRows;
@@ -72,6 +73,7 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
 impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
         parts.world.init_resource::<OutletStates>();
+        parts.world.init_resource::<HeldAtWalls>();
         // Walls look at the pressure of inflow and outflow particles, so they come last.
         parts.stage.add_systems(
             (apply_inlets::<R, D>, apply_outlets::<R, D>, apply_walls::<R, D>)
@@ -79,6 +81,7 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
                 .in_set(StageSystems::Boundary),
         );
         parts.stage.add_systems(outlet_rates::<R, D>.in_set(StageSystems::Rates).after(sum_rates::<R, D>));
+        parts.step.add_systems(hold_at_walls::<R, D>.in_set(StepSystems::Shift).after(shift::<R, D>));
         parts.step.add_systems(transition::<R, D>.in_set(StepSystems::Transition));
     }
 }

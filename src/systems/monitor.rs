@@ -4,6 +4,7 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
+use super::boundaries::hold::HeldAtWalls;
 use super::clock::Clock;
 use super::ledger::Ledger;
 use super::neighbours::Grid;
@@ -43,6 +44,8 @@ pub struct MonitorRow {
     pub largest_divergence: f64,
     /// Mean pressure of the fluid, Pa.
     pub mean_pressure: f64,
+    /// How often a fluid particle was set back onto a wall since the previous row.
+    pub held_at_walls: u64,
     /// Fluid particles that stand behind a wall surface.
     pub through_walls: u64,
     /// Pairs of fluid particles nearer than half a spacing.
@@ -53,6 +56,7 @@ pub struct MonitorRow {
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct PreviousRow {
     time: f64,
+    held: u64,
     entered: Vec<i64>,
     left: Vec<i64>,
 }
@@ -83,6 +87,7 @@ pub fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
     let ledger = world.resource::<Ledger>();
     let now = PreviousRow {
         time: clock.time,
+        held: world.resource::<HeldAtWalls>().0,
         entered: net(&ledger.entered, &ledger.entered_back),
         left: net(&ledger.left, &ledger.left_back),
     };
@@ -113,6 +118,7 @@ fn figures<R: Real, const D: usize>(
         mass: ledger.by_zone.map(|count| count as f64 * mass),
         inlet_mass_flow: flow(&now.entered, &before.entered, mass, interval),
         outlet_mass_flow: flow(&now.left, &before.left, mass, interval),
+        held_at_walls: now.held - before.held,
         largest_divergence: world.resource::<RatesFound>().largest_divergence,
         ..MonitorRow::default()
     };

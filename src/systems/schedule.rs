@@ -26,7 +26,7 @@ pub enum StepSystems {
     Gather,
     /// 2. The stage: rates, then the kick.
     Advance,
-    /// 3. Fluid particles are moved towards an even distribution.
+    /// 3. Fluid particles are moved towards an even distribution, and held at the walls.
     Shift,
     /// 4. Particles change zone: the only structural changes.
     Transition,

@@ -1,8 +1,9 @@
 //! Fluid at rest: what is uniform stays so, and water under gravity carries its weight.
 
-use sphecs::bevy_ecs::query::Without;
+use sphecs::bevy_ecs::entity::Entity;
+use sphecs::bevy_ecs::query::{With, Without};
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{Position, Pressure, Reservoir, Velocity};
+use sphecs::particles::components::{Fluid, Position, Pressure, PreviousVelocity, Reservoir, Velocity};
 use sphecs::simulation::Simulation;
 
 use crate::{advance, flow, smoke};
@@ -87,4 +88,36 @@ fn a_closed_box_carries_the_weight_of_its_water() {
     let row = simulation.monitor_row();
     assert!(row.largest_speed < 1e-3, "{} m/s are left", row.largest_speed);
     assert_eq!((row.through_walls, row.close_pairs), (0, 0));
+}
+
+/// Water at rest, and one particle that is shot at a wall: it stops on the surface and keeps what it has along it.
+#[test]
+fn a_particle_that_is_shot_at_a_wall_stays_in_front_of_it() {
+    let mut simulation = smoke(
+        "constricted_r2.ron",
+        &[("inlets.0.velocity", "Normal(0.0)"), ("reference", "(velocity: 1.0e-3)")],
+    );
+    let spacing = simulation.scene().spacing;
+    let in_front = |simulation: &Simulation, at: DVec3| -simulation.scene().container.signed_distance(at);
+    let world = simulation.world_mut();
+    let mut query = world.query_filtered::<(Entity, &Position), With<Fluid>>();
+    let middle = |at: DVec3| (at - DVec3::new(-0.1, 0.0444, 0.0)).length();
+    let nearest = query.iter(world).min_by(|a, b| middle(a.1.0).total_cmp(&middle(b.1.0)));
+    let (shot, at) = nearest.map(|(entity, at)| (entity, at.0)).expect("a fluid particle");
+    // Behind the surface already, which is half a spacing away: steps shrink with the speed.
+    let (start, velocity) = (at + DVec3::Y * (0.6 * spacing), DVec3::new(0.1, 6.0, 0.0));
+    world.entity_mut(shot).insert((Position(start), Velocity(velocity), PreviousVelocity(velocity)));
+    simulation.step().expect("a step");
+    let row = simulation.monitor_row();
+    assert_eq!((row.held_at_walls, row.through_walls), (1, 0), "{row:?}");
+    let world = simulation.world_mut();
+    let [after, now, before] = [
+        world.get::<Position>(shot).map(|at| at.0),
+        world.get::<Velocity>(shot).map(|velocity| velocity.0),
+        world.get::<PreviousVelocity>(shot).map(|velocity| velocity.0),
+    ]
+    .map(|vector| vector.expect("the particle"));
+    let depth = in_front(&simulation, after);
+    assert!((0.0..1e-3 * spacing).contains(&depth), "{} Δ in front of the wall, from {at}", depth / spacing);
+    assert!(now.y.abs() < 1e-9 && before.y.abs() < 1e-9 && before.x == 0.1, "{now} {before}");
 }

@@ -32,7 +32,7 @@ pub enum Shifting {
 }
 
 fn fickian_coefficient() -> f64 {
-    2.0
+    4.0
 }
 
 fn vacondio_coefficient() -> f64 {
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn particles_drift_down_the_concentration() {
         let [x, y] = Shifting::default().displacement([0.5, -1.0], STEP);
-        assert!((x + 2.0 * 0.15 * 2e-3 * 0.5).abs() < 1e-15 && (y - 6e-4).abs() < 1e-15);
+        assert!((x + 4.0 * 0.15 * 2e-3 * 0.5).abs() < 1e-15 && (y - 12e-4).abs() < 1e-15);
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! Particles whose motion a condition prescribes: inflow, outflow and wall.
 //!
+//! - [`hold`]: fluid particles that got behind a wall go back onto it
 //! - [`inlets`]: velocity and pressure of inflow particles
 //! - [`motion`]: how inflow and outflow particles move in the kick
 //! - [`outlets`]: pressure, convective velocity and rates of outflow particles
 //! - [`rows`]: which rows belong to which patch
 //! - [`walls`]: velocity and pressure of wall particles
 
+pub mod hold;
 pub mod inlets;
 pub mod motion;
 pub mod outlets;
