@@ -97,16 +97,21 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_,
                 }
             }
         }
-        // Apart from the sums: one row's chain of dependent operations would hold up the next row's sum.
-        let scale = self.pair.kernel_scale();
         let rows = first..grid.rows(self.cells.end - 1).end;
-        for ((density, pressure), zone) in self.density.iter_mut().zip(self.pressure).zip(&self.zone[rows]) {
-            if *zone == Zone::Fluid {
-                let sum = density.to_f64() * scale;
-                let rho = density::from_kernel_sum(sum, self.pair.mass, self.pair.lattice.density);
-                *density = R::from_f64(rho);
-                *pressure = R::from_f64(self.pair.tait.pressure(rho));
-            }
+        finish(self.pair, &self.zone[rows], self.density, self.pressure);
+    }
+}
+
+/// Makes densities and pressures of the kernel sums of fluid rows. Apart from the sums: one row's chain of dependent
+/// operations would hold up the next row's sum.
+pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut [R], pressure: &mut [R]) {
+    let scale = pair.kernel_scale();
+    for ((density, pressure), zone) in density.iter_mut().zip(pressure).zip(zone) {
+        if *zone == Zone::Fluid {
+            let sum = density.to_f64() * scale;
+            let rho = density::from_kernel_sum(sum, pair.mass, pair.lattice.density);
+            *density = R::from_f64(rho);
+            *pressure = R::from_f64(pair.tait.pressure(rho));
         }
     }
 }

@@ -6,8 +6,8 @@
 //!
 //! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok (1999), which makes it
 //! right where the support is cut and, by the way, on a coarse lattice. Walls enter with their image velocities, so the
-//! gradient at a wall is that of the velocity continued through it, or are left out: the images of a particle close to
-//! a wall multiply its noise. Where M is singular (fewer neighbours than dimensions) the plain sum is kept.
+//! gradient at a wall is that of the velocity continued through it. Where M is singular (fewer neighbours than
+//! dimensions) the plain sum is kept.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -30,22 +30,12 @@ use crate::physics::wall::image;
 /// Most columns beside the coordinates: velocity, volume, image distance, viscous share and normal in 3D.
 const MOST_COLUMNS: usize = 3 + 3 + 3;
 
-/// What walls add to a gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Walls {
-    /// Their image velocities.
-    Imaged,
-    /// Nothing: the gradient is that of the flow on this side.
-    LeftOut,
-}
-
 /// Sums the velocity gradient of the fluid, inflow and outflow rows over all rows, into `sums.gradient`.
 pub fn sum_gradients<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &ParticleArrays<R, D>,
     level: VelocityLevel,
-    walls: Walls,
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
@@ -53,7 +43,7 @@ pub fn sum_gradients<R: Real, const D: usize>(
     for column in sums.gradient.iter_mut().flatten() {
         column.resize(particles.len(), R::default());
     }
-    pair.kernel.with_shape(GradientPass { pair, grid, particles, level, walls, sums });
+    pair.kernel.with_shape(GradientPass { pair, grid, particles, level, sums });
 }
 
 struct GradientPass<'a, R: Real, const D: usize> {
@@ -61,7 +51,6 @@ struct GradientPass<'a, R: Real, const D: usize> {
     grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
     level: VelocityLevel,
-    walls: Walls,
     sums: &'a mut PairSums<R, D>,
 }
 
@@ -95,7 +84,6 @@ impl<R: Real, const D: usize> WithShape for GradientPass<'_, R, D> {
                 pair: self.pair,
                 source: &source,
                 particles: self.particles,
-                walls: self.walls,
                 cells,
                 gradient,
                 pack: &mut packs.of_this_thread(),
@@ -112,7 +100,6 @@ struct GradientBlock<'a, K, R: Real, const D: usize> {
     pair: &'a PairSettings,
     source: &'a Source<'a, R, D>,
     particles: &'a ParticleArrays<R, D>,
-    walls: Walls,
     cells: Range<usize>,
     gradient: Outputs<'a, R, D>,
     pack: &'a mut Pack<R>,
@@ -164,7 +151,6 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
         let inverse_distance = L::constant(image::inverse_distance(wall_distance, self.pair.spacing));
         let cap = L::constant(self.pair.velocity_cap.unwrap_or(f64::INFINITY));
         let free_slip = self.pair.has_free_slip();
-        let left_out = self.walls == Walls::LeftOut;
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
@@ -179,12 +165,8 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
             }
             let inverse_q = q2.inverse_sqrt();
             let slope = K::slope(q2 * inverse_q, inverse_q);
-            let image_distance = entry.column(2 * D + 1);
-            let mut volume_slope = slope * entry.column(2 * D);
-            if left_out {
-                volume_slope = L::select(zero.less(image_distance), zero, volume_slope);
-            }
-            let factor = image::velocity_factor(image_distance, inverse_distance, cap);
+            let volume_slope = slope * entry.column(2 * D);
+            let factor = image::velocity_factor(entry.column(2 * D + 1), inverse_distance, cap);
             if free_slip {
                 let slips = entry.column(2 * D + 2).less(one);
                 let normal = entry.vector::<D>(2 * D + 3);
@@ -256,7 +238,6 @@ mod tests {
             &sample.grid,
             &sample.particles,
             VelocityLevel::Present,
-            Walls::Imaged,
             &mut sample.sums,
         );
         for i in 0..D {
@@ -284,34 +265,14 @@ mod tests {
             sample.particles.velocity[0][row] = row as f64;
         }
         let level = VelocityLevel::Previous;
-        sum_gradients(&sample.pair, &sample.grid, &sample.particles, level, Walls::Imaged, &mut sample.sums);
+        sum_gradients(&sample.pair, &sample.grid, &sample.particles, level, &mut sample.sums);
         for (found, expected) in [(&sample.sums.gradient[0][1], 3.0), (&sample.sums.gradient[0][0], 0.0)] {
             assert!(found.iter().all(|found| (found - expected).abs() < 1e-11));
         }
     }
 
-    #[test]
-    fn without_walls_the_noise_beside_one_stays_small() {
-        let noisy = |y: f64| [if y < 0.6 * SPACING { 1.0 } else { 0.0 }, 0.0];
-        let steepest = |walls| {
-            let sample = over_a_wall_with(false, walls, noisy);
-            sample.sums.gradient[0][1].iter().fold(0.0_f64, |steepest, found| steepest.max(found.abs()))
-        };
-        assert!(steepest(Walls::LeftOut) < 1.5 / SPACING, "{}", steepest(Walls::LeftOut) * SPACING);
-        let sheared = over_a_wall_with(false, Walls::LeftOut, |y| [3.0 * y + 1.0, 0.0]);
-        for row in 0..sheared.particles.len() {
-            if sheared.particles.zone[row] == Zone::Fluid {
-                assert!((sheared.sums.gradient[0][1][row] - 3.0).abs() < 1e-11);
-            }
-        }
-    }
-
     /// A flow over a wall at rest whose velocity at height y above it is `velocity(y)`.
     fn over_a_wall(free_slip: bool, velocity: impl Fn(f64) -> [f64; 2]) -> Sample<f64, 2> {
-        over_a_wall_with(free_slip, Walls::Imaged, velocity)
-    }
-
-    fn over_a_wall_with(free_slip: bool, walls: Walls, velocity: impl Fn(f64) -> [f64; 2]) -> Sample<f64, 2> {
         let part = WallPartSettings { free_slip, ..Default::default() };
         let pair = PairSettings { wall_parts: vec![part], ..settings(Kernel::WendlandC2, 2, 1.3) };
         let mut sample = Sample::<f64, 2>::lattice(pair, [12, 12], false);
@@ -330,7 +291,6 @@ mod tests {
             &sample.grid,
             &sample.particles,
             VelocityLevel::Present,
-            walls,
             &mut sample.sums,
         );
         sample

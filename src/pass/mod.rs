@@ -7,7 +7,7 @@
 //! | [`walls`] | walls | pressure and density extrapolated from the fluid |
 //! | [`gradients`] | fluid, inflow, outflow | velocity gradient, corrected where the support is cut |
 //! | [`stress`] | all | sub-particle stress from the gradient, extrapolated to walls |
-//! | [`strain`] | fluid, inflow, outflow | rate of strain from the gradient |
+//! | [`strain`] | fluid, inflow, outflow | rate of strain, summed with the density or from the gradient |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
 //!

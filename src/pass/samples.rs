@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::density::sum_density;
-use super::gradients::{Walls, sum_gradients};
+use super::gradients::sum_gradients;
 use super::rates::{RatesSummary, VelocityLevel, sum_rates};
 use super::settings::PairSettings;
 use super::strain::find_strain;
@@ -99,10 +99,10 @@ impl<R: Real, const D: usize> Sample<R, D> {
         sum_density(&self.pair, &self.grid, &mut self.particles, &mut self.sums);
     }
 
-    /// Rates of strain, walls left out.
+    /// Rates of strain from the gradients.
     pub fn strain(&mut self) {
-        let (level, walls) = (VelocityLevel::Present, Walls::LeftOut);
-        sum_gradients(&self.pair, &self.grid, &self.particles, level, walls, &mut self.sums);
+        let level = VelocityLevel::Present;
+        sum_gradients(&self.pair, &self.grid, &self.particles, level, &mut self.sums);
         find_strain(&mut self.sums);
     }
 

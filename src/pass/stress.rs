@@ -178,7 +178,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WallStressBlock<
 mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
-    use crate::pass::gradients::{Walls, sum_gradients};
+    use crate::pass::gradients::sum_gradients;
     use crate::pass::rates::VelocityLevel;
     use crate::pass::samples::{SPACING, Sample, settings};
 
@@ -205,7 +205,6 @@ mod tests {
             &sample.grid,
             &sample.particles,
             VelocityLevel::Present,
-            Walls::Imaged,
             &mut sample.sums,
         );
         find_stress(&sample.pair, &sample.grid, &sample.particles, &mut sample.sums);

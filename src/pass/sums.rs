@@ -42,6 +42,8 @@ pub(super) struct PairColumns<R> {
     pub image_distance: Vec<R>,
     /// 1, or 0 for the particles of free-slip walls.
     pub viscous: Vec<R>,
+    /// 1 for fluid, inflow and outflow, 0 for walls.
+    pub flow: Vec<R>,
     /// Number of wall rows before each row, and of all at the end.
     pub walls_before: Vec<u32>,
     /// Number of wall rows before each chunk of rows.
@@ -106,6 +108,17 @@ impl<R: Real> PairColumns<R> {
             }
         });
         total
+    }
+
+    /// Fills the column that says what flows.
+    pub(super) fn find_flow<const D: usize>(&mut self, particles: &ParticleArrays<R, D>) {
+        self.flow.resize(particles.len(), R::default());
+        let work = |rows: Range<usize>, flow: &mut [R]| {
+            for (flow, zone) in flow.iter_mut().zip(&particles.zone[rows]) {
+                *flow = if *zone == Zone::Wall { R::default() } else { R::from_f64(1.0) };
+            }
+        };
+        for_each_part(0..particles.len(), self.flow.as_mut_slice(), &work);
     }
 
     /// Fills the columns for the present densities.

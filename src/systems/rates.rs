@@ -9,12 +9,13 @@ use super::setup::SceneInUse;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::pass::density;
-use crate::pass::gradients::{self, Walls};
+use crate::pass::gradients;
 use crate::pass::rates::{self, VelocityLevel};
 use crate::pass::sums::PairSums;
 use crate::pass::{strain, stress};
 use crate::physics::viscosity::Viscosity;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
+use crate::scene::model::Wcsph;
 
 /// Sums of the pair pass that are not part of the state.
 #[derive(Resource, Default)]
@@ -44,17 +45,28 @@ fn level(since_plain: StepsSincePlain) -> VelocityLevel {
     if since_plain.0 == 0 { VelocityLevel::Present } else { VelocityLevel::Previous }
 }
 
-/// Density of fluid particles by summation, pressure by Tait.
+/// Whether the rate of strain comes with the density: it needs no walls then, as sub-particle stress does.
+fn strain_with_density(scheme: &Wcsph) -> bool {
+    scheme.noise_damping != NoiseDamping::Off && !matches!(scheme.viscosity, Viscosity::Sps { .. })
+}
+
+/// Density of fluid particles by summation, pressure by Tait; on the way the rate of strain, where noise is damped.
 pub fn sum_density<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
+    since_plain: Res<StepsSincePlain>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
-    density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+    if strain_with_density(&scene.0.scheme) {
+        strain::sum_density_and_strain(&pair.0, &grid.0, &mut arrays, level(*since_plain), &mut sums.0);
+    } else {
+        density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+    }
 }
 
-/// Velocity gradients, rate of strain and sub-particle stress, in a scene that needs them.
+/// Velocity gradients and sub-particle stress, in a scene that has it.
 pub fn sum_gradients<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     pair: Res<Pair>,
@@ -64,18 +76,14 @@ pub fn sum_gradients<R: Real, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
 ) {
     let scheme = &scene.0.scheme;
-    let turbulent = matches!(scheme.viscosity, Viscosity::Sps { .. });
-    let damped = scheme.noise_damping != NoiseDamping::Off;
-    if turbulent || damped {
-        let walls = if turbulent { Walls::Imaged } else { Walls::LeftOut };
-        gradients::sum_gradients(&pair.0, &grid.0, &arrays, level(*since_plain), walls, &mut sums.0);
+    if !matches!(scheme.viscosity, Viscosity::Sps { .. }) {
+        return;
     }
-    if damped {
+    gradients::sum_gradients(&pair.0, &grid.0, &arrays, level(*since_plain), &mut sums.0);
+    if scheme.noise_damping != NoiseDamping::Off {
         strain::find_strain(&mut sums.0);
     }
-    if turbulent {
-        stress::find_stress(&pair.0, &grid.0, &arrays, &mut sums.0);
-    }
+    stress::find_stress(&pair.0, &grid.0, &arrays, &mut sums.0);
 }
 
 /// Pair forces, shifting vector, divergence and the extremes that limit the step.
