@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use census::{Particle, census};
 use rayon::ThreadPoolBuilder;
 use sphecs::glam::DVec3;
-use sphecs::scene::load_smoke;
+use sphecs::scene::{load_smoke, load_str};
 use sphecs::simulation::Simulation;
 
 /// Steps of each run: particles change zone, and plain steps come round, several times.
@@ -75,6 +75,34 @@ fn the_number_of_threads_changes_no_bit() {
             assert_eq!(found, None, "{}: 1 thread against {threads}", path.display());
         }
     }
+}
+
+/// More rows than several threads would share out among themselves: inlet, outlet, walls, a force that is a formula.
+const CHANNEL: &str = r#"Scene(
+    title: "Channel", dimensions: 2, spacing: 0.005, smoke: 0.01,
+    fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
+    scheme: Wcsph(smoothing_ratio: 1.5),
+    domain: Box(min: (0.0, -0.15), max: (1.2, 0.15)),
+    body_force: ("0.1*cos(y)", "0"),
+    inlets: [(at: (0.0, 0.0), towards: (1.0, 0.0), velocity: Normal("min(20*t, 1)*(1 - 40*y^2)"))],
+    outlets: [(at: (1.2, 0.0), towards: (1.0, 0.0), condition: WaveEquation())],
+    time: (end: 1.0), output: (every: 1.0),
+)"#;
+
+/// The shipped scenes at their smoke spacings have few rows to share out.
+#[test]
+fn the_number_of_threads_changes_no_bit_where_rows_are_many() {
+    let mut runs = [1, 3].map(|threads| {
+        let scene = load_str("channel", CHANNEL, &[]).unwrap_or_else(|faults| panic!("{faults}"));
+        let mut run = Simulation::from_scene(scene);
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads");
+        pool.install(|| (0..160).for_each(|_| run.step().expect("a step")));
+        assert!(run.ledger().entered[0] > 0, "particles must have crossed the inlet");
+        assert!(run.ledger().total() > 12_000, "too few rows to be shared out");
+        run
+    });
+    let [one, other] = &mut runs;
+    assert_eq!(difference(one, other), None);
 }
 
 /// Runs each shipped scene as it is and with what `look` does before its steps, and fails with all differences.
