@@ -17,6 +17,7 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::blocks::for_each_part;
+use crate::systems::neighbours::Grid;
 use crate::systems::setup::SceneInUse;
 
 /// How often a fluid particle was set back onto a wall since the start.
@@ -36,6 +37,7 @@ const IN_FRONT: f64 = 1e-6;
 /// Sets fluid particles that are behind a wall back onto its surface.
 pub fn hold_at_walls<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
+    grid: Res<Grid<D>>,
     mut held: ResMut<HeldAtWalls>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
@@ -54,20 +56,21 @@ pub fn hold_at_walls<R: Real, const D: usize>(
             if zone[row] != Zone::Fluid || wall_distance[row] >= near {
                 continue;
             }
-            let mut point = [0.0; 3];
+            // A particle that has just crossed a periodic face is not outside: the next sort puts it in again.
+            let inside = grid.0.wrap(std::array::from_fn(|axis| position[axis][at]));
+            let mut point = DVec3::ZERO;
             for axis in 0..D {
-                point[axis] = position[axis][at];
+                point[axis] = inside[axis];
             }
-            let point = DVec3::from(point);
             if scene.container.signed_distance(point) <= 0.0 {
                 continue;
             }
             let step = STEP * scene.spacing;
             let outwards = scene.container.gradient(point, step, D);
             let surface = scene.container.nearest_surface(point, step, D);
-            let back = (surface - outwards * (IN_FRONT * scene.spacing)).to_array();
+            let back = surface - outwards * (IN_FRONT * scene.spacing) - point;
             for axis in 0..D {
-                position[axis][at] = back[axis];
+                position[axis][at] += back[axis];
             }
             for velocity in [&mut now, &mut before] {
                 let into: f64 = (0..D).map(|axis| velocity[axis][at].to_f64() * outwards[axis]).sum();
