@@ -295,6 +295,19 @@ fn signal_ends_a_run_with_whole_files() {
     }
 }
 
+/// A row of the monitor and the probes is due at every step, a frame at the first and the last alone.
+#[test]
+fn a_run_that_ends_where_a_row_was_due_writes_it_once() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    let output =
+        short_run(&run, &["--set", "output.monitor_every=1e-9", "--steps", "7"]).output().expect("started");
+    done(&output);
+    let rows = std::fs::read_to_string(run.join("monitor.csv")).expect("monitor.csv");
+    assert_eq!(rows.lines().count(), 1 + 8, "{rows}");
+    assert!(run.join("probes.nc").is_file());
+}
+
 #[test]
 fn killed_run_is_packed_on_demand() {
     let folder = folder();

@@ -39,6 +39,8 @@ pub struct Voyage {
     last_frame: Option<u64>,
     frame_count: u64,
     last_row: MonitorRow,
+    /// Step of the last row; None before the first.
+    last_row_step: Option<u64>,
     pace: Pace,
     particle_steps: f64,
     started: Instant,
@@ -82,6 +84,7 @@ impl Voyage {
             last_frame: None,
             frame_count: 0,
             last_row: MonitorRow::default(),
+            last_row_step: None,
             pace: Pace::default(),
             particle_steps: 0.0,
             started: Instant::now(),
@@ -152,8 +155,12 @@ impl Voyage {
     }
 
     fn write_last(&mut self) -> Result<(), OutputError> {
-        if self.last_frame != Some(self.simulation.clock().step) {
+        let step = Some(self.simulation.clock().step);
+        // A row may have been due at this step without a frame: twice in the table, it would be two times of one step.
+        if self.last_row_step != step {
             self.write_row()?;
+        }
+        if self.last_frame != step {
             self.write_frame()?;
         }
         Ok(())
@@ -161,6 +168,7 @@ impl Voyage {
 
     fn write_row(&mut self) -> Result<(), OutputError> {
         self.last_row = self.simulation.monitor_row();
+        self.last_row_step = Some(self.last_row.step);
         self.folder.monitor(&self.last_row)?;
         if !self.probes.is_empty() {
             let samples = self.simulation.sample(&self.probes.points());
