@@ -143,8 +143,10 @@ fn a_channel_turned_askew_carries_a_plug_like_one_along_x() {
     };
     let (straight, askew) = (plug("0.0"), plug("30.0"));
     let off = askew.velocity / straight.velocity - 1.0;
-    // The lattice has no layer midway between wall and fluid, and 3 % fewer particles: 2.3 % were measured.
-    assert!(off.abs() < 0.03, "{straight:?}\n{askew:?}");
+    // The same flow enters: 0.3 % of difference were measured. The lattice has no layer midway between wall and fluid and
+    // 3 % fewer particles, which have to be faster for it: by 4.0 %.
+    assert!((askew.entered / straight.entered - 1.0).abs() < 0.01, "{straight:?}\n{askew:?}");
+    assert!((0.0..0.05).contains(&off), "{straight:?}\n{askew:?}");
 }
 
 #[test]
@@ -156,6 +158,26 @@ fn a_slanted_lattice_loses_no_inflow_to_its_neighbours() {
     // Rows of unlike speed pass each other closely and push the fluid to and fro at the plane: 5 % were measured.
     let off = askew.velocity / straight.velocity - 1.0;
     assert!(off.abs() < 0.08, "{straight:?}\n{askew:?}");
+}
+
+/// On a lattice across a sheared inflow every particle has a speed of its own: carried on by its zone as it is, it clumped
+/// and burst after 5 to 6 s. Three passages of the mean flow.
+#[test]
+fn a_sheared_inflow_on_a_slanted_lattice_lasts() {
+    for angle in ["20.0", "45.0"] {
+        let mut simulation = simulation(TURNED, &[("constants.angle", angle)]);
+        run(&mut simulation, 6.0);
+        let first = simulation.monitor_row();
+        assert_eq!((first.close_pairs, first.through_walls), (0, 0), "{angle} degrees");
+        run(&mut simulation, 14.0);
+        let row = simulation.monitor_row();
+        assert_eq!((row.close_pairs, row.through_walls), (0, 0), "{angle} degrees");
+        // 2/3 · 0.1 m/s · 0.16 m · 1000 kg/m³; measured within 1 % of it.
+        let exact = 10.667;
+        for flow in [row.inlet_mass_flow[0], row.outlet_mass_flow[0]] {
+            assert!((flow / exact - 1.0).abs() < 0.03, "{flow} kg/(m s) at {angle} degrees, not {exact}");
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Particles change zone: the only place where roles change during a run.
 //!
 //! ```text
-//! Inflow → Fluid       across the inlet plane; a stored particle enters at x − L n, so that the lattice stays regular
+//! Inflow → Fluid       across the inlet plane; a stored particle enters upstream (`boundaries/entrance.rs`)
 //! Fluid → Inflow       back across the inlet plane
 //! Inflow → Reservoir   beyond the upstream end of the zone
 //! Fluid → Outflow      across the outlet plane
@@ -12,9 +12,8 @@
 //! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; backflow is not in their text. A particle that
 //! trembles on a plane would fill its zone anew at each return (test `trembling_on_a_plane_adds_nothing`), so for one
 //! that came back a stored one enters only where none stands within half a spacing, and at an inlet only if its zone
-//! has lost particles at its upstream end. For all others one enters always: where the lattice lies slantwise to
-//! the flow, rows of unlike speed slide past each other within half a spacing, and each refusal would leave a hole
-//! in its row for ever (test `a_slanted_lattice_loses_no_inflow_to_its_neighbours`).
+//! has lost particles at its upstream end. For all others one enters always, whoever slides past: each refusal would
+//! leave a hole in its row for ever. A slantwise inlet keeps its rows as long as its zone, whatever crosses.
 
 use std::ops::Range;
 
@@ -24,7 +23,9 @@ use bevy_ecs::query::Without;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
+use super::boundaries::entrance::{InflowRow, is_slantwise};
 use super::boundaries::inlets::inlet_velocity;
+use super::boundaries::rows::PatchRows;
 use super::clock::Clock;
 use super::failure::Failure;
 use super::ledger::Ledger;
@@ -195,13 +196,21 @@ fn apply<R: Real, const D: usize>(
         (Zone::Inflow, Zone::Fluid) => {
             ledger.entered[patch] += 1;
             let inlet = &scene.inlets[patch].patch;
-            entries.push(Entry {
-                place: point - inlet.towards * inlet.depth,
-                zone: Zone::Inflow,
-                patch: change.patch,
-                velocity: arrays.velocity_of(row),
-                again: returned,
-            });
+            let (velocity, zone, patch) = (arrays.velocity_of(row), Zone::Inflow, change.patch);
+            if is_slantwise(inlet) {
+                // The row that crossed is no longer in its zone.
+                arrays.zone[row] = Zone::Fluid;
+                let behind = InflowRow::of(inlet, point, scene.spacing);
+                let last = last_of_row(world, arrays, entries, patch, |at| {
+                    behind.holds(inlet, at).then(|| inlet.along(at))
+                });
+                let last = last.unwrap_or(inlet.along(point));
+                let places = behind.vacancies(inlet, last);
+                entries.extend(places.map(|place| Entry { place, zone, patch, velocity, again: false }));
+            } else {
+                let place = point - inlet.towards * inlet.depth;
+                entries.push(Entry { place, zone, patch, velocity, again: returned });
+            }
         }
         (Zone::Outflow, Zone::Fluid) => {
             ledger.left_back[patch] += 1;
@@ -245,6 +254,21 @@ fn apply<R: Real, const D: usize>(
         set_real_vector(&mut arrays.velocity, row, DVec3::ZERO);
         world.resource_mut::<Stored>().0.push(id);
     }
+}
+
+/// The least of `along` over the inflow particles of an inlet, those among the entries to come included.
+fn last_of_row<R: Real, const D: usize>(
+    world: &World,
+    arrays: &ParticleArrays<R, D>,
+    entries: &[Entry],
+    inlet: u16,
+    along: impl Fn(DVec3) -> Option<f64>,
+) -> Option<f64> {
+    let rows = &world.resource::<PatchRows>().inflow[usize::from(inlet)];
+    let present = rows.iter().map(|&row| row as usize).filter(|&row| arrays.zone[row] == Zone::Inflow);
+    let coming = entries.iter().filter(|entry| entry.zone == Zone::Inflow && entry.patch == inlet);
+    let places = present.map(|row| arrays.position_of(row)).chain(coming.map(|entry| entry.place));
+    places.filter_map(along).min_by(f64::total_cmp)
 }
 
 /// Whether no particle stands within half a spacing of a place.
