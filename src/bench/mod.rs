@@ -31,7 +31,7 @@ use crate::simulation::Stop;
 pub struct BenchOptions {
     /// The cases, in the order in which they are timed.
     pub cases: Vec<Case>,
-    /// Numbers of threads, each timed by itself.
+    /// Numbers of threads, rising, each timed by itself; the flows are warmed up on the most.
     pub threads: Vec<usize>,
     /// Where the figures go.
     pub console: Console,

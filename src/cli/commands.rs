@@ -156,13 +156,12 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
         arguments.cases.contains(&case)
             || if case.is_large() { arguments.large } else { arguments.cases.is_empty() }
     };
+    let mut threads: Vec<usize> = arguments.threads.iter().map(|threads| threads.get()).collect();
+    threads.sort_unstable();
+    threads.dedup();
     let options = BenchOptions {
         cases: Case::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
-        threads: if arguments.threads.is_empty() {
-            bench::usual_threads()
-        } else {
-            arguments.threads.iter().map(|threads| threads.get()).collect()
-        },
+        threads: if threads.is_empty() { bench::usual_threads() } else { threads },
         console: Console::Normal,
     };
     bench::run(&options)?;
