@@ -12,11 +12,12 @@ const LEAST_SHARE: f64 = 0.05;
 pub fn opening(peaks: &Peaks) -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     format!(
-        "sphecs {} on {} lanes, {cores} cores\n\
+        "sphecs {} on {} lanes, {cores} cores{}\n\
         measured peak of multiply-adds of one core: {:.0} GFLOP/s in f64, {:.0} in f32\n\n\
         {:<12}  {:>7}  {:>9}  {:>9}  {:>7}  {:>8}  {:>7}  {:>8}  {:>10}",
         env!("CARGO_PKG_VERSION"),
         InstructionSet::best().name(),
+        load().map_or_else(String::new, |load| format!(", load average {load:.1} before")),
         peaks.double / 1e9,
         peaks.single / 1e9,
         "case",
@@ -29,6 +30,12 @@ pub fn opening(peaks: &Peaks) -> String {
         "speed-up",
         "B/particle",
     )
+}
+
+/// Mean number of tasks that wanted to run in the last minute; None where the system does not tell. On a machine that
+/// is not at rest the figures are its neighbours' too, those of many threads first.
+fn load() -> Option<f64> {
+    std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
 
 /// One line for each number of threads; `peak` is that of one core, 1/s.
