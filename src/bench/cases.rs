@@ -59,15 +59,15 @@ const fn stressed(laminar: StirredBox) -> StirredBox {
 }
 
 impl Case {
-    /// All cases with their names, in the order in which they are timed; the large ones last.
+    /// All cases with their names, in the order in which they are timed, the small ones first: see [`memory`](super::memory).
     pub const ALL: [(&'static str, Case); 9] = [
+        ("channel", Case::Channel),
         ("2d-f32", Case::Box(PLANE)),
         ("2d-f64", double(PLANE)),
         ("3d-f32", Case::Box(SPACE)),
         ("3d-f64", double(SPACE)),
         ("3d-sps-f32", Case::Box(stressed(SPACE))),
         ("3d-sps-f64", double(stressed(SPACE))),
-        ("channel", Case::Channel),
         ("3d-large-f32", Case::Box(LARGE)),
         ("3d-large-f64", double(LARGE)),
     ];

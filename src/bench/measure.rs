@@ -88,12 +88,18 @@ impl FastestSets {
     }
 }
 
-/// Builds a flow, warms it up on the last pool and times it on each.
+/// Builds a flow, warms it up on the last pool and times it on each. `at_rest` is the resident memory of the process before
+/// its first flow, B.
 ///
 /// # Errors
 /// [`Stop`] when the flow blew up.
-pub fn measure(scene: Scene, plan: Plan, pools: &[ThreadPool]) -> Result<Figures, Stop> {
-    let growth = memory::Growth::begin();
+pub fn measure(
+    scene: Scene,
+    plan: Plan,
+    pools: &[ThreadPool],
+    at_rest: Option<u64>,
+) -> Result<Figures, Stop> {
+    let growth = memory::Growth::begin(at_rest);
     let operations = operations::per_pair(&scene);
     let build = || -> Result<(Simulation, usize, usize), Stop> {
         let mut simulation = Simulation::from_scene(scene);
@@ -111,7 +117,7 @@ pub fn measure(scene: Scene, plan: Plan, pools: &[ThreadPool]) -> Result<Figures
     for pool in pools {
         timings.push(pool.install(|| time(&mut simulation, plan))?);
     }
-    Ok(Figures { particles, pairs, operations, memory: growth.bytes(), timings })
+    Ok(Figures { particles, pairs, operations, memory: growth.and_then(memory::Growth::bytes), timings })
 }
 
 /// Times steps on the threads of the present pool.
@@ -172,7 +178,7 @@ mod tests {
         let plan = Plan { warm_up: 1, repetitions: 2, steps: 2 };
         let pools = [1, 2]
             .map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start"));
-        let figures = measure(stirred.scene().expect("a scene"), plan, &pools).expect("a tame flow");
+        let figures = measure(stirred.scene().expect("a scene"), plan, &pools, None).expect("a tame flow");
         assert_eq!(figures.particles, stirred.count.pow(stirred.dimensions as u32));
         // Neighbours within 2h, from the volume of the support: 22.2 in 2D, 276 in 3D, and the particle itself is none.
         let neighbours = figures.pairs as f64 / figures.particles as f64;

@@ -74,12 +74,13 @@ pub fn run(options: &BenchOptions) -> Result<(), BenchError> {
     let build = |&threads: &usize| ThreadPoolBuilder::new().num_threads(threads).build();
     let pools: Vec<ThreadPool> = options.threads.iter().map(build).collect::<Result<_, _>>()?;
     let peaks = Peaks::measure();
+    let at_rest = memory::at_rest();
     options.console.say(&table::opening(&peaks));
     let mut measured = Vec::new();
     for &case in &options.cases {
         let scene = case.scene()?;
         let precision = scene.precision;
-        let figures = measure::measure(scene, case.plan(), &pools)
+        let figures = measure::measure(scene, case.plan(), &pools, at_rest)
             .map_err(|stop| BenchError::Flow { case: case.name(), stop })?;
         options.console.say(&table::rows(case.name(), &figures, peaks.of(precision)));
         measured.push((case.name(), figures));
