@@ -92,7 +92,7 @@ impl Case {
         match self {
             Case::Box(StirredBox { dimensions: 2, .. }) => Plan { warm_up: 20, repetitions: 6, steps: 10 },
             Case::Box(_) if self.is_large() => Plan { warm_up: 1, repetitions: 3, steps: 1 },
-            Case::Box(_) => Plan { warm_up: 3, repetitions: 4, steps: 2 },
+            Case::Box(_) => Plan { warm_up: 2, repetitions: 3, steps: 2 },
             // The inlet has begun to push by then, and zones change.
             Case::Channel => Plan { warm_up: 300, repetitions: 6, steps: 20 },
         }
