@@ -2,7 +2,7 @@
 //!
 //! `VmHWM` of `/proc/self/status`, set back by `/proc/self/clear_refs` before the flow is built, less `VmRSS` before the first
 //! flow of the process. What the allocator kept of an earlier flow is used again, so the flows come in the order of their
-//! size; what it could not use is counted too. The figure of a flow by itself is exact.
+//! size; what it could not use is counted too. The nearest figure is that of a flow by itself.
 
 use std::fs;
 
