@@ -7,9 +7,11 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use sphecs::bench::measure::ordered_pairs;
+use sphecs::bench::peak::Chains;
 use sphecs::math::grid::CellGrid;
 use sphecs::math::kernel::Kernel;
-use sphecs::math::lanes::{InstructionSet, Lanes, Vectorised};
+use sphecs::math::lanes::InstructionSet;
 use sphecs::math::real::Real;
 use sphecs::particles::arrays::{ParticleArrays, SpareColumns};
 use sphecs::particles::rows::Row;
@@ -83,12 +85,7 @@ impl<R: Real, const D: usize> Flow<R, D> {
         };
         flow.sort();
         flow.density();
-        let neighbours = Neighbours::new(&flow.grid, &flow.particles);
-        let mut pairs = 0;
-        for row in 0..flow.particles.len() {
-            neighbours.for_each(flow.point(row), |_, _, _| pairs += 1);
-        }
-        flow.pairs = pairs - flow.particles.len();
+        flow.pairs = ordered_pairs(&flow.grid, &flow.particles);
         flow
     }
 
@@ -203,36 +200,9 @@ fn scalar_both<const D: usize>(bencher: Bencher) {
     });
 }
 
-/// Chains of multiply-adds, independent enough to fill the pipes.
-struct Chains;
-
-/// Rounds of the peak measurement.
-const ROUNDS: usize = 1 << 20;
-
-/// Chains side by side.
-const CHAINS: usize = 12;
-
-impl<R: Real> Vectorised<R> for Chains {
-    type Output = R;
-
-    #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) -> R {
-        let mut chains = [L::constant(0.5); CHAINS];
-        let (factor, term) = (L::constant(divan::black_box(0.999)), L::constant(divan::black_box(0.001)));
-        for _ in 0..ROUNDS {
-            for chain in &mut chains {
-                *chain = chain.mul_add(factor, term);
-            }
-        }
-        chains.into_iter().fold(L::constant(0.0), |sum, chain| sum + chain).sum()
-    }
-}
-
 /// Floating-point operations per second (an item is one operation): two per lane and multiply-add.
 #[divan::bench(types = [f32, f64], sample_count = 15)]
 fn multiply_add_peak<R: Real>(bencher: Bencher) {
-    let register = if InstructionSet::best().name() == "avx512" { 64 } else { 32 };
-    let lanes = register / std::mem::size_of::<R>();
-    let operations = ItemsCount::new(2 * lanes * CHAINS * ROUNDS);
-    bencher.counter(operations).bench_local(|| R::dispatch(InstructionSet::best(), Chains));
+    let chains = || R::dispatch(InstructionSet::best(), Chains);
+    bencher.counter(ItemsCount::new(chains())).bench_local(chains);
 }

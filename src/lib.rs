@@ -3,7 +3,7 @@
 //! The house has floors, and a file imports from its own floor or lower ones only:
 //!
 //! ```text
-//!   cli ── run ── simulation          what the user asks, the run loop, the plugin list
+//!   cli ── bench ── run ── simulation   what the user asks, figures of speed, the run loop, the plugin list
 //!   6  output     frames, probes, pictures: reads the world, never changes it
 //!   5  systems    thin systems, sets, plugins: the schedule of a step
 //!   4  scene      from a RON file to a scene that cannot be wrong
@@ -73,6 +73,7 @@
 pub use bevy_ecs;
 pub use glam;
 
+pub mod bench;
 pub mod cli;
 pub mod math;
 pub mod output;

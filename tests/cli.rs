@@ -76,6 +76,7 @@ fn nonsense_on_the_command_line_is_bad_input() {
     refused(&answer(["chekc", "scenes/quickstart.ron"]), 2, &["check"]);
     refused(&answer(["scenes/quickstart.ron", "--theads", "2"]), 2, &["--threads"]);
     refused(&answer(["run", "scenes/quickstart.ron", "--until", "soon"]), 2, &["number"]);
+    refused(&answer(["bench", "--case", "4d-f32"]), 2, &["4d-f32", "2d-f32", "3d-sps-f64", "channel"]);
 }
 
 #[test]
@@ -84,7 +85,7 @@ fn help_has_examples_and_the_exit_codes() {
     for word in ["sphecs scenes/quickstart.ron", "render", "130 interrupted"] {
         assert!(help.contains(word), "no `{word}` in:\n{help}");
     }
-    for command in ["run", "check", "render", "info", "export", "pack"] {
+    for command in ["run", "check", "render", "info", "export", "pack", "bench"] {
         assert!(done(&answer([command, "--help"])).contains("Usage"));
     }
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
+use crate::bench::cases::Case;
 use crate::output::picture::{Colours, Field, Slice};
 
 /// The whole command line.
@@ -72,6 +73,8 @@ pub enum Command {
     Export(ExportArguments),
     /// Pack the journal of a run that was killed into `particles.nc`
     Pack(PackArguments),
+    /// Measure how fast the engine is on this machine
+    Bench(BenchArguments),
 }
 
 /// Which scene, and what is changed in it.
@@ -204,6 +207,24 @@ pub struct PackArguments {
     pub run: PathBuf,
 }
 
+/// `sphecs bench`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    sphecs bench\n  \
+    sphecs bench --case 3d-f32 --case 3d-f64 --threads 1,4,16\n\n\
+    Nothing is read or written. Let the machine rest meanwhile: a figure is the fastest of some repetitions.")]
+pub struct BenchArguments {
+    /// Case to measure; repeatable [default: all but the large ones]
+    #[arg(long = "case", value_name = "NAME", value_parser = cases())]
+    pub cases: Vec<Case>,
+    /// Threads to measure with; several with commas between [default: one, and all cores]
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub threads: Vec<NonZeroUsize>,
+    /// Measure boxes of a million particles as well
+    #[arg(long)]
+    pub large: bool,
+}
+
 // The names come from the fields and maps themselves, so that help and messages cannot fall behind.
 fn fields() -> impl TypedValueParser<Value = Field> {
     PossibleValuesParser::new(Field::ALL.map(Field::name)).try_map(|name| name.parse::<Field>())
@@ -214,6 +235,11 @@ fn colours() -> impl TypedValueParser<Value = Colours> {
         let found = Colours::ALL.into_iter().find(|(known, _)| *known == name);
         found.map(|(_, colours)| colours).ok_or("is no colour map")
     })
+}
+
+fn cases() -> impl TypedValueParser<Value = Case> {
+    PossibleValuesParser::new(Case::ALL.map(|(name, _)| name))
+        .try_map(|name| Case::named(&name).ok_or("is no case"))
 }
 
 fn slice(text: &str) -> Result<Slice, String> {
@@ -312,6 +338,22 @@ mod tests {
     }
 
     #[test]
+    fn a_bench_takes_cases_and_numbers_of_threads() {
+        let Command::Bench(bench) =
+            parse("sphecs bench --case 2d-f32 --case channel --threads 1,4").expect("a bench")
+        else {
+            panic!("not a bench");
+        };
+        assert_eq!(bench.cases.iter().map(|case| case.name()).collect::<Vec<_>>(), ["2d-f32", "channel"]);
+        assert_eq!(bench.threads.iter().map(|threads| threads.get()).collect::<Vec<_>>(), [1, 4]);
+        assert!(!bench.large);
+        let Command::Bench(bench) = parse("sphecs bench --large").expect("a bench") else {
+            panic!("not a bench");
+        };
+        assert!(bench.large && bench.cases.is_empty() && bench.threads.is_empty());
+    }
+
+    #[test]
     fn nonsense_is_refused_with_what_is_allowed() {
         refused("sphecs", "Usage");
         refused("sphecs chekc flow.ron", "check");
@@ -327,6 +369,8 @@ mod tests {
         refused("sphecs render runs/a --range 3,1", "below");
         refused("sphecs render runs/a --all --time 3", "cannot be used with");
         refused("sphecs export runs/a", "--vtu");
+        refused("sphecs bench --case 4d", "3d-sps-f64");
+        refused("sphecs bench --threads 0", "--threads");
         refused("sphecs flow.ron --treads 2", "--threads");
     }
 }

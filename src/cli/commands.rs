@@ -4,10 +4,12 @@ use std::io::{IsTerminal, Write};
 use std::path::Path;
 
 use super::arguments::{
-    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, RunArguments,
-    SceneArguments,
+    BenchArguments, CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments,
+    RunArguments, SceneArguments,
 };
 use super::failure::{DONE, Failure};
+use crate::bench::cases::Case;
+use crate::bench::{self, BenchOptions};
 use crate::output::error::OutputError;
 use crate::output::picture::{self, RenderOptions};
 use crate::output::results::Results;
@@ -142,6 +144,27 @@ pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
     } else {
         Console::Normal.say(&report::results(&arguments.run, &packed));
     }
+    Ok(DONE)
+}
+
+/// Measures how fast the engine is on this machine.
+///
+/// # Errors
+/// [`Failure::Bench`].
+pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
+    let is_asked = |case: Case| {
+        arguments.cases.contains(&case)
+            || if case.is_large() { arguments.large } else { arguments.cases.is_empty() }
+    };
+    let mut threads: Vec<usize> = arguments.threads.iter().map(|threads| threads.get()).collect();
+    threads.sort_unstable();
+    threads.dedup();
+    let options = BenchOptions {
+        cases: Case::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
+        threads: if threads.is_empty() { bench::usual_threads() } else { threads },
+        console: Console::Normal,
+    };
+    bench::run(&options)?;
     Ok(DONE)
 }
 

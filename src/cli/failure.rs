@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use miette::{Diagnostic, MietteHandlerOpts, Report};
 
+use crate::bench::BenchError;
 use crate::output::error::OutputError;
 use crate::run::error::RunError;
 use crate::scene::faults::SceneFaults;
@@ -35,14 +36,20 @@ pub enum Failure {
     /// Files of a run.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// The bench ended early.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Bench(#[from] BenchError),
 }
 
 impl Failure {
     /// The exit code.
     pub fn code(&self) -> u8 {
         match self {
-            Failure::Scene(_) | Failure::Run(RunError::Threads(_)) => BAD_INPUT,
-            Failure::Run(RunError::Flow { .. }) => FLOW,
+            Failure::Scene(_)
+            | Failure::Run(RunError::Threads(_))
+            | Failure::Bench(BenchError::Scene(_) | BenchError::Threads(_)) => BAD_INPUT,
+            Failure::Run(RunError::Flow { .. }) | Failure::Bench(BenchError::Flow { .. }) => FLOW,
             Failure::Run(RunError::Signals(_)) => FILES,
             Failure::Run(RunError::Output(error)) | Failure::Output(error) => code_of_output(error),
         }

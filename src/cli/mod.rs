@@ -29,6 +29,7 @@ pub fn main() -> ExitCode {
         Command::Info(info) => commands::info(&info),
         Command::Export(export) => commands::export(&export),
         Command::Pack(pack) => commands::pack(&pack),
+        Command::Bench(bench) => commands::bench(&bench),
     };
     answer.map_or_else(failure::Failure::report, ExitCode::from)
 }

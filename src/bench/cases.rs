@@ -1,0 +1,179 @@
+//! What is timed: stirred periodic boxes, and the shipped channel with walls, inlet and outlet.
+//!
+//! The boxes have Wendland's kernel, laminar viscosity or sub-particle stress, and Fickian shifting: in 2D h = 1.33 Δ
+//! (20 neighbours), in 3D h = 2.02 Δ (some 256).
+
+use crate::scene;
+use crate::scene::faults::SceneFaults;
+use crate::scene::model::{Precision, Scene};
+
+/// The channel as shipped, part of the program: an installed one has no scenes beside it.
+const CHANNEL: &str = include_str!("../../scenes/constricted_r2.ron");
+
+/// A flow that is timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Case {
+    /// A periodic box.
+    Box(StirredBox),
+    /// The constricted channel, run R2, as shipped.
+    Channel,
+}
+
+/// A stirred periodic box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StirredBox {
+    /// 2 or 3.
+    pub dimensions: usize,
+    /// Particles along each axis.
+    pub count: usize,
+    /// Scalar of the pair sums.
+    pub precision: Precision,
+    /// Sub-particle stress in place of laminar viscosity.
+    pub stress: bool,
+}
+
+/// How a case is timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Steps before anything is timed.
+    pub warm_up: usize,
+    /// Repetitions, of which the fastest counts.
+    pub repetitions: usize,
+    /// Steps of a repetition.
+    pub steps: usize,
+}
+
+/// 160 000 particles in 2D.
+const PLANE: StirredBox = StirredBox { dimensions: 2, count: 400, precision: Precision::F32, stress: false };
+/// 262 144 particles in 3D.
+const SPACE: StirredBox = StirredBox { dimensions: 3, count: 64, ..PLANE };
+/// A million particles in 3D.
+const LARGE: StirredBox = StirredBox { count: 100, ..SPACE };
+
+const fn double(single: StirredBox) -> Case {
+    Case::Box(StirredBox { precision: Precision::F64, ..single })
+}
+
+const fn stressed(laminar: StirredBox) -> StirredBox {
+    StirredBox { stress: true, ..laminar }
+}
+
+impl Case {
+    /// All cases with their names, in the order in which they are timed, the small ones first: see [`memory`](super::memory).
+    pub const ALL: [(&'static str, Case); 9] = [
+        ("channel", Case::Channel),
+        ("2d-f32", Case::Box(PLANE)),
+        ("2d-f64", double(PLANE)),
+        ("3d-f32", Case::Box(SPACE)),
+        ("3d-f64", double(SPACE)),
+        ("3d-sps-f32", Case::Box(stressed(SPACE))),
+        ("3d-sps-f64", double(stressed(SPACE))),
+        ("3d-large-f32", Case::Box(LARGE)),
+        ("3d-large-f64", double(LARGE)),
+    ];
+
+    /// Name, as on the command line.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, case)| *case == self).map_or("box", |(name, _)| name)
+    }
+
+    /// The case of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, case)| *case)
+    }
+
+    /// Whether it is timed only when it is asked for: it takes long, and a gigabyte.
+    pub fn is_large(self) -> bool {
+        matches!(self, Case::Box(StirredBox { count, .. }) if count == LARGE.count)
+    }
+
+    /// How it is timed: on one slow core and on all of a fast machine in the time that a user waits for.
+    pub fn plan(self) -> Plan {
+        match self {
+            Case::Box(StirredBox { dimensions: 2, .. }) => Plan { warm_up: 20, repetitions: 6, steps: 10 },
+            Case::Box(_) if self.is_large() => Plan { warm_up: 1, repetitions: 3, steps: 1 },
+            Case::Box(_) => Plan { warm_up: 2, repetitions: 3, steps: 2 },
+            // The inlet has begun to push by then, and zones change.
+            Case::Channel => Plan { warm_up: 300, repetitions: 6, steps: 20 },
+        }
+    }
+
+    /// The scene.
+    ///
+    /// # Errors
+    /// Its faults: more particles than the machine has memory for.
+    pub fn scene(self) -> Result<Scene, SceneFaults> {
+        match self {
+            Case::Box(stirred) => stirred.scene(),
+            Case::Channel => scene::load_str("constricted_r2", CHANNEL, &[]),
+        }
+    }
+}
+
+impl StirredBox {
+    /// The scene of the box: vortices of half its edge at 1 m/s, c0 = 10 m/s, ν = 1e-6 m²/s, Δ = 0.01 m.
+    ///
+    /// # Errors
+    /// Its faults: more particles than the machine has memory for.
+    pub fn scene(self) -> Result<Scene, SceneFaults> {
+        let edge = self.count as f64 * 0.01;
+        let (dimensions, precision) = (self.dimensions, self.precision);
+        let (zeros, edges, axes, velocity, ratio) = if dimensions == 2 {
+            ("0.0, 0.0", format!("{edge}, {edge}"), r#""x", "y""#, r#""sin(k*y)", "cos(k*x)""#, 1.33)
+        } else {
+            (
+                "0.0, 0.0, 0.0",
+                format!("{edge}, {edge}, {edge}"),
+                r#""x", "y", "z""#,
+                r#""sin(k*y)", "cos(k*z)", "sin(k*x)""#,
+                2.02,
+            )
+        };
+        let viscosity = if self.stress { "Sps()" } else { "Laminar()" };
+        let text = format!(
+            r#"Scene(
+            title: "Stirred box", dimensions: {dimensions}, precision: {precision:?}, spacing: 0.01, smoke: 0.02,
+            constants: {{ "k": "4*pi/{edge}" }},
+            fluid: (density: 1000.0, viscosity: 1.0e-6, sound_speed: 10.0),
+            scheme: Wcsph(smoothing_ratio: {ratio}, viscosity: {viscosity}),
+            domain: Box(min: ({zeros}), max: ({edges})), periodic: [{axes}], walls: None,
+            initial: (velocity: ({velocity})),
+            time: (end: 1.0), output: (every: 1.0),
+        )"#
+        );
+        scene::load_str("stirred_box", &text, &[])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::viscosity::Viscosity;
+    use crate::scene::summary::summary;
+
+    #[test]
+    fn every_case_has_a_scene_without_faults_and_a_name_of_its_own() {
+        for (name, case) in Case::ALL {
+            assert_eq!(Case::named(name), Some(case));
+            assert_eq!(case.name(), name);
+            let scene = match case.scene() {
+                Ok(scene) => scene,
+                Err(faults) => panic!("{name}: {faults}"),
+            };
+            let stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+            assert_eq!(stress, name.contains("sps"));
+            assert_eq!(scene.precision == Precision::F32, name.ends_with("f32"));
+            assert_eq!(case.is_large(), name.contains("large"));
+        }
+        assert_eq!(Case::named("3d"), None);
+    }
+
+    #[test]
+    fn boxes_have_the_particles_that_they_say() {
+        let stirred = StirredBox { count: 24, ..PLANE };
+        let scene = stirred.scene().expect("a scene");
+        let seeds = scene::seeds(&scene);
+        assert_eq!(seeds.len(), 24 * 24);
+        assert_eq!(summary(&scene, &seeds).by_zone[0], 24 * 24);
+    }
+}

@@ -1,0 +1,231 @@
+//! Floating-point operations of an ordered pair in one step, counted from the loops as they are written.
+//!
+//! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and choices nothing. 1/√x is a root and a
+//! division, however many instructions a set takes for it. Wendland's kernel. Work on candidates beyond the support,
+//! packing and the ends of the rows are left out: the share of the peak that follows is that of useful work.
+//!
+//! The tests run the passes over numbers that count their operations, and find these figures.
+
+use crate::physics::sps::components;
+use crate::physics::viscosity::Viscosity;
+use crate::physics::viscosity::reconstructed::NoiseDamping;
+use crate::scene::model::Scene;
+
+/// Of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 3, w(q) 7, the sum 1.
+pub const fn density(dimensions: usize) -> usize {
+    3 * dimensions + 11
+}
+
+/// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, the shared division with what it
+/// yields 6, x·v and the signal 2 D, image factor 3, divergence 3, pressure 2, viscous factor and damping 4, acceleration 4 D,
+/// shifting 2 D.
+pub const fn rates(dimensions: usize) -> usize {
+    12 * dimensions + 26
+}
+
+/// What the damping of noise adds to the rates: S_a + S_b by component, x·S·x 2 D² + 2 D − 1, c_b 3, the rest 9.
+pub const fn damping(dimensions: usize) -> usize {
+    components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 11
+}
+
+/// What sub-particle stress adds to the rates: T_a + T_b by component, T·x 2 D², its scale 1, acceleration 2 D.
+pub const fn stress(dimensions: usize) -> usize {
+    components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
+}
+
+/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, volume 1, image factor 2, the factors of the
+/// sums 3 D, gradient and moments 2 D² each.
+pub const fn gradients(dimensions: usize) -> usize {
+    4 * dimensions * dimensions + 7 * dimensions + 11
+}
+
+/// Of the loop in `pass/strain.rs`, which sums the density as well: that of the density 3 D + 11, F 6, v_ab and the factors
+/// of the sums 3 D, gradient 2 D², moments D² + D.
+pub const fn density_and_strain(dimensions: usize) -> usize {
+    3 * dimensions * dimensions + 7 * dimensions + 17
+}
+
+/// All of a step of a scene with Wendland's kernel, Fickian shifting and no artificial viscosity.
+pub fn per_pair(scene: &Scene) -> usize {
+    let dimensions = scene.dimensions;
+    let is_damped = scene.scheme.noise_damping != NoiseDamping::Off;
+    let has_stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+    let mut operations = rates(dimensions);
+    // The gradient serves stress and damping, where there are both.
+    operations += match (has_stress, is_damped) {
+        (true, _) => density(dimensions) + gradients(dimensions) + stress(dimensions),
+        (false, true) => density_and_strain(dimensions),
+        (false, false) => density(dimensions),
+    };
+    if is_damped {
+        operations += damping(dimensions);
+    }
+    operations
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::fmt::{Display, Formatter};
+    use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+    use super::*;
+    use crate::math::grid::CellGrid;
+    use crate::math::kernel::Kernel;
+    use crate::math::lanes::{Array, InstructionSet, Vectorised};
+    use crate::math::real::Real;
+    use crate::particles::arrays::{ParticleArrays, SpareColumns};
+    use crate::particles::rows::Row;
+    use crate::pass::density::sum_density;
+    use crate::pass::gradients::sum_gradients;
+    use crate::pass::rates::{VelocityLevel, sum_rates};
+    use crate::pass::settings::PairSettings;
+    use crate::pass::strain::sum_density_and_strain;
+    use crate::pass::stress::find_stress;
+    use crate::pass::sums::PairSums;
+    use crate::physics::eos::Tait;
+
+    thread_local! {
+        static DONE: Cell<usize> = const { Cell::new(0) };
+    }
+
+    /// A number that counts what is done with it.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+    struct Counted(f64);
+
+    impl Counted {
+        fn done(value: f64) -> Self {
+            DONE.set(DONE.get() + 1);
+            Self(value)
+        }
+    }
+
+    macro_rules! operators {
+        ($($operator:ident $function:ident $sign:tt),*) => { $(
+            impl $operator for Counted {
+                type Output = Self;
+                fn $function(self, other: Self) -> Self {
+                    Self::done(self.0 $sign other.0)
+                }
+            }
+        )* };
+    }
+    operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+    impl AddAssign for Counted {
+        fn add_assign(&mut self, other: Self) {
+            *self = *self + other;
+        }
+    }
+
+    impl SubAssign for Counted {
+        fn sub_assign(&mut self, other: Self) {
+            *self = *self - other;
+        }
+    }
+
+    impl Neg for Counted {
+        type Output = Self;
+        fn neg(self) -> Self {
+            Self(-self.0)
+        }
+    }
+
+    impl Display for Counted {
+        fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+            self.0.fmt(f)
+        }
+    }
+
+    impl Real for Counted {
+        fn from_f64(value: f64) -> Self {
+            Self(value)
+        }
+        fn to_f64(self) -> f64 {
+            self.0
+        }
+        fn abs(self) -> Self {
+            Self(self.0.abs())
+        }
+        fn sqrt(self) -> Self {
+            Self::done(self.0.sqrt())
+        }
+        fn dispatch<T: Vectorised<Self>>(_: InstructionSet, task: T) -> T::Output {
+            task.run::<Array<Self, 1>>()
+        }
+    }
+
+    /// Passes over some particles.
+    type Passes<const D: usize> =
+        fn(&PairSettings, &CellGrid<D>, &mut ParticleArrays<Counted, D>, &mut PairSums<Counted, D>);
+
+    /// Operations that passes do for each ordered pair. With all particles in one cell the count is a parabola of their
+    /// number, and its curvature is that of the pairs alone.
+    fn of_pair<const D: usize>(settings: &PairSettings, passes: Passes<D>) -> usize {
+        let counts = [8, 9, 10].map(|particles| of_all(settings, particles, passes));
+        let curvature = counts[2] + counts[0] - 2 * counts[1];
+        assert_eq!(curvature % 2, 0);
+        curvature / 2
+    }
+
+    /// Operations of passes over so many particles in one cell.
+    fn of_all<const D: usize>(pair: &PairSettings, particles: usize, passes: Passes<D>) -> usize {
+        let upper = [0.9 * pair.cell_size(); D];
+        let mut grid = CellGrid::new([0.0; D], upper, [false; D], pair.support(), pair.cell_size());
+        let mut arrays = ParticleArrays::<Counted, D>::default();
+        for id in 0..particles as u32 {
+            let mut row = Row { id, density: 1000.0, wall_distance: f64::INFINITY, ..Default::default() };
+            for d in 0..D {
+                let noise = (0.37 + 0.618 * f64::from(id) + 0.271 * f64::from(id).powi(2 + d as i32)).fract();
+                row.position[d] = noise * upper[d];
+                row.velocity[d] = noise - 0.5;
+            }
+            arrays.push(&row);
+        }
+        let order = grid.build(&arrays.position, &arrays.id, |_| true).expect("inside");
+        arrays.reorder(order, &mut SpareColumns::default());
+        let mut sums = PairSums::default();
+        // Columns that a pass reads and the one before it in a step has written.
+        sum_density_and_strain(pair, &grid, &mut arrays, VelocityLevel::Present, &mut sums);
+        sum_gradients(pair, &grid, &arrays, VelocityLevel::Present, &mut sums);
+        find_stress(pair, &grid, &arrays, &mut sums);
+        DONE.set(0);
+        passes(pair, &grid, &mut arrays, &mut sums);
+        DONE.get()
+    }
+
+    fn check<const D: usize>() {
+        let tait = Tait { reference_density: 1000.0, sound_speed: 10.0 };
+        let plain = PairSettings::new(Kernel::WendlandC2, D, 0.01, 2.0, tait);
+        let damped = PairSettings { noise_damping: 0.4, ..plain.clone() };
+        let sps = ron::from_str::<Viscosity>("Sps()").expect("the usual constants");
+        let stressed = PairSettings { viscous_term: sps, ..plain.clone() };
+        let rates_of = |pair: &PairSettings| {
+            of_pair::<D>(pair, |pair, grid, arrays, sums| {
+                sum_rates(pair, grid, arrays, VelocityLevel::Present, sums);
+            })
+        };
+        assert_eq!(of_pair::<D>(&plain, sum_density), density(D), "density in {D}D");
+        assert_eq!(rates_of(&plain), rates(D), "rates in {D}D");
+        assert_eq!(rates_of(&damped), rates(D) + damping(D), "damped rates in {D}D");
+        assert_eq!(rates_of(&stressed), rates(D) + stress(D), "rates with stress in {D}D");
+        let of_gradients = of_pair::<D>(&stressed, |pair, grid, arrays, sums| {
+            sum_gradients(pair, grid, arrays, VelocityLevel::Present, sums);
+        });
+        assert_eq!(of_gradients, gradients(D), "gradients in {D}D");
+        let of_strain = of_pair::<D>(&damped, |pair, grid, arrays, sums| {
+            sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
+        });
+        assert_eq!(of_strain, density_and_strain(D), "density with strain in {D}D");
+    }
+
+    #[test]
+    fn figures_are_what_the_loops_do() {
+        // One thread, so that all is counted where it is asked for.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        pool.install(|| {
+            check::<2>();
+            check::<3>();
+        });
+    }
+}
