@@ -53,7 +53,13 @@ def main(folder):
     print(f"largest mean u in the throat   {largest:.4f} m/s at x = {x:.3f}, y = {y:.4f} m")
     drop = section("upstream").mean_pressure.mean() - section("throat_end").mean_pressure.mean()
     print(f"pressure drop to throat's end  {drop:.2f} Pa")
-    print(f"largest density deviation      {monitor.largest_density_deviation.max():.4f}")
+    means = pd.read_csv(run / "probes_mean.csv")
+    means.columns = [name.split(" [")[0] for name in means.columns]
+    axis = means[(means.probe == "axis") & means.x.between(0.0, THROAT)]
+    print(f"largest mean u on its axis     {axis.u.max():.4f} m/s (probe `axis`)")
+    deviation = monitor.largest_density_deviation
+    print(f"largest density deviation      {deviation.max():.4f}, in the mean over time {deviation.mean():.4f}")
+    print(f"set back onto a wall, in all   {monitor.held_at_walls.sum()}")
     print(f"most particles behind a wall   {monitor.through_walls.max()}")
     print(f"most pairs nearer than 0.5 Δ   {monitor.close_pairs.max()}")
     summary = json.loads((run / "summary.json").read_text())

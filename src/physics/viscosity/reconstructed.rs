@@ -52,7 +52,7 @@ impl NoiseDamping {
     }
 }
 
-/// w_ab over h² in lengths over h: `x` is x_ab/h, `xv` is x_ab·v_ab/h (m/s), `strain_sum` the components of S_a + S_b
+/// w_ab/h, m/s: `x` is x_ab/h, `xv` is x_ab·v_ab/h (m/s), `strain_sum` the components of S_a + S_b
 /// (1/s) as in [`sps::component`].
 #[inline(always)]
 pub fn unexplained<L: Lanes, const D: usize>(xv: L, strain_sum: [L; 6], x: [L; D], h: f64) -> L {
