@@ -40,23 +40,25 @@ pub const fn gradients(dimensions: usize) -> usize {
 }
 
 /// Of the loop in `pass/strain.rs`, which sums the density as well: that of the density 3 D + 11, F 6, v_ab and the factors
-/// of the sums 3 D, gradient 2 D², moments D² + D.
+/// of the sums 3 D, the sums themselves 2 D + 1, gradient 2 D², moments D² + D.
 pub const fn density_and_strain(dimensions: usize) -> usize {
-    3 * dimensions * dimensions + 7 * dimensions + 17
+    3 * dimensions * dimensions + 9 * dimensions + 18
 }
 
-/// All of a step of a scene with Wendland's kernel, Fickian shifting and no artificial viscosity.
+/// All of a step of a scene with Wendland's kernel, Fickian or local shifting and no artificial viscosity.
 pub fn per_pair(scene: &Scene) -> usize {
     let dimensions = scene.dimensions;
     let is_damped = scene.scheme.noise_damping != NoiseDamping::Off;
     let has_stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
     let mut operations = rates(dimensions);
-    // The gradient serves stress and damping, where there are both.
-    operations += match (has_stress, is_damped) {
-        (true, _) => density(dimensions) + gradients(dimensions) + stress(dimensions),
-        (false, true) => density_and_strain(dimensions),
-        (false, false) => density(dimensions),
+    operations += if is_damped || scene.scheme.shifting.carries_velocity() {
+        density_and_strain(dimensions)
+    } else {
+        density(dimensions)
     };
+    if has_stress {
+        operations += gradients(dimensions) + stress(dimensions);
+    }
     if is_damped {
         operations += damping(dimensions);
     }

@@ -3,10 +3,9 @@
 use glam::DVec3;
 
 use super::density::sum_density;
-use super::gradients::sum_gradients;
 use super::rates::{RatesSummary, VelocityLevel, sum_rates};
 use super::settings::PairSettings;
-use super::strain::find_strain;
+use super::strain::sum_density_and_strain;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::Kernel;
@@ -99,11 +98,10 @@ impl<R: Real, const D: usize> Sample<R, D> {
         sum_density(&self.pair, &self.grid, &mut self.particles, &mut self.sums);
     }
 
-    /// Rates of strain from the gradients.
+    /// Density, pressure and rates of strain.
     pub fn strain(&mut self) {
         let level = VelocityLevel::Present;
-        sum_gradients(&self.pair, &self.grid, &self.particles, level, &mut self.sums);
-        find_strain(&mut self.sums);
+        sum_density_and_strain(&self.pair, &self.grid, &mut self.particles, level, &mut self.sums);
     }
 
     /// Accelerations.

@@ -1,17 +1,20 @@
-//! Rate of strain of the flow, for the damping of noise: summed together with the density, or taken from a gradient.
+//! Velocity gradient among the neighbours of a particle, summed together with its density: its symmetric part, the
+//! rate of strain, serves the damping of noise, all of it carries the velocity of a shifted particle.
 //!
 //! ```text
-//! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,   G_ij = Σ_b (v_b − v_a)_i ∂W/∂x_j,   M_kj = −Σ_b x_ab,k ∂W/∂x_j
+//! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,   w = −(1/r) dW/dr,   ‾ = Σ_b w_b …/Σ_b w_b, b ≠ a
+//! G_ik = Σ_b w_b (v_b − v̄)_i (x_b − x̄)_k,   M_kj = Σ_b w_b (x_b − x̄)_k (x_b − x̄)_j
 //! ```
 //!
-//! Bonet & Lok (1999), over fluid, inflow and outflow: walls are left out, since the images of a particle close to a
-//! wall multiply its noise. Exact for linear fields whatever the neighbours weigh, so that all weigh the same and
-//! the density of the step need not be known yet.
+//! The weights are those of Bonet & Lok (1999), the least squares are about the neighbours' own mean: what the particle
+//! has for a velocity does not show, so that neither the damping nor the shifting can feed on its noise. Over fluid, inflow
+//! and outflow: walls are left out, since the images of a particle close to a wall multiply its noise. Exact for linear
+//! fields whatever the neighbours weigh, so that all weigh the same and the density of the step need not be known yet.
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::blocks::{for_each_block, for_each_part};
+use super::blocks::for_each_block;
 use super::density::{LEAST_Q2, finish};
 use super::pack::{Pack, Source};
 use super::rates::VelocityLevel;
@@ -30,7 +33,7 @@ use crate::physics::sps::{component, components};
 const MOST_COLUMNS: usize = 3 + 1;
 
 /// Sums density and pressure of the fluid rows over all rows, and the rate of strain of fluid, inflow and outflow rows
-/// over those alone, into `sums.strain`.
+/// over those alone, into `sums.strain`; the whole gradient into `sums.neighbour_gradient` if shifting carries velocities.
 pub fn sum_density_and_strain<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -43,6 +46,10 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
     for column in sums.strain.iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());
     }
+    let carried = if pair.shifting.carries_velocity() { particles.len() } else { 0 };
+    for column in sums.neighbour_gradient.iter_mut().flatten() {
+        column.resize(carried, R::default());
+    }
     pair.kernel.with_shape(StrainPass { pair, grid, particles, level, sums });
 }
 
@@ -54,14 +61,14 @@ struct StrainPass<'a, R: Real, const D: usize> {
     sums: &'a mut PairSums<R, D>,
 }
 
-/// Density, pressure and components of the strain of a block's rows.
-type Outputs<'a, R> = ([&'a mut [R]; 2], [&'a mut [R]; 6]);
+/// Density and pressure, components of the strain, and gradient of a block's rows.
+type Outputs<'a, R, const D: usize> = ([&'a mut [R]; 2], [&'a mut [R]; 6], [[&'a mut [R]; D]; D]);
 
 impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
     type Output = ();
 
     fn run<K: KernelShape>(self) {
-        let PairSums { strain, columns, packs, .. } = self.sums;
+        let PairSums { strain, neighbour_gradient, columns, packs, .. } = self.sums;
         let ParticleArrays { zone, position, velocity, velocity_before, density, pressure, .. } =
             self.particles;
         let velocity = match self.level {
@@ -81,7 +88,7 @@ impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
             support_ratio: K::SUPPORT,
         };
         let (zone, packs) = (&*zone, &*packs);
-        let work = |cells: Range<usize>, outputs: Outputs<R>| {
+        let work = |cells: Range<usize>, outputs: Outputs<R, D>| {
             let block = StrainBlock::<K, R, D> {
                 pair: self.pair,
                 source: &source,
@@ -93,7 +100,11 @@ impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
             };
             R::dispatch(self.pair.lanes, block);
         };
-        let outputs = ([&mut density[..], &mut pressure[..]], strain.each_mut().map(Vec::as_mut_slice));
+        let outputs = (
+            [&mut density[..], &mut pressure[..]],
+            strain.each_mut().map(Vec::as_mut_slice),
+            neighbour_gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice)),
+        );
         for_each_block(self.grid, outputs, &work, &|(), ()| ());
     }
 }
@@ -103,7 +114,7 @@ struct StrainBlock<'a, K, R: Real, const D: usize> {
     source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
     cells: Range<usize>,
-    outputs: Outputs<'a, R>,
+    outputs: Outputs<'a, R, D>,
     pack: &'a mut Pack<R>,
     shape: PhantomData<K>,
 }
@@ -116,7 +127,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let grid = self.source.grid;
         let first = grid.rows(self.cells.start).start;
         let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
-        let ([density, pressure], strain) = self.outputs;
+        let ([density, pressure], strain, mut whole) = self.outputs;
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
             if !self.zone[rows.clone()].iter().any(|&zone| flows(zone)) {
@@ -131,6 +142,13 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
                 if self.zone[row] == Zone::Fluid {
                     density[row - first] = kernel_sum;
                 }
+                for (columns, components) in whole.iter_mut().zip(gradient) {
+                    for (column, component) in columns.iter_mut().zip(components) {
+                        if let Some(slot) = column.get_mut(row - first) {
+                            *slot = R::from_f64(component);
+                        }
+                    }
+                }
                 for i in 0..D {
                     for j in 0..=i {
                         let mean = 0.5 * (gradient[i][j] + gradient[j][i]);
@@ -144,7 +162,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
     }
 }
 
-/// Σ w(q) over a pack, and the corrected gradient of the velocity over the flow in it.
+/// Σ w(q) over a pack, and the gradient of the velocity over the flow in it, the row itself left out.
 #[inline(always)]
 fn sum<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -160,6 +178,9 @@ fn sum<K: KernelShape, L: Lanes, const D: usize>(
         v_a[d] = L::splat(source.columns[d][row]);
     }
     let mut kernel_sum = zero;
+    let mut weight_sum = zero;
+    let mut along_sum = [zero; D];
+    let mut across_sum = [zero; D];
     let mut sum = [[zero; D]; D];
     // By component: M is symmetric.
     let mut moment = [zero; 6];
@@ -174,9 +195,12 @@ fn sum<K: KernelShape, L: Lanes, const D: usize>(
         let q = q2 * inverse_q;
         kernel_sum = kernel_sum + K::value(q);
         let slope = K::slope(q, inverse_q) * entry.column(2 * D);
+        weight_sum = weight_sum + slope;
         for i in 0..D {
             let across = slope * (v_a[i] - entry.column(D + i));
             let along = slope * x[i];
+            across_sum[i] = across_sum[i] + across;
+            along_sum[i] = along_sum[i] + along;
             for j in 0..D {
                 sum[i][j] = across.mul_add(x[j], sum[i][j]);
                 if j <= i {
@@ -186,13 +210,21 @@ fn sum<K: KernelShape, L: Lanes, const D: usize>(
             }
         }
     }
-    // The sums lack the same factor, but for one h: ∇W = scale · slope · x_ab/h.
+    // The sums lack the same factor, but for one h: ∇W = scale · slope · x_ab/h. The row itself is in none but the first.
+    let nearest = L::constant(LEAST_Q2);
+    let inverse_q = nearest.inverse_sqrt();
+    let own_weight = K::slope(nearest * inverse_q, inverse_q).largest().to_f64();
+    let weights = weight_sum.sum().to_f64() - own_weight;
+    let of_weights = if weights == 0.0 { 0.0 } else { 1.0 / weights };
+    let along = along_sum.map(|sum| sum.sum().to_f64());
+    let across = across_sum.map(|sum| sum.sum().to_f64());
     let mut moments = [[0.0; D]; D];
     let mut plain = [[0.0; D]; D];
     for i in 0..D {
         for j in 0..D {
-            moments[i][j] = moment[component::<D>(i, j)].sum().to_f64();
-            plain[i][j] = source.inverse_h * sum[i][j].sum().to_f64();
+            // About the mean of the neighbours.
+            moments[i][j] = moment[component::<D>(i, j)].sum().to_f64() - along[i] * along[j] * of_weights;
+            plain[i][j] = source.inverse_h * (sum[i][j].sum().to_f64() - across[i] * along[j] * of_weights);
         }
     }
     let mut gradient = [[0.0; D]; D];
@@ -207,33 +239,13 @@ fn sum<K: KernelShape, L: Lanes, const D: usize>(
     (kernel_sum.sum(), gradient)
 }
 
-/// Takes the rate of strain of all rows from the velocity gradient in `sums`.
-pub fn find_strain<R: Real, const D: usize>(sums: &mut PairSums<R, D>) {
-    let rows = sums.gradient[0][0].len();
-    for column in sums.strain.iter_mut().take(components(D)) {
-        column.resize(rows, R::default());
-    }
-    let gradient = &sums.gradient;
-    let half = R::from_f64(0.5);
-    let work = |rows: Range<usize>, strain: [&mut [R]; 6]| {
-        for i in 0..D {
-            for j in 0..=i {
-                let sides = gradient[i][j][rows.clone()].iter().zip(&gradient[j][i][rows.clone()]);
-                for (strain, (&one, &other)) in strain[component::<D>(i, j)].iter_mut().zip(sides) {
-                    *strain = half * (one + other);
-                }
-            }
-        }
-    };
-    for_each_part(0..rows, sums.strain.each_mut().map(Vec::as_mut_slice), &work);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
     use crate::math::lanes::InstructionSet;
     use crate::pass::samples::{SPACING, Sample, settings};
+    use crate::physics::shifting::Shifting;
 
     const SLOPES: [[f64; 3]; 3] = [[1.0, -2.0, 0.5], [3.0, 0.2, 0.0], [-1.0, 0.7, 2.0]];
 
@@ -284,14 +296,24 @@ mod tests {
     }
 
     #[test]
-    fn the_strain_of_a_gradient_is_its_symmetric_part() {
-        let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.3), [6, 6], true);
+    fn a_particles_own_velocity_does_not_show_in_its_gradient_but_in_its_neighbours() {
+        let shifting = Shifting::Local { coefficient: 32.0 };
+        let pair = PairSettings { shifting, ..settings(Kernel::WendlandC2, 2, 1.3) };
+        let mut sample = Sample::<f64, 2>::lattice(pair, [8, 8], true);
         sample.stir(0.2, 1.0);
-        sample.strain();
-        for row in 0..sample.particles.len() {
-            let gradient = &sample.sums.gradient;
-            assert_eq!(sample.sums.strain[2][row], 0.5 * (gradient[0][1][row] + gradient[1][0][row]));
-            assert_eq!(sample.sums.strain[1][row], gradient[1][1][row]);
+        let (own, other) = (sample.row(27), sample.row(28));
+        let gradients = |sample: &mut Sample<f64, 2>| {
+            sample.strain();
+            let gradient = &sample.sums.neighbour_gradient;
+            [own, other].map(|row| [gradient[0][1][row], gradient[0][0][row], gradient[1][0][row]])
+        };
+        let before = gradients(&mut sample);
+        sample.particles.velocity[0][own] += 3.0;
+        let after = gradients(&mut sample);
+        for (before, after) in before[0].iter().zip(after[0]) {
+            assert!((before - after).abs() < 1e-12, "{before} and {after}");
         }
+        assert!((before[1][1] - after[1][1]).abs() > 1.0);
+        assert_eq!(sample.sums.strain[1][own], sample.sums.neighbour_gradient[1][1][own]);
     }
 }

@@ -21,6 +21,8 @@ pub struct PairSums<R, const D: usize> {
     pub divergence: Vec<R>,
     /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j, 1/s, of the flow's rows; empty until it is asked for.
     pub gradient: [[Vec<R>; D]; D],
+    /// The same among a particle's neighbours alone (`pass/strain.rs`), 1/s; empty unless shifting carries the velocity.
+    pub neighbour_gradient: [[Vec<R>; D]; D],
     /// Rate of strain (components as those of `stress`), 1/s, of the flow's rows; empty without damping of noise.
     pub strain: [Vec<R>; 6],
     /// Eddy viscosity ν_t, m²/s, of the flow's rows; empty without sub-particle stress.
@@ -58,6 +60,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             shift: std::array::from_fn(|_| Vec::new()),
             divergence: Vec::new(),
             gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
+            neighbour_gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             strain: std::array::from_fn(|_| Vec::new()),
             eddy_viscosity: Vec::new(),
             stress: std::array::from_fn(|_| Vec::new()),

@@ -45,12 +45,13 @@ fn level(since_plain: StepsSincePlain) -> VelocityLevel {
     if since_plain.0 == 0 { VelocityLevel::Present } else { VelocityLevel::Previous }
 }
 
-/// Whether the rate of strain comes with the density: it needs no walls then, as sub-particle stress does.
-fn strain_with_density(scheme: &Wcsph) -> bool {
-    scheme.noise_damping != NoiseDamping::Off && !matches!(scheme.viscosity, Viscosity::Sps { .. })
+/// Whether a particle's neighbours are asked for their velocity gradient.
+fn needs_strain(scheme: &Wcsph) -> bool {
+    scheme.noise_damping != NoiseDamping::Off || scheme.shifting.carries_velocity()
 }
 
-/// Density of fluid particles by summation, pressure by Tait; on the way the rate of strain, where noise is damped.
+/// Density of fluid particles by summation, pressure by Tait; on the way the velocity gradient among the neighbours, where
+/// noise is damped or shifting carries velocities.
 pub fn sum_density<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     pair: Res<Pair>,
@@ -59,7 +60,7 @@ pub fn sum_density<R: Real, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
-    if strain_with_density(&scene.0.scheme) {
+    if needs_strain(&scene.0.scheme) {
         strain::sum_density_and_strain(&pair.0, &grid.0, &mut arrays, level(*since_plain), &mut sums.0);
     } else {
         density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
@@ -75,14 +76,10 @@ pub fn sum_gradients<R: Real, const D: usize>(
     arrays: Res<ParticleArrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
 ) {
-    let scheme = &scene.0.scheme;
-    if !matches!(scheme.viscosity, Viscosity::Sps { .. }) {
+    if !matches!(scene.0.scheme.viscosity, Viscosity::Sps { .. }) {
         return;
     }
     gradients::sum_gradients(&pair.0, &grid.0, &arrays, level(*since_plain), &mut sums.0);
-    if scheme.noise_damping != NoiseDamping::Off {
-        strain::find_strain(&mut sums.0);
-    }
     stress::find_stress(&pair.0, &grid.0, &arrays, &mut sums.0);
 }
 

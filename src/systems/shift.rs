@@ -11,10 +11,11 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::blocks::for_each_part;
-use crate::physics::shifting::{ShiftStep, Shifting};
+use crate::physics::shifting::{ShiftStep, Shifting, carried};
 
-/// Moves fluid and outflow particles by the shifting vector that the pair sums found. They keep their velocity: carried
-/// along its gradient, v + δx·∇v, the noise of single particles feeds itself (a constricted channel blew up with A = 6).
+/// Moves fluid and outflow particles by the shifting vector that the pair sums found. Fluid particles take the velocity of
+/// the place they are moved to, at both time levels, if the shifting says so; those of an outflow have theirs from
+/// the outlet's condition.
 pub fn shift<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
@@ -33,19 +34,38 @@ pub fn shift<R: Real, const D: usize>(
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };
-    let ParticleArrays { zone, position, .. } = &mut *arrays;
+    let ParticleArrays { zone, position, velocity, velocity_before, .. } = &mut *arrays;
     let (zone, sums) = (&*zone, &sums.0);
-    let work = |rows: Range<usize>, position: [&mut [f64]; D]| {
+    let work = |rows: Range<usize>, (position, mut now, mut before): Columns<R, D>| {
         for (at, row) in rows.enumerate() {
             if zone[row] != Zone::Fluid && zone[row] != Zone::Outflow {
                 continue;
             }
             let concentration: [f64; D] = std::array::from_fn(|axis| sums.shift[axis][row].to_f64());
-            let moved = shifting.displacement(concentration, step);
+            let speed = (0..D).map(|axis| now[axis][at].to_f64().powi(2)).sum::<f64>().sqrt();
+            let moved = shifting.displacement(concentration, speed, step);
             for axis in 0..D {
                 position[axis][at] += moved[axis];
             }
+            if shifting.carries_velocity() && zone[row] == Zone::Fluid {
+                let gradient =
+                    sums.neighbour_gradient.each_ref().map(|of| of.each_ref().map(|g| g[row].to_f64()));
+                let change = carried(moved, gradient);
+                for velocity in [&mut now, &mut before] {
+                    for axis in 0..D {
+                        velocity[axis][at] += R::from_f64(change[axis]);
+                    }
+                }
+            }
         }
     };
-    for_each_part(0..zone.len(), position.each_mut().map(Vec::as_mut_slice), &work);
+    let columns = (
+        position.each_mut().map(Vec::as_mut_slice),
+        velocity.each_mut().map(Vec::as_mut_slice),
+        velocity_before.each_mut().map(Vec::as_mut_slice),
+    );
+    for_each_part(0..zone.len(), columns, &work);
 }
+
+/// Positions and velocities, present and before, of a part's rows.
+type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);

@@ -2,10 +2,17 @@
 //!
 //! ```text
 //! Fickian: δx_a = −A h v_max Δt ∇C_a,   ∇C_a = Σ_b V_b ∇W
+//! Local:   δx_a = −A h |v_a| Δt ∇C_a,   v_a → v_a + δx_a·∇v
 //! ```
 //!
-//! Lind et al. (2012): particles drift down the gradient of their concentration. The rate pass sums ∇C or, for
-//! [`vacondio`], its repulsion; [`Shifting::displacement`] makes the step of it.
+//! Lind et al. (2012): particles drift down the gradient of their concentration; with a particle's own speed in place of the
+//! largest, Skillen et al. (2013). The rate pass sums ∇C or, for [`vacondio`], its repulsion;
+//! [`Shifting::displacement`] makes the step of it, [`carried`] takes the velocity along (Lind et al. (2012), by Taylor's
+//! series).
+//!
+//! The gradient that carries a velocity must not contain the particle's own: with v' the part of it that the neighbours
+//! do not share, Σ V_b (v_b − v_a) ∇W holds −v' ∇C, and δx·∇v = A h |v_a| Δt |∇C|² v' makes v' grow
+//! without bound. So it is fitted to the neighbours alone: see `pass/strain.rs`.
 
 pub mod vacondio;
 
@@ -23,6 +30,14 @@ pub enum Shifting {
         #[serde(default = "fickian_coefficient")]
         coefficient: f64,
     },
+    /// Skillen et al. (2013): `δx = −coefficient h |v_a| Δt ∇C`, and the velocity is carried along its gradient.
+    ///
+    /// For flows with fast and slow regions: slow ones are not stirred by what the fast ones need.
+    Local {
+        /// Strength, dimensionless.
+        #[serde(default = "local_coefficient")]
+        coefficient: f64,
+    },
     /// Vacondio et al. (2013) with the local mean spacing of Xu et al. (2009).
     Vacondio {
         /// Strength β, dimensionless.
@@ -33,6 +48,10 @@ pub enum Shifting {
 
 fn fickian_coefficient() -> f64 {
     4.0
+}
+
+fn local_coefficient() -> f64 {
+    32.0
 }
 
 fn vacondio_coefficient() -> f64 {
@@ -48,6 +67,11 @@ impl Default for Shifting {
 /// Longest shift in one step, over Δ.
 const LONGEST: f64 = 0.1;
 
+/// Largest A v Δt/h. A shift diffuses the concentration: on a square or cubic lattice its shortest waves overshoot and
+/// grow above 0.71 (Wendland's kernel, 3D, h = 1.3 Δ; 0.73 in 2D, twice as much for the quintic kernel; test
+/// `a_shift_is_a_stable_diffusion`).
+const LARGEST_DIFFUSION: f64 = 0.6;
+
 /// What a step's shift depends on beside the particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShiftStep {
@@ -62,13 +86,35 @@ pub struct ShiftStep {
 }
 
 impl Shifting {
-    /// Displacement of a particle, m, from the vector that the rate pass summed for it; never longer than 0.1 Δ.
-    pub fn displacement<const D: usize>(&self, vector: [f64; D], step: ShiftStep) -> [f64; D] {
-        let path = step.largest_speed * step.time_step;
+    /// Largest strength that a scene may ask for: beyond it a step's shift is at its limits everywhere.
+    pub const LARGEST_STRENGTH: f64 = 1000.0;
+
+    /// The dimensionless strength, 0 where it is off.
+    pub fn strength(&self) -> f64 {
+        match *self {
+            Shifting::Off => 0.0,
+            Shifting::Fickian { coefficient } | Shifting::Local { coefficient } => coefficient,
+            Shifting::Vacondio { beta } => beta,
+        }
+    }
+
+    /// Whether a shifted particle takes the velocity of the place that it is moved to.
+    pub fn carries_velocity(&self) -> bool {
+        matches!(self, Shifting::Local { .. })
+    }
+
+    /// Displacement of a particle, m, from the vector that the rate pass summed for it and its own speed, m/s; never
+    /// longer than 0.1 Δ.
+    pub fn displacement<const D: usize>(&self, vector: [f64; D], speed: f64, step: ShiftStep) -> [f64; D] {
+        let h = step.smoothing_length;
+        let diffused = |coefficient: f64, speed: f64| {
+            -h * (coefficient * speed * step.time_step).min(LARGEST_DIFFUSION * h)
+        };
         let scale = match *self {
             Shifting::Off => 0.0,
-            Shifting::Fickian { coefficient } => -coefficient * step.smoothing_length * path,
-            Shifting::Vacondio { beta } => beta * path,
+            Shifting::Fickian { coefficient } => diffused(coefficient, step.largest_speed),
+            Shifting::Local { coefficient } => diffused(coefficient, speed.min(step.largest_speed)),
+            Shifting::Vacondio { beta } => beta * step.largest_speed * step.time_step,
         };
         let length = scale.abs() * vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let limit = LONGEST * step.spacing;
@@ -77,25 +123,93 @@ impl Shifting {
     }
 }
 
+/// What a velocity changes by along a displacement, m/s: δx·∇v, with `gradient[i][j]` = ∂v_i/∂x_j, 1/s.
+pub fn carried<const D: usize>(displacement: [f64; D], gradient: [[f64; D]; D]) -> [f64; D] {
+    gradient.map(|of_component| displacement.iter().zip(of_component).map(|(x, slope)| x * slope).sum())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::kernel::Kernel;
 
     const STEP: ShiftStep =
         ShiftStep { smoothing_length: 0.15, spacing: 0.1, largest_speed: 2.0, time_step: 1e-3 };
 
     #[test]
     fn particles_drift_down_the_concentration() {
-        let [x, y] = Shifting::default().displacement([0.5, -1.0], STEP);
+        let [x, y] = Shifting::default().displacement([0.5, -1.0], 0.5, STEP);
         assert!((x + 4.0 * 0.15 * 2e-3 * 0.5).abs() < 1e-15 && (y - 12e-4).abs() < 1e-15);
     }
 
     #[test]
+    fn a_local_shift_goes_with_the_particles_own_speed_which_is_never_above_the_largest() {
+        let local = Shifting::Local { coefficient: 8.0 };
+        let [x, _] = local.displacement([0.5, 0.0], 0.25, STEP);
+        assert!((x + 8.0 * 0.15 * 0.25e-3 * 0.5).abs() < 1e-18);
+        assert_eq!(local.displacement([0.5, 0.0], 0.0, STEP), [0.0, 0.0]);
+        assert_eq!(local.displacement([0.5, 0.0], 9.0, STEP), local.displacement([0.5, 0.0], 2.0, STEP));
+    }
+
+    #[test]
+    fn velocity_is_carried_along_its_gradient() {
+        assert_eq!(carried([0.5, -2.0], [[1.0, 3.0], [-4.0, 0.25]]), [-5.5, -2.5]);
+        assert!(
+            Shifting::Local { coefficient: 1.0 }.carries_velocity()
+                && !Shifting::default().carries_velocity()
+        );
+    }
+
+    /// Largest eigenvalue over the waves of a square lattice of −h² ∂(δ∇C)/∂(δx): what a displacement of the particles
+    /// does to the gradient of their concentration.
+    fn stiffness(kernel: Kernel, ratio: f64) -> f64 {
+        let spacing = 1.0 / ratio;
+        let reach = (kernel.support_ratio() * ratio).ceil() as i32;
+        let waves = 8;
+        let mut largest: f64 = 0.0;
+        for (i, j) in (0..=waves).flat_map(|i| (0..=waves).map(move |j| (i, j))) {
+            let k = [i, j].map(|n| f64::from(n) * std::f64::consts::PI / (f64::from(waves) * spacing));
+            let mut matrix = [[0.0; 2]; 2];
+            for (m, n) in (-reach..=reach).flat_map(|m| (-reach..=reach).map(move |n| (m, n))) {
+                let x = [m, n].map(|n| f64::from(n) * spacing);
+                let gradient = |x: [f64; 2]| x.map(|along| kernel.slope(2, 1.0, x[0].hypot(x[1])) * along);
+                let seen = spacing * spacing * (1.0 - (k[0] * x[0] + k[1] * x[1]).cos());
+                for d in 0..2 {
+                    let mut there = x;
+                    let mut back = x;
+                    there[d] += 1e-5;
+                    back[d] -= 1e-5;
+                    for e in 0..2 {
+                        matrix[d][e] += seen * (gradient(there)[e] - gradient(back)[e]) / 2e-5;
+                    }
+                }
+            }
+            let [[a, b], [_, d]] = matrix;
+            let (mean, spread) = (0.5 * (a + d), (0.25 * (a - d).powi(2) + b * b).sqrt());
+            largest = largest.max((mean + spread).abs()).max((mean - spread).abs());
+        }
+        largest
+    }
+
+    #[test]
+    fn a_shift_is_a_stable_diffusion() {
+        // One shift multiplies a wave by 1 − A v Δt/h · stiffness.
+        for ratio in [1.3, 1.5, 2.0] {
+            let wendland = 2.0 / stiffness(Kernel::WendlandC2, ratio);
+            assert!((0.72..0.80).contains(&wendland), "{wendland} for h = {ratio} Δ");
+            assert!(2.0 / stiffness(Kernel::QuinticSpline, ratio) > 1.3);
+        }
+        let [x, _] = Shifting::Local { coefficient: 1e3 }.displacement([0.01, 0.0], 1.0, STEP);
+        assert!((x + 0.6 * 0.15 * 0.15 * 0.01).abs() < 1e-18);
+    }
+
+    #[test]
     fn a_shift_is_never_longer_than_a_tenth_of_the_spacing() {
-        for shifting in [Shifting::default(), Shifting::Vacondio { beta: 0.04 }] {
-            let shift = shifting.displacement([3e9, -4e9, 0.0], STEP);
+        let local = Shifting::Local { coefficient: 32.0 };
+        for shifting in [Shifting::default(), local, Shifting::Vacondio { beta: 0.04 }] {
+            let shift = shifting.displacement([3e9, -4e9, 0.0], 2.0, STEP);
             assert!((shift.iter().map(|x| x * x).sum::<f64>().sqrt() - 0.01).abs() < 1e-12);
         }
-        assert_eq!(Shifting::Off.displacement([1.0, 1.0], STEP), [0.0, 0.0]);
+        assert_eq!(Shifting::Off.displacement([1.0, 1.0], 2.0, STEP), [0.0, 0.0]);
     }
 }

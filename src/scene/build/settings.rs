@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::checker::Checker;
 use crate::math::kernel::Kernel;
+use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
@@ -76,6 +77,22 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
         Some(number) => number.value as u32,
         None => 50,
     };
+    if let Some(shifting) = shifting
+        && !(0.0..=Shifting::LARGEST_STRENGTH).contains(&shifting.value.strength())
+    {
+        check.report(
+            Fault::new(
+                "the strength of the shifting is out of bounds",
+                shifting.span,
+                format!(
+                    "is `{}`, must be from `0` to `{}`",
+                    shifting.value.strength(),
+                    Shifting::LARGEST_STRENGTH
+                ),
+            )
+            .help("`Fickian(coefficient: 4)`, `Local(coefficient: 32)` and `Vacondio(beta: 0.04)` are usual"),
+        );
+    }
     if let Some(damping) = noise_damping
         && !(0.0..=NoiseDamping::LARGEST_ALPHA).contains(&damping.value.alpha())
     {

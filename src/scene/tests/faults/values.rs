@@ -11,6 +11,12 @@ fn numbers_out_of_bounds_are_faults() {
     check("sound_speed: 10.0", "sound_speed: inf", "`sound_speed` must be finite", "inf");
     check("dimensions: 2", "dimensions: 4", "`dimensions` must be 2 or 3", "4");
     check("smoothing_ratio: 1.5", "smoothing_ratio: 15", "`smoothing_ratio` is out of bounds", "15");
+    check(
+        "Fickian()",
+        "Local(coefficient: -1)",
+        "the strength of the shifting is out of bounds",
+        "Local(coefficient: -1)",
+    );
     check("end: 1.0", "end: 0", "`end` must be finite and greater than 0", "0");
     check("cfl: 0.3", "cfl: 3", "`cfl` must be greater than 0 and at most `1`", "3");
     check("every: 0.1", "every: -1", "`every` must be finite and greater than 0", "-1");
