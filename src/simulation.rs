@@ -78,23 +78,28 @@ impl Simulation {
     pub fn with_plugins(scene: Scene, plugins: &[&dyn Plugin]) -> Self {
         let seeds = spawn::seeds(&scene);
         match (scene.precision, scene.dimensions) {
-            (Precision::F64, 2) => Self::build::<f64, 2>(scene, &seeds, plugins),
-            (Precision::F64, _) => Self::build::<f64, 3>(scene, &seeds, plugins),
-            (Precision::F32, 2) => Self::build::<f32, 2>(scene, &seeds, plugins),
-            (Precision::F32, _) => Self::build::<f32, 3>(scene, &seeds, plugins),
+            (Precision::F64, 2) => Self::build::<f64, 2>(scene, seeds, plugins),
+            (Precision::F64, _) => Self::build::<f64, 3>(scene, seeds, plugins),
+            (Precision::F32, 2) => Self::build::<f32, 2>(scene, seeds, plugins),
+            (Precision::F32, _) => Self::build::<f32, 3>(scene, seeds, plugins),
         }
     }
 
-    fn build<R: Real, const D: usize>(scene: Scene, seeds: &[ParticleSeed], plugins: &[&dyn Plugin]) -> Self {
+    fn build<R: Real, const D: usize>(
+        scene: Scene,
+        seeds: Vec<ParticleSeed>,
+        plugins: &[&dyn Plugin],
+    ) -> Self {
         let typed = std::marker::PhantomData::<R>;
         let scene = Arc::new(scene);
         let mut world = World::new();
         world.insert_resource(SceneInUse(scene.clone()));
         world.insert_resource(Resolution::of(&scene));
         let pair = pair_settings(&scene);
-        world.insert_resource(Grid::<D>(scene_grid(&scene, &pair, seeds)));
+        world.insert_resource(Grid::<D>(scene_grid(&scene, &pair, &seeds)));
         world.insert_resource(Pair(pair));
-        spawn_particles(&mut world, &scene, seeds);
+        spawn_particles(&mut world, &scene, &seeds);
+        drop(seeds);
         let (mut step, mut stage) = (step_schedule(), stage_schedule());
         let mut parts = Parts { world: &mut world, step: &mut step, stage: &mut stage };
         let own: [&dyn Plugin; 4] = [

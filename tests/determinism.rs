@@ -30,16 +30,15 @@ fn simulation(path: &Path) -> Simulation {
 }
 
 /// Every bit of a particle: `==` would take -0 for 0.
-fn bits(particle: &Particle) -> [u64; 20] {
-    let [x, v] = [particle.position, particle.velocity].map(|v| v.to_array().map(f64::to_bits));
-    let [before, rate] =
-        [particle.velocity_before, particle.acceleration].map(|v| v.to_array().map(f64::to_bits));
-    let [density, pressure, tag] = [particle.density, particle.pressure, particle.tag].map(f64::to_bits);
+fn bits(particle: &Particle) -> [u64; 17] {
+    let vectors = [particle.position, particle.velocity, particle.velocity_before];
+    let vectors = vectors.map(|v| v.to_array().map(f64::to_bits));
+    let [density, pressure] = [particle.density, particle.pressure].map(f64::to_bits);
     let [zone, patch] = [particle.zone as u64, u64::from(particle.patch)];
-    let [passage, fresh] = [u64::from(particle.passage), u64::from(particle.fresh)];
-    let vectors = [x, v, before, rate];
-    let scalars = [density, pressure, tag, zone, patch, passage, fresh, u64::from(particle.id)];
-    let mut all = [0; 20];
+    let [passages, fresh] = [u64::from(particle.passages), u64::from(particle.fresh)];
+    let tag = u64::from(particle.tag.to_bits());
+    let scalars = [density, pressure, tag, zone, patch, passages, fresh, u64::from(particle.id)];
+    let mut all = [0; 17];
     for (to, from) in all.iter_mut().zip(vectors.as_flattened().iter().chain(&scalars)) {
         *to = *from;
     }

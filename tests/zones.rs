@@ -6,7 +6,7 @@ mod plug;
 use census::{Particle, census, of};
 use plug::scene;
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{ParticleId, Position, PreviousVelocity, Velocity};
+use sphecs::particles::components::{ParticleId, Position, Velocity};
 use sphecs::particles::zone::Zone;
 use sphecs::simulation::{Simulation, Stop};
 
@@ -41,7 +41,7 @@ fn step(simulation: &mut Simulation, before: &mut Vec<Particle>) -> Vec<Crossing
     let crossings = before
         .iter()
         .zip(&after)
-        .filter(|(before, after)| before.zone != after.zone || before.passage != after.passage)
+        .filter(|(before, after)| before.zone != after.zone || before.passages != after.passages)
         .map(|(before, after)| Crossing { before: *before, after: *after })
         .collect();
     *before = after;
@@ -54,7 +54,7 @@ fn between(crossings: &[Crossing], from: Zone, to: Zone) -> Vec<Crossing> {
 
 /// What came out of the reservoir into a zone; a particle may have been stored in the same step.
 fn injected(crossings: &[Crossing], zone: Zone) -> Vec<Crossing> {
-    let taken = |c: &&Crossing| c.after.zone == zone && c.after.passage > c.before.passage;
+    let taken = |c: &&Crossing| c.after.zone == zone && c.after.passages > c.before.passages;
     crossings.iter().filter(taken).copied().collect()
 }
 
@@ -78,18 +78,22 @@ fn a_particle_that_crosses_the_inlet_is_followed_by_one_from_the_reservoir() {
         assert_eq!(simulation.ledger().entered, [entered]);
         for Crossing { before, after } in &crossed {
             assert!(inlet.along(after.position) >= 0.0);
-            assert_eq!((after.passage, after.tag), (before.passage, before.tag));
+            assert_eq!((after.passages, after.tag), (before.passages, before.tag));
             assert!(after.fresh, "a leapfrog would start from a velocity that was prescribed");
         }
         for Crossing { before, after } in &followed {
             let leader = after.position + inlet.depth * inlet.towards;
             let led = crossed.iter().any(|c| c.after.position.distance(leader) < 1e-12);
             assert!(led, "particle {} does not stand one zone length behind another", after.id);
-            assert_eq!(after.passage, before.passage + 1);
+            assert_eq!(after.passages, before.passages + 1);
             assert_eq!(after.velocity, DVec3::new(SPEED, 0.0, 0.0));
             // The tag belongs to the place and the time of the entry.
             let tag = after.position.y + 10.0 * time;
-            assert!((after.tag - tag).abs() < 1e-12, "the tag is {}, not {tag}", after.tag);
+            assert!(
+                (f64::from(after.tag) - tag).abs() < 1e-7 * (1.0 + tag.abs()),
+                "the tag is {}, not {tag}",
+                after.tag
+            );
         }
     }
     assert!(entered >= 5 * ROWS as u64, "only {entered} particles entered");
@@ -128,12 +132,12 @@ fn fluid_that_crosses_the_outlet_becomes_outflow_and_is_stored_at_rest_beyond_it
         for Crossing { before, after } in between(&crossings, Zone::Fluid, Zone::Outflow) {
             left += 1;
             assert!(outlet.along(before.position) < 0.0 && outlet.along(after.position) >= 0.0);
-            assert_eq!((after.patch, after.passage), (0, before.passage));
+            assert_eq!((after.patch, after.passages), (0, before.passages));
         }
         for Crossing { before, after } in between(&crossings, Zone::Outflow, Zone::Reservoir) {
             stored += 1;
             assert!(outlet.along(before.position) <= outlet.depth);
-            assert_eq!([after.velocity, after.velocity_before, after.acceleration], [DVec3::ZERO; 3]);
+            assert_eq!([after.velocity, after.velocity_before], [DVec3::ZERO; 2]);
             assert_eq!((after.density, after.pressure), (density, 0.0));
         }
         assert_eq!(simulation.ledger().left, [left]);
@@ -150,7 +154,7 @@ fn particles_go_round_and_a_plug_keeps_its_speed() {
     let particles = census(&mut simulation);
     let ledger = simulation.ledger();
     assert_eq!((ledger.grown, ledger.created, ledger.deleted), (0, 0, 0));
-    assert!(of(&particles, Zone::Fluid).all(|particle| particle.passage > 0), "some never left");
+    assert!(of(&particles, Zone::Fluid).all(|particle| particle.passages > 0), "some never left");
     for particle in of(&particles, Zone::Fluid) {
         // The lattice is even, so no force is larger than the rounding of its sums: 1e-16 c0²/Δ, over 4 s.
         let off = (particle.velocity - DVec3::new(SPEED, 0.0, 0.0)).length() / SPEED;
@@ -180,7 +184,7 @@ fn check_backflow(condition: &str) {
             let leader = after.position - outlet.depth * outlet.towards;
             let led = crossed.iter().any(|c| c.after.position.distance(leader) < 1e-12);
             assert!(led, "{condition}: {} does not stand one zone length behind another", after.id);
-            assert_eq!(after.passage, before.passage + 1);
+            assert_eq!(after.passages, before.passages + 1);
         }
         stored += between(&crossings, Zone::Inflow, Zone::Reservoir).len() as u64;
         let ledger = simulation.ledger();
@@ -208,13 +212,13 @@ fn a_flow_backwards_is_fed_by_the_outlet_and_goes_to_the_reservoir() {
 /// Puts the particles back where they stood, at rest, and one of them elsewhere. What entered since stays.
 fn put(simulation: &mut Simulation, stood: &[Particle], id: u32, place: DVec3) {
     let world = simulation.world_mut();
-    let mut state = world.query::<(&ParticleId, &mut Position, &mut Velocity, &mut PreviousVelocity)>();
-    for (number, mut position, mut velocity, mut before) in state.iter_mut(world) {
+    let mut state = world.query::<(&ParticleId, &mut Position, &mut Velocity)>();
+    for (number, mut position, mut velocity) in state.iter_mut(world) {
         if stood[number.0 as usize].zone == Zone::Reservoir {
             continue;
         }
         position.0 = if number.0 == id { place } else { stood[number.0 as usize].position };
-        (velocity.0, before.0) = (DVec3::ZERO, DVec3::ZERO);
+        velocity.0 = DVec3::ZERO;
     }
 }
 

@@ -4,7 +4,7 @@ use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 
 use crate::particles::components::{
-    Density, Inflow, Outflow, ParticleId, Passage, Position, Pressure, Reservoir, Tag, Velocity, Wall,
+    Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
 use crate::particles::zone::Zone;
 use crate::systems::clock::Clock;
@@ -108,9 +108,9 @@ impl Frame {
         let mut frame =
             Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
         let mut particles =
-            world.query::<(&ParticleId, &Position, &Velocity, &Density, &Pressure, &Tag, &Passage, Roles)>();
+            world.query::<(&ParticleId, &Position, &Velocity, &Thermodynamics, &Tracer, Roles)>();
         frame.resize(particles.iter(world).count());
-        for (id, position, velocity, density, pressure, tag, passage, roles) in particles.iter(world) {
+        for (id, position, velocity, thermodynamics, tracer, roles) in particles.iter(world) {
             let slot = id.0 as usize;
             if slot >= frame.len() {
                 frame.resize(slot + 1);
@@ -124,7 +124,7 @@ impl Frame {
             };
             frame.zone[slot] = zone as u8;
             frame.patch[slot] = patch;
-            frame.passage[slot] = passage.0;
+            frame.passage[slot] = tracer.passages;
             if zone == Zone::Reservoir {
                 continue;
             }
@@ -132,9 +132,9 @@ impl Frame {
                 frame.position[axis][slot] = position.0[axis];
                 frame.velocity[axis][slot] = velocity.0[axis] as f32;
             }
-            frame.density[slot] = density.0 as f32;
-            frame.pressure[slot] = pressure.0 as f32;
-            frame.tag[slot] = tag.0 as f32;
+            frame.density[slot] = thermodynamics.density as f32;
+            frame.pressure[slot] = thermodynamics.pressure as f32;
+            frame.tag[slot] = tracer.tag;
         }
         frame
     }
@@ -143,7 +143,7 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::particles::components::{Acceleration, Fluid, Fresh, ParticleBundle, PreviousVelocity};
+    use crate::particles::components::{Fluid, ParticleBundle};
     use glam::DVec3;
 
     fn particle(id: u32) -> ParticleBundle {
@@ -152,13 +152,8 @@ mod tests {
             id: ParticleId(id),
             position: Position(DVec3::new(number, 0.5, 0.0)),
             velocity: Velocity(DVec3::new(0.1 * number, 0.0, 0.0)),
-            previous_velocity: PreviousVelocity::default(),
-            acceleration: Acceleration::default(),
-            density: Density(1000.0 + number),
-            pressure: Pressure(-number),
-            tag: Tag(number),
-            fresh: Fresh(false),
-            passage: Passage(id),
+            thermodynamics: Thermodynamics { density: 1000.0 + number, pressure: -number },
+            tracer: Tracer { tag: id as f32, passages: id },
         }
     }
 

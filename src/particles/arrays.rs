@@ -29,7 +29,7 @@ pub struct ParticleArrays<R: Real, const D: usize> {
     pub velocity: [Vec<R>; D],
     /// Velocity one step earlier, m/s (Verlet).
     pub velocity_before: [Vec<R>; D],
-    /// Rate of change of velocity, m/s².
+    /// Rate of change of velocity, m/s²: written by a step between its sort and its kick, of no meaning at other times.
     pub acceleration: [Vec<R>; D],
     /// Density, kg/m³.
     pub density: Vec<R>,
@@ -96,9 +96,11 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
                 column.resize(order.len(), R::default());
             }
         }
-        let vectors = [&mut self.velocity, &mut self.velocity_before, &mut self.acceleration];
-        for column in vectors.into_iter().flatten() {
+        for column in self.velocity.iter_mut().chain(&mut self.velocity_before) {
             permute(column, order, &mut spare.reals);
+        }
+        for column in &mut self.acceleration {
+            column.resize(order.len(), R::default());
         }
         for column in [&mut self.density, &mut self.pressure, &mut self.wall_distance] {
             permute(column, order, &mut spare.reals);
@@ -147,17 +149,18 @@ mod tests {
             position: [count(1), count(2)],
             velocity: [count(3), count(4)],
             velocity_before: [count(5), count(6)],
-            acceleration: [count(7), count(8)],
-            density: count(9),
-            pressure: count(10),
-            wall_distance: count(11),
-            wall_normal: [count(12), count(13)],
+            acceleration: [count(0), count(0)],
+            density: count(7),
+            pressure: count(8),
+            wall_distance: count(9),
+            wall_normal: [count(10), count(11)],
         };
         arrays.reorder(&[3, 0, 1], &mut SpareColumns::default());
         assert_eq!(arrays.id, [3, 0, 1]);
         assert_eq!(arrays.zone, [Zone::Outflow, Zone::Fluid, Zone::Wall]);
         assert_eq!(arrays.patch, [3, 0, 1]);
         assert_eq!(arrays.fresh, [true, false, true]);
+        assert!(arrays.acceleration.iter().all(|column| column.len() == 3));
         let columns = [
             &arrays.position[0],
             &arrays.position[1],
@@ -165,8 +168,6 @@ mod tests {
             &arrays.velocity[1],
             &arrays.velocity_before[0],
             &arrays.velocity_before[1],
-            &arrays.acceleration[0],
-            &arrays.acceleration[1],
             &arrays.density,
             &arrays.pressure,
             &arrays.wall_distance,

@@ -1,7 +1,9 @@
 //! The components of a particle: the truth between steps, what is saved, inspected and selected by role.
 //!
 //! Every particle has one [`ParticleId`], the state components and exactly one role:
-//! [`Fluid`], [`Wall`], [`Inflow`], [`Outflow`] or [`Reservoir`].
+//! [`Fluid`], [`Wall`], [`Inflow`], [`Outflow`] or [`Reservoir`]. bevy keeps 8 B of change ticks for each component of each
+//! entity, so few are wide; what only the integrator needs stays in the
+//! [arrays](super::arrays::ParticleArrays), where a step left it.
 
 use bevy_ecs::bundle::Bundle;
 use bevy_ecs::component::Component;
@@ -19,33 +21,23 @@ pub struct Position(pub DVec3);
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Velocity(pub DVec3);
 
-/// Velocity one step earlier, m/s (Verlet).
+/// Density and pressure. Of fluid particles both are summed anew in every step.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct PreviousVelocity(pub DVec3);
+pub struct Thermodynamics {
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Pressure, Pa.
+    pub pressure: f64,
+}
 
-/// Rate of change of velocity of the last step, m/s².
+/// What a particle carries along.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Acceleration(pub DVec3);
-
-/// Density, kg/m³.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Density(pub f64);
-
-/// Pressure, Pa.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pressure(pub f64);
-
-/// Passive scalar carried along.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tag(pub f64);
-
-/// How often the particle was taken from the reservoir and injected again.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Passage(pub u32);
-
-/// Whether the next step is a plain one instead of a leapfrog, because the role has just changed.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Fresh(pub bool);
+pub struct Tracer {
+    /// Passive scalar.
+    pub tag: f32,
+    /// How often the particle was taken from the reservoir and injected again.
+    pub passages: u32,
+}
 
 /// Role: moves by the equations of motion.
 #[derive(Component, Clone, Copy, Debug, Default)]
@@ -102,18 +94,8 @@ pub struct ParticleBundle {
     pub position: Position,
     /// Velocity.
     pub velocity: Velocity,
-    /// Velocity one step earlier.
-    pub previous_velocity: PreviousVelocity,
-    /// Acceleration.
-    pub acceleration: Acceleration,
-    /// Density.
-    pub density: Density,
-    /// Pressure.
-    pub pressure: Pressure,
-    /// Passive scalar.
-    pub tag: Tag,
-    /// Injections.
-    pub passage: Passage,
-    /// Plain step next.
-    pub fresh: Fresh,
+    /// Density and pressure.
+    pub thermodynamics: Thermodynamics,
+    /// Passive scalar and injections.
+    pub tracer: Tracer,
 }

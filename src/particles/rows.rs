@@ -25,8 +25,6 @@ pub struct Row {
     pub velocity: DVec3,
     /// Velocity one step earlier, m/s.
     pub velocity_before: DVec3,
-    /// Rate of change of velocity, m/s².
-    pub acceleration: DVec3,
     /// Density, kg/m³.
     pub density: f64,
     /// Pressure, Pa.
@@ -88,12 +86,35 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             self.position[axis].push(row.position[axis]);
             self.velocity[axis].push(R::from_f64(row.velocity[axis]));
             self.velocity_before[axis].push(R::from_f64(row.velocity_before[axis]));
-            self.acceleration[axis].push(R::from_f64(row.acceleration[axis]));
+            self.acceleration[axis].push(R::default());
             self.wall_normal[axis].push(R::from_f64(row.wall_normal[axis]));
         }
         self.density.push(R::from_f64(row.density));
         self.pressure.push(R::from_f64(row.pressure));
         self.wall_distance.push(R::from_f64(row.wall_distance));
+    }
+
+    /// Makes room for that many rows more, and no further.
+    pub fn reserve(&mut self, rows: usize) {
+        self.id.reserve_exact(rows);
+        self.zone.reserve_exact(rows);
+        self.patch.reserve_exact(rows);
+        self.fresh.reserve_exact(rows);
+        for axis in 0..D {
+            self.position[axis].reserve_exact(rows);
+            let vectors = [
+                &mut self.velocity,
+                &mut self.velocity_before,
+                &mut self.acceleration,
+                &mut self.wall_normal,
+            ];
+            for vector in vectors {
+                vector[axis].reserve_exact(rows);
+            }
+        }
+        for column in [&mut self.density, &mut self.pressure, &mut self.wall_distance] {
+            column.reserve_exact(rows);
+        }
     }
 
     /// A whole row.
@@ -106,7 +127,6 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             position: self.position_of(row),
             velocity: self.velocity_of(row),
             velocity_before: real_vector(&self.velocity_before, row),
-            acceleration: real_vector(&self.acceleration, row),
             density: self.density[row].to_f64(),
             pressure: self.pressure[row].to_f64(),
             wall_distance: self.wall_distance[row].to_f64(),
@@ -148,7 +168,6 @@ mod tests {
             position: DVec3::new(1.0, 2.0, 0.0),
             velocity: DVec3::new(3.0, 4.0, 0.0),
             velocity_before: DVec3::new(5.0, 6.0, 0.0),
-            acceleration: DVec3::new(7.0, 8.0, 0.0),
             density: 1000.0,
             pressure: -3.0,
             wall_distance: 0.25,

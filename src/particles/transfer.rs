@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use super::arrays::ParticleArrays;
 use super::components::{
-    Acceleration, Density, Fluid, Fresh, Inflow, Outflow, ParticleId, Position, Pressure, PreviousVelocity,
-    Reservoir, SpsStress, Velocity, Wall, WallSurface,
+    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Velocity, Wall,
+    WallSurface,
 };
 use super::rows::{Row, real_vector, vector};
 use super::zone::Zone;
@@ -19,19 +19,18 @@ use crate::math::real::Real;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///
-/// A particle whose velocity alone the caller changed takes a plain step next: the leapfrog would start from its
-/// velocity one step earlier and lose the change.
+/// What a leapfrog needs beside them, the velocity one step earlier, is kept for every particle whose velocity the caller left as
+/// it was. One whose velocity he changed, or that is new, takes a plain step next: the leapfrog would start from its velocity
+/// one step earlier and lose the change.
 pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
-    let left = Velocities::take(arrays);
+    let left = Left::take(arrays);
     arrays.clear();
     let mut state = world.query_filtered::<(
-        (&ParticleId, &Position, &Velocity, &PreviousVelocity, &Acceleration),
-        (&Density, &Pressure, &Fresh),
+        (&ParticleId, &Position, &Velocity, &Thermodynamics),
         (Has<Fluid>, Option<&Wall>, Option<&WallSurface>, Option<&Inflow>, Option<&Outflow>),
     ), Without<Reservoir>>();
-    for (kinematics, thermodynamics, roles) in state.iter(world) {
-        let (id, position, velocity, previous, acceleration) = kinematics;
-        let (density, pressure, fresh) = thermodynamics;
+    arrays.reserve(state.iter(world).count());
+    for ((id, position, velocity, thermodynamics), roles) in state.iter(world) {
         let (_, wall, surface, inflow, outflow) = roles;
         let (zone, patch) = match (wall, inflow, outflow) {
             (Some(wall), _, _) => (Zone::Wall, wall.part),
@@ -40,45 +39,47 @@ pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleA
             _ => (Zone::Fluid, 0),
         };
         let surface = surface.copied().unwrap_or_default();
+        let (velocity_before, fresh) = left.of(id.0, velocity.0).unwrap_or((velocity.0, true));
         arrays.push(&Row {
             id: id.0,
             zone,
             patch,
-            fresh: fresh.0 || left.only_the_present_one_differs(id.0, velocity.0, previous.0),
+            fresh,
             position: position.0,
             velocity: velocity.0,
-            velocity_before: previous.0,
-            acceleration: acceleration.0,
-            density: density.0,
-            pressure: pressure.0,
+            velocity_before,
+            density: thermodynamics.density,
+            pressure: thermodynamics.pressure,
             wall_distance: surface.distance,
             wall_normal: surface.normal,
         });
     }
 }
 
-/// The velocities that the arrays held when the caller took the components.
-struct Velocities<R, const D: usize> {
+/// What the arrays held of the integrator's when the caller took the components.
+struct Left<R, const D: usize> {
     row_of: Vec<u32>,
+    fresh: Vec<bool>,
     present: [Vec<R>; D],
     before: [Vec<R>; D],
 }
 
-impl<R: Real, const D: usize> Velocities<R, D> {
+impl<R: Real, const D: usize> Left<R, D> {
     fn take(arrays: &mut ParticleArrays<R, D>) -> Self {
+        let columns = |columns: &mut [Vec<R>; D]| columns.each_mut().map(std::mem::take);
         Self {
             row_of: rows_by_number(&arrays.id),
-            present: std::mem::replace(&mut arrays.velocity, std::array::from_fn(|_| Vec::new())),
-            before: std::mem::replace(&mut arrays.velocity_before, std::array::from_fn(|_| Vec::new())),
+            fresh: std::mem::take(&mut arrays.fresh),
+            present: columns(&mut arrays.velocity),
+            before: columns(&mut arrays.velocity_before),
         }
     }
 
-    fn only_the_present_one_differs(&self, id: u32, present: DVec3, before: DVec3) -> bool {
-        let Some(&row) = self.row_of.get(id as usize).filter(|&&row| row != u32::MAX) else { return false };
-        let same = |columns: &[Vec<R>; D], vector: DVec3| {
-            (0..D).all(|axis| columns[axis][row as usize] == R::from_f64(vector[axis]))
-        };
-        !same(&self.present, present) && same(&self.before, before)
+    /// Velocity one step earlier, m/s, and whether the next step is a plain one, of a particle that still has its velocity.
+    fn of(&self, id: u32, velocity: DVec3) -> Option<(DVec3, bool)> {
+        let row = *self.row_of.get(id as usize).filter(|&&row| row != u32::MAX)? as usize;
+        let same = (0..D).all(|axis| self.present[axis][row] == R::from_f64(velocity[axis]));
+        same.then(|| (real_vector(&self.before, row), self.fresh[row]))
     }
 }
 
@@ -89,37 +90,15 @@ pub fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArra
         &ParticleId,
         &mut Position,
         &mut Velocity,
-        &mut PreviousVelocity,
-        &mut Acceleration,
-        &mut Density,
-        &mut Pressure,
-        &mut Fresh,
+        &mut Thermodynamics,
     ), Without<Reservoir>>();
-    for (
-        id,
-        mut position,
-        mut velocity,
-        mut previous,
-        mut acceleration,
-        mut density,
-        mut pressure,
-        mut fresh,
-    ) in state.iter_mut(world)
-    {
-        let Some(&row) = row_of.get(id.0 as usize) else {
-            continue;
-        };
-        if row == u32::MAX {
-            continue;
-        }
+    for (id, mut position, mut velocity, mut thermodynamics) in state.iter_mut(world) {
+        let Some(&row) = row_of.get(id.0 as usize).filter(|&&row| row != u32::MAX) else { continue };
         let row = row as usize;
         position.0 = vector(&arrays.position, row);
         velocity.0 = real_vector(&arrays.velocity, row);
-        previous.0 = real_vector(&arrays.velocity_before, row);
-        acceleration.0 = real_vector(&arrays.acceleration, row);
-        density.0 = arrays.density[row].to_f64();
-        pressure.0 = arrays.pressure[row].to_f64();
-        fresh.0 = arrays.fresh[row];
+        *thermodynamics =
+            Thermodynamics { density: arrays.density[row].to_f64(), pressure: arrays.pressure[row].to_f64() };
     }
 }
 
@@ -169,7 +148,7 @@ pub fn count_roles(world: &mut World) -> [u64; 5] {
 mod tests {
     use glam::DVec3;
 
-    use super::super::components::{ParticleBundle, Passage, Tag};
+    use super::super::components::{ParticleBundle, Tracer};
     use super::*;
 
     fn bundle(id: u32, x: f64) -> ParticleBundle {
@@ -177,14 +156,19 @@ mod tests {
             id: ParticleId(id),
             position: Position(DVec3::new(x, 2.0 * x, 0.0)),
             velocity: Velocity(DVec3::new(-x, 0.5, 0.0)),
-            previous_velocity: PreviousVelocity(DVec3::new(0.1, x, 0.0)),
-            acceleration: Acceleration(DVec3::new(9.0, x, 0.0)),
-            density: Density(1000.0 + x),
-            pressure: Pressure(10.0 * x),
-            tag: Tag(0.0),
-            passage: Passage(0),
-            fresh: Fresh(id == 2),
+            thermodynamics: Thermodynamics { density: 1000.0 + x, pressure: 10.0 * x },
+            tracer: Tracer::default(),
         }
+    }
+
+    fn gathered(world: &mut World) -> ParticleArrays<f64, 2> {
+        let mut arrays = ParticleArrays::default();
+        gather(world, &mut arrays);
+        arrays
+    }
+
+    fn rows(arrays: &ParticleArrays<f64, 2>) -> Vec<Row> {
+        (0..arrays.len()).map(|row| arrays.row(row)).collect()
     }
 
     #[test]
@@ -194,17 +178,35 @@ mod tests {
         world.spawn((bundle(1, 2.0), Wall { part: 3 }, WallSurface::default()));
         world.spawn((bundle(2, 3.0), Outflow { outlet: 1 }));
         world.spawn((bundle(3, 4.0), Reservoir));
-        let mut arrays = ParticleArrays::<f64, 2>::default();
-        gather(&mut world, &mut arrays);
+        let mut arrays = gathered(&mut world);
         assert_eq!(arrays.len(), 3, "the reservoir stays outside");
-        let before: Vec<Row> = (0..3).map(|row| arrays.row(row)).collect();
+        for row in 0..3 {
+            assert!(arrays.row(row).fresh && arrays.row(row).velocity_before == arrays.row(row).velocity);
+            arrays.fresh[row] = false;
+            arrays.velocity_before[0][row] = 7.0;
+        }
+        let before = rows(&arrays);
         let mut positions = world.query::<&mut Position>();
         for mut position in positions.iter_mut(&mut world) {
             position.0 = DVec3::ZERO;
         }
         scatter(&mut world, &arrays);
         gather(&mut world, &mut arrays);
-        assert_eq!(before, (0..3).map(|row| arrays.row(row)).collect::<Vec<_>>());
+        assert_eq!(before, rows(&arrays));
         assert_eq!(count_roles(&mut world), [1, 1, 0, 1, 1]);
+    }
+
+    #[test]
+    fn only_a_changed_velocity_begins_anew() {
+        let mut world = World::new();
+        let seats = [0, 1].map(|id| world.spawn((bundle(id, 1.0), Fluid)).id());
+        let mut arrays = gathered(&mut world);
+        arrays.fresh.fill(false);
+        arrays.velocity_before[1].fill(0.25);
+        world.entity_mut(seats[1]).insert(Velocity(DVec3::X));
+        gather(&mut world, &mut arrays);
+        let [kept, changed] = [arrays.row(0), arrays.row(1)];
+        assert!(!kept.fresh && kept.velocity_before == DVec3::new(0.0 - 1.0, 0.25, 0.0));
+        assert!(changed.fresh && changed.velocity_before == DVec3::X);
     }
 }

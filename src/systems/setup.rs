@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
+use super::ledger::Ledger;
+use crate::particles::components::{
+    Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, SpsStress, Thermodynamics,
+    Tracer, Velocity, Wall, WallSurface,
+};
+use crate::particles::zone::Zone;
+use crate::physics::eos::Tait;
+use crate::physics::viscosity::Viscosity;
+use crate::scene::model::{ParticleSeed, Scene};
+use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
-use glam::DVec3;
-
-use super::ledger::Ledger;
-use crate::particles::components::{
-    Acceleration, Density, Fluid, Fresh, Inflow, Outflow, ParticleBundle, ParticleId, Passage, Position,
-    Pressure, PreviousVelocity, Reservoir, SpsStress, Tag, Velocity, Wall, WallSurface,
-};
-use crate::particles::zone::Zone;
-use crate::physics::viscosity::Viscosity;
-use crate::scene::model::{ParticleSeed, Scene};
 
 /// The scene that runs.
 #[derive(Resource, Clone, Debug)]
@@ -60,9 +60,8 @@ pub struct InflowCapacity(pub Vec<u64>);
 
 /// Spawns the particles of a scene and inserts seats, stored particles, what inflow zones hold, and the ledger.
 pub fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
-    let tait = scene.fluid.tait();
     let turbulent = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
-    let mut seats = Seats::default();
+    let mut seats = Seats(Vec::with_capacity(seeds.len()));
     let mut stored = Stored::default();
     let mut capacity = InflowCapacity(vec![0; scene.inlets.len()]);
     let mut ledger = Ledger {
@@ -73,44 +72,68 @@ pub fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed])
         left_back: vec![0; scene.outlets.len()],
         ..Ledger::default()
     };
-    for (number, seed) in seeds.iter().enumerate() {
-        let id = number as u32;
-        let state = ParticleBundle {
-            id: ParticleId(id),
-            position: Position(seed.position),
-            velocity: Velocity(seed.velocity),
-            previous_velocity: PreviousVelocity(seed.velocity),
-            acceleration: Acceleration(DVec3::ZERO),
-            density: Density(tait.density(seed.pressure)),
-            pressure: Pressure(seed.pressure),
-            tag: Tag(seed.tag),
-            passage: Passage(0),
-            fresh: Fresh(true),
-        };
-        let mut entity = world.spawn(state);
-        if turbulent {
-            entity.insert(SpsStress::default());
+    for group in seeds.chunk_by(|a, b| a.zone == b.zone) {
+        let first = seats.0.len() as u32;
+        let mut spawn = Spawn { world, tait: scene.fluid.tait(), turbulent, group, seats: &mut seats };
+        match group[0].zone {
+            Zone::Fluid => spawn.with(|_| Fluid),
+            Zone::Wall => spawn.with(|seed| {
+                let surface = WallSurface { distance: seed.wall_distance, normal: seed.wall_normal };
+                (Wall { part: seed.patch }, surface)
+            }),
+            Zone::Inflow => spawn.with(|seed| Inflow { inlet: seed.patch }),
+            Zone::Outflow => spawn.with(|seed| Outflow { outlet: seed.patch }),
+            Zone::Reservoir => spawn.with(|_| Reservoir),
         }
-        match seed.zone {
-            Zone::Fluid => entity.insert(Fluid),
-            Zone::Wall => entity.insert((
-                Wall { part: seed.patch },
-                WallSurface { distance: seed.wall_distance, normal: seed.wall_normal },
-            )),
-            Zone::Inflow => entity.insert(Inflow { inlet: seed.patch }),
-            Zone::Outflow => entity.insert(Outflow { outlet: seed.patch }),
-            Zone::Reservoir => entity.insert(Reservoir),
-        };
-        match seed.zone {
-            Zone::Reservoir => stored.0.push(id),
-            Zone::Inflow => capacity.0[usize::from(seed.patch)] += 1,
+        match group[0].zone {
+            Zone::Reservoir => stored.0.extend(first..seats.0.len() as u32),
+            Zone::Inflow => group.iter().for_each(|seed| capacity.0[usize::from(seed.patch)] += 1),
             Zone::Fluid | Zone::Wall | Zone::Outflow => {}
         }
-        ledger.by_zone[seed.zone as usize] += 1;
-        seats.0.push(entity.id());
+        ledger.by_zone[group[0].zone as usize] += group.len() as u64;
     }
     world.insert_resource(seats);
     world.insert_resource(stored);
     world.insert_resource(capacity);
     world.insert_resource(ledger);
+}
+
+/// Particles of one zone on their way into the world: all at once, so that the table has room for them and no more.
+struct Spawn<'a> {
+    world: &'a mut World,
+    tait: Tait,
+    turbulent: bool,
+    group: &'a [ParticleSeed],
+    seats: &'a mut Seats,
+}
+
+impl Spawn<'_> {
+    /// Spawns them with the role that each has.
+    fn with<B: Bundle<Effect: NoBundleEffect>>(
+        &mut self,
+        role: impl Fn(&ParticleSeed) -> B + Send + Sync + 'static,
+    ) {
+        let first = self.seats.0.len() as u32;
+        let tait = self.tait;
+        let state = |(id, seed): (u32, &ParticleSeed)| {
+            let bundle = ParticleBundle {
+                id: ParticleId(id),
+                position: Position(seed.position),
+                velocity: Velocity(seed.velocity),
+                thermodynamics: Thermodynamics {
+                    density: tait.density(seed.pressure),
+                    pressure: seed.pressure,
+                },
+                tracer: Tracer { tag: seed.tag as f32, passages: 0 },
+            };
+            (bundle, role(seed))
+        };
+        let particles = (first..).zip(self.group).map(state);
+        if self.turbulent {
+            let particles = particles.map(|particle| (particle, SpsStress::default()));
+            self.seats.0.extend(self.world.spawn_batch(particles));
+        } else {
+            self.seats.0.extend(self.world.spawn_batch(particles));
+        }
+    }
 }

@@ -34,8 +34,8 @@ use super::setup::{InflowCapacity, SceneInUse, Seats, Stored};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::components::{
-    Acceleration, Density, Fluid, Fresh, Inflow, Outflow, ParticleId, Passage, Position, Pressure,
-    PreviousVelocity, Reservoir, Returned, SpsStress, Tag, Velocity,
+    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Returned, SpsStress, Thermodynamics, Tracer,
+    Velocity,
 };
 use crate::particles::rows::{Row, set_real_vector};
 use crate::particles::zone::Zone;
@@ -337,11 +337,11 @@ fn enter<R: Real, const D: usize>(
     ledger.by_zone[entry.zone as usize] += 1;
     let entity = world.resource::<Seats>().0[id as usize];
     let mut entity = world.entity_mut(entity);
-    if let Some(mut passage) = entity.get_mut::<Passage>() {
-        passage.0 += 1;
+    if let Some(mut tracer) = entity.get_mut::<Tracer>() {
+        *tracer = Tracer { tag: tag as f32, passages: tracer.passages + 1 };
     }
     entity.remove::<Reservoir>();
-    entity.insert((Position(entry.place), Velocity(velocity), PreviousVelocity(velocity), Tag(tag)));
+    entity.insert((Position(entry.place), Velocity(velocity)));
     if entry.zone == Zone::Inflow {
         entity.insert(Inflow { inlet: entry.patch });
     } else {
@@ -355,11 +355,7 @@ fn stored(scene: &Scene, id: u32, position: DVec3) -> impl Bundle {
         ParticleId(id),
         Position(position),
         Velocity(DVec3::ZERO),
-        PreviousVelocity(DVec3::ZERO),
-        Acceleration(DVec3::ZERO),
-        Density(scene.fluid.density),
-        Pressure(0.0),
-        Fresh(true),
+        Thermodynamics { density: scene.fluid.density, pressure: 0.0 },
     )
 }
 
@@ -373,7 +369,7 @@ fn take_stored(world: &mut World, scene: &Scene) -> Option<u32> {
         return None;
     }
     let id = world.resource::<Seats>().0.len() as u32;
-    let mut entity = world.spawn((stored(scene, id, DVec3::ZERO), Tag::default(), Passage(0), Reservoir));
+    let mut entity = world.spawn((stored(scene, id, DVec3::ZERO), Tracer::default(), Reservoir));
     if matches!(scene.scheme.viscosity, Viscosity::Sps { .. }) {
         entity.insert(SpsStress::default());
     }

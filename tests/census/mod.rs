@@ -1,10 +1,13 @@
 //! A flow as a caller sees it: every particle with its one role, checked against the ledger.
 
-use sphecs::bevy_ecs::world::EntityRef;
+use std::collections::HashMap;
+
+use sphecs::bevy_ecs::world::{EntityRef, World};
 use sphecs::glam::DVec3;
+use sphecs::math::real::Real;
+use sphecs::particles::arrays::ParticleArrays;
 use sphecs::particles::components::{
-    Acceleration, Density, Fluid, Fresh, Inflow, Outflow, ParticleId, Passage, Position, Pressure,
-    PreviousVelocity, Reservoir, Tag, Velocity, Wall,
+    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
 use sphecs::particles::zone::Zone;
 use sphecs::simulation::Simulation;
@@ -22,24 +25,36 @@ pub struct Particle {
     pub position: DVec3,
     /// Velocity, m/s.
     pub velocity: DVec3,
-    /// Velocity one step earlier, m/s.
+    /// Velocity one step earlier, m/s; zero in the reservoir.
     pub velocity_before: DVec3,
-    /// Rate of change of velocity, m/s².
-    pub acceleration: DVec3,
+    /// Plain step next; so in the reservoir.
+    pub fresh: bool,
     /// Density, kg/m³.
     pub density: f64,
     /// Pressure, Pa.
     pub pressure: f64,
     /// Passive scalar.
-    pub tag: f64,
+    pub tag: f32,
     /// Injections from the reservoir.
-    pub passage: u32,
-    /// Plain step next.
-    pub fresh: bool,
+    pub passages: u32,
+}
+
+/// Velocity one step earlier, and whether the next step is a plain one, by number.
+type Leapfrog = HashMap<u32, (DVec3, bool)>;
+
+/// What the arrays, whichever the world has, hold beside the components.
+fn leapfrog(world: &World) -> Leapfrog {
+    fn of<R: Real, const D: usize>(world: &World) -> Option<Leapfrog> {
+        let arrays = world.get_resource::<ParticleArrays<R, D>>()?;
+        let rows = (0..arrays.len()).map(|row| arrays.row(row));
+        Some(rows.map(|row| (row.id, (row.velocity_before, row.fresh))).collect())
+    }
+    let found = of::<f64, 2>(world).or_else(|| of::<f64, 3>(world));
+    found.or_else(|| of::<f32, 2>(world)).or_else(|| of::<f32, 3>(world)).expect("a world has arrays")
 }
 
 /// Everything that a particle has, or what is wrong with it.
-fn read(entity: EntityRef<'_>, id: u32) -> Result<Particle, String> {
+fn read(entity: EntityRef<'_>, id: u32, leapfrog: &Leapfrog) -> Result<Particle, String> {
     let roles = [
         entity.get::<Fluid>().map(|_| (Zone::Fluid, 0)),
         entity.get::<Wall>().map(|wall| (Zone::Wall, wall.part)),
@@ -51,19 +66,20 @@ fn read(entity: EntityRef<'_>, id: u32) -> Result<Particle, String> {
         return Err(format!("particle {id} has not one role but {roles:?}"));
     };
     let whole = || {
+        let (velocity_before, fresh) = leapfrog.get(&id).copied().unwrap_or((DVec3::ZERO, true));
+        let (thermodynamics, tracer) = (entity.get::<Thermodynamics>()?, entity.get::<Tracer>()?);
         Some(Particle {
             id,
             zone,
             patch,
             position: entity.get::<Position>()?.0,
             velocity: entity.get::<Velocity>()?.0,
-            velocity_before: entity.get::<PreviousVelocity>()?.0,
-            acceleration: entity.get::<Acceleration>()?.0,
-            density: entity.get::<Density>()?.0,
-            pressure: entity.get::<Pressure>()?.0,
-            tag: entity.get::<Tag>()?.0,
-            passage: entity.get::<Passage>()?.0,
-            fresh: entity.get::<Fresh>()?.0,
+            velocity_before,
+            fresh,
+            density: thermodynamics.density,
+            pressure: thermodynamics.pressure,
+            tag: tracer.tag,
+            passages: tracer.passages,
         })
     };
     whole().ok_or_else(|| format!("particle {id} lacks a component"))
@@ -76,11 +92,12 @@ fn read(entity: EntityRef<'_>, id: u32) -> Result<Particle, String> {
 #[track_caller]
 pub fn census(simulation: &mut Simulation) -> Vec<Particle> {
     let world = simulation.world();
+    let leapfrog = leapfrog(world);
     let mut entities = world.try_query::<EntityRef<'_>>().expect("every world has entities");
     let mut particles: Vec<Particle> = entities
         .iter(world)
         .filter_map(|entity| entity.get::<ParticleId>().map(|id| (entity, id.0)))
-        .map(|(entity, id)| read(entity, id).unwrap_or_else(|fault| panic!("{fault}")))
+        .map(|(entity, id)| read(entity, id, &leapfrog).unwrap_or_else(|fault| panic!("{fault}")))
         .collect();
     particles.sort_by_key(|particle| particle.id);
     let step = simulation.clock().step;

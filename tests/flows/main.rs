@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use sphecs::bevy_ecs::query::With;
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{Density, Fluid, ParticleId, Position, Velocity};
+use sphecs::particles::components::{Fluid, ParticleId, Position, Thermodynamics, Velocity};
 use sphecs::scene::{load, load_smoke, load_str};
 use sphecs::simulation::Simulation;
 
@@ -33,14 +33,15 @@ struct State {
 /// The fluid particles by number.
 fn fluid(simulation: &mut Simulation) -> Vec<State> {
     let world = simulation.world_mut();
-    let mut query = world.query_filtered::<(&ParticleId, &Position, &Velocity, &Density), With<Fluid>>();
+    let mut query =
+        world.query_filtered::<(&ParticleId, &Position, &Velocity, &Thermodynamics), With<Fluid>>();
     let mut states: Vec<State> = query
         .iter(world)
-        .map(|(&id, position, velocity, density)| State {
+        .map(|(&id, position, velocity, thermodynamics)| State {
             id,
             position: position.0,
             velocity: velocity.0,
-            density: density.0,
+            density: thermodynamics.density,
         })
         .collect();
     states.sort_by_key(|state| state.id);
