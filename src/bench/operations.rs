@@ -17,11 +17,16 @@ pub const fn density(dimensions: usize) -> usize {
 }
 
 /// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, the shared division with what it
-/// yields 6, x·v and the signal 2 D, image factor 3, divergence 3, pressure 2, viscous factor and damping 4, acceleration 4 D,
-/// shifting 2 D.
+/// yields 10, x·v and the signal 2 D, divergence 4, pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
 pub const fn rates(dimensions: usize) -> usize {
     12 * dimensions + 26
 }
+
+/// What walls add to the rates: the image factor 2, its use in the divergence and in the viscous term 2.
+pub const WALLS: usize = 4;
+
+/// What walls add to the gradients: the image factor.
+pub const WALLS_IN_GRADIENTS: usize = 2;
 
 /// What the damping of noise adds to the rates: S_a + S_b by component, x·S·x 2 D² + 2 D − 1, c_b 3, the rest 9.
 pub const fn damping(dimensions: usize) -> usize {
@@ -33,8 +38,8 @@ pub const fn stress(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
 }
 
-/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, volume 1, image factor 2, the factors of the
-/// sums 3 D, gradient and moments 2 D² each.
+/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, volume 3, the factors of the sums 3 D,
+/// gradient and moments 2 D² each.
 pub const fn gradients(dimensions: usize) -> usize {
     4 * dimensions * dimensions + 7 * dimensions + 11
 }
@@ -50,7 +55,8 @@ pub fn per_pair(scene: &Scene) -> usize {
     let dimensions = scene.dimensions;
     let is_damped = scene.scheme.noise_damping != NoiseDamping::Off;
     let has_stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
-    let mut operations = rates(dimensions);
+    let has_walls = scene.layout.walled;
+    let mut operations = rates(dimensions) + if has_walls { WALLS } else { 0 };
     operations += if is_damped || scene.scheme.shifting.carries_velocity() {
         density_and_strain(dimensions)
     } else {
@@ -58,6 +64,7 @@ pub fn per_pair(scene: &Scene) -> usize {
     };
     if has_stress {
         operations += gradients(dimensions) + stress(dimensions);
+        operations += if has_walls { WALLS_IN_GRADIENTS } else { 0 };
     }
     if is_damped {
         operations += damping(dimensions);
@@ -71,6 +78,8 @@ mod tests {
     use std::fmt::{Display, Formatter};
     use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+    use glam::DVec3;
+
     use super::*;
     use crate::math::grid::CellGrid;
     use crate::math::kernel::Kernel;
@@ -78,10 +87,11 @@ mod tests {
     use crate::math::real::Real;
     use crate::particles::arrays::{ParticleArrays, SpareColumns};
     use crate::particles::rows::Row;
+    use crate::particles::zone::Zone;
     use crate::pass::density::sum_density;
     use crate::pass::gradients::sum_gradients;
     use crate::pass::rates::{VelocityLevel, sum_rates};
-    use crate::pass::settings::PairSettings;
+    use crate::pass::settings::{PairSettings, WallPartSettings};
     use crate::pass::strain::sum_density_and_strain;
     use crate::pass::stress::find_stress;
     use crate::pass::sums::PairSums;
@@ -170,7 +180,7 @@ mod tests {
         curvature / 2
     }
 
-    /// Operations of passes over so many particles in one cell.
+    /// Operations of passes over so many particles in one cell, and a wall particle if the settings know a wall.
     fn of_all<const D: usize>(pair: &PairSettings, particles: usize, passes: Passes<D>) -> usize {
         let upper = [0.9 * pair.cell_size(); D];
         let mut grid = CellGrid::new([0.0; D], upper, [false; D], pair.support(), pair.cell_size());
@@ -183,6 +193,18 @@ mod tests {
                 row.velocity[d] = noise - 0.5;
             }
             arrays.push(&row);
+        }
+        if !pair.wall_parts.is_empty() {
+            let position = DVec3::splat(0.3 * upper[0]);
+            let zone = Zone::Wall;
+            arrays.push(&Row {
+                id: 100,
+                zone,
+                density: 1000.0,
+                wall_distance: 0.005,
+                position,
+                ..Default::default()
+            });
         }
         let order = grid.build(&arrays.position, &arrays.id, |_| true).expect("inside");
         arrays.reorder(order, &mut SpareColumns::default());
@@ -202,6 +224,10 @@ mod tests {
         let damped = PairSettings { noise_damping: 0.4, ..plain.clone() };
         let sps = ron::from_str::<Viscosity>("Sps()").expect("the usual constants");
         let stressed = PairSettings { viscous_term: sps, ..plain.clone() };
+        let walled = |pair: &PairSettings| PairSettings {
+            wall_parts: vec![WallPartSettings::default()],
+            ..pair.clone()
+        };
         let rates_of = |pair: &PairSettings| {
             of_pair::<D>(pair, |pair, grid, arrays, sums| {
                 sum_rates(pair, grid, arrays, VelocityLevel::Present, sums);
@@ -211,10 +237,24 @@ mod tests {
         assert_eq!(rates_of(&plain), rates(D), "rates in {D}D");
         assert_eq!(rates_of(&damped), rates(D) + damping(D), "damped rates in {D}D");
         assert_eq!(rates_of(&stressed), rates(D) + stress(D), "rates with stress in {D}D");
-        let of_gradients = of_pair::<D>(&stressed, |pair, grid, arrays, sums| {
-            sum_gradients(pair, grid, arrays, VelocityLevel::Present, sums);
-        });
-        assert_eq!(of_gradients, gradients(D), "gradients in {D}D");
+        assert_eq!(
+            rates_of(&walled(&damped)),
+            rates(D) + damping(D) + WALLS,
+            "damped rates with walls in {D}D"
+        );
+        assert_eq!(
+            rates_of(&walled(&stressed)),
+            rates(D) + stress(D) + WALLS,
+            "rates with stress and walls in {D}D"
+        );
+        let gradients_of = |pair: &PairSettings| {
+            of_pair::<D>(pair, |pair, grid, arrays, sums| {
+                sum_gradients(pair, grid, arrays, VelocityLevel::Present, sums);
+            })
+        };
+        assert_eq!(gradients_of(&stressed), gradients(D), "gradients in {D}D");
+        let with_walls = gradients(D) + WALLS_IN_GRADIENTS;
+        assert_eq!(gradients_of(&walled(&stressed)), with_walls, "gradients with walls in {D}D");
         let of_strain = of_pair::<D>(&damped, |pair, grid, arrays, sums| {
             sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
         });

@@ -38,7 +38,7 @@ pub struct ParticleArrays<R: Real, const D: usize> {
     /// Wall: distance d_w of the particle behind its surface, m. Others: distance to the nearest wall surface, m
     /// (`R::from_f64(f64::INFINITY)` when none is in the support).
     pub wall_distance: Vec<R>,
-    /// Wall: unit normal of its surface, into the fluid. Others: 0.
+    /// Wall: unit normal of its surface, into the fluid. Others: 0. Empty if there is no wall.
     pub wall_normal: [Vec<R>; D],
 }
 
@@ -86,15 +86,8 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         for column in &mut self.position {
             permute(column, order, &mut spare.positions);
         }
-        if self.zone.contains(&Zone::Wall) {
-            for column in &mut self.wall_normal {
-                permute(column, order, &mut spare.reals);
-            }
-        } else {
-            // Only walls have a normal that is not zero.
-            for column in &mut self.wall_normal {
-                column.resize(order.len(), R::default());
-            }
+        for column in self.wall_normal.iter_mut().filter(|column| !column.is_empty()) {
+            permute(column, order, &mut spare.reals);
         }
         for column in self.velocity.iter_mut().chain(&mut self.velocity_before) {
             permute(column, order, &mut spare.reals);

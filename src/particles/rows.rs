@@ -87,7 +87,12 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             self.velocity[axis].push(R::from_f64(row.velocity[axis]));
             self.velocity_before[axis].push(R::from_f64(row.velocity_before[axis]));
             self.acceleration[axis].push(R::default());
-            self.wall_normal[axis].push(R::from_f64(row.wall_normal[axis]));
+            let normal = &mut self.wall_normal[axis];
+            if row.zone == Zone::Wall || !normal.is_empty() {
+                // Rows before the first wall have none.
+                normal.resize(self.id.len() - 1, R::default());
+                normal.push(R::from_f64(row.wall_normal[axis]));
+            }
         }
         self.density.push(R::from_f64(row.density));
         self.pressure.push(R::from_f64(row.pressure));
@@ -102,13 +107,7 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         self.fresh.reserve_exact(rows);
         for axis in 0..D {
             self.position[axis].reserve_exact(rows);
-            let vectors = [
-                &mut self.velocity,
-                &mut self.velocity_before,
-                &mut self.acceleration,
-                &mut self.wall_normal,
-            ];
-            for vector in vectors {
+            for vector in [&mut self.velocity, &mut self.velocity_before, &mut self.acceleration] {
                 vector[axis].reserve_exact(rows);
             }
         }
@@ -130,7 +129,11 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             density: self.density[row].to_f64(),
             pressure: self.pressure[row].to_f64(),
             wall_distance: self.wall_distance[row].to_f64(),
-            wall_normal: real_vector(&self.wall_normal, row),
+            wall_normal: if self.wall_normal[0].is_empty() {
+                DVec3::ZERO
+            } else {
+                real_vector(&self.wall_normal, row)
+            },
         }
     }
 
@@ -171,10 +174,11 @@ mod tests {
             density: 1000.0,
             pressure: -3.0,
             wall_distance: 0.25,
-            wall_normal: DVec3::new(0.0, 1.0, 0.0),
+            wall_normal: DVec3::ZERO,
         };
-        arrays.push(&row);
-        assert_eq!(arrays.row(0), row);
+        let wall = Row { zone: Zone::Wall, wall_normal: DVec3::new(0.0, 1.0, 0.0), ..row };
+        [row, wall, row].iter().for_each(|row| arrays.push(row));
+        assert_eq!([0, 1, 2].map(|at| arrays.row(at)), [row, wall, row]);
         arrays.clear();
         assert!(arrays.is_empty());
     }

@@ -27,8 +27,8 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::wall::image;
 
-/// Most columns beside the coordinates: velocity, volume, image distance, viscous share and normal in 3D.
-const MOST_COLUMNS: usize = 3 + 3 + 3;
+/// Most columns beside the coordinates: velocity, density, image distance and normal in 3D.
+const MOST_COLUMNS: usize = 3 + 2 + 3;
 
 /// Sums the velocity gradient of the fluid, inflow and outflow rows over all rows, into `sums.gradient`.
 pub fn sum_gradients<R: Real, const D: usize>(
@@ -39,11 +39,11 @@ pub fn sum_gradients<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
-    sums.columns.fill(pair, particles);
+    let has_walls = sums.columns.find_images(pair, particles);
     for column in sums.gradient.iter_mut().flatten() {
         column.resize(particles.len(), R::default());
     }
-    pair.kernel.with_shape(GradientPass { pair, grid, particles, level, sums });
+    pair.kernel.with_shape(GradientPass { pair, grid, particles, level, has_walls, sums });
 }
 
 struct GradientPass<'a, R: Real, const D: usize> {
@@ -51,6 +51,7 @@ struct GradientPass<'a, R: Real, const D: usize> {
     grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
     level: VelocityLevel,
+    has_walls: bool,
     sums: &'a mut PairSums<R, D>,
 }
 
@@ -65,12 +66,15 @@ impl<R: Real, const D: usize> WithShape for GradientPass<'_, R, D> {
         let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
         for d in 0..D {
             neighbours[d] = &self.level.columns(self.particles)[d];
-            neighbours[D + 3 + d] = &self.particles.wall_normal[d];
+            neighbours[D + 2 + d] = &self.particles.wall_normal[d];
         }
-        neighbours[D] = &columns.volume;
+        neighbours[D] = &self.particles.density;
         neighbours[D + 1] = &columns.image_distance;
-        neighbours[D + 2] = &columns.viscous;
-        let count = D + 3 + if self.pair.has_free_slip() { D } else { 0 };
+        let count = match (self.has_walls, self.pair.has_free_slip()) {
+            (false, _) => D + 1,
+            (true, false) => D + 2,
+            (true, true) => D + 2 + D,
+        };
         let source = Source {
             grid: self.grid,
             position: &self.particles.position,
@@ -150,7 +154,9 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
         let wall_distance = self.particles.wall_distance[row].to_f64();
         let inverse_distance = L::constant(image::inverse_distance(wall_distance, self.pair.spacing));
         let cap = L::constant(self.pair.velocity_cap.unwrap_or(f64::INFINITY));
-        let free_slip = self.pair.has_free_slip();
+        let columns = self.source.columns.len();
+        let (has_walls, free_slip) = (columns > D + 1, columns > D + 2);
+        let mass = L::constant(self.pair.mass);
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
@@ -165,11 +171,14 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
             }
             let inverse_q = q2.inverse_sqrt();
             let slope = K::slope(q2 * inverse_q, inverse_q);
-            let volume_slope = slope * entry.column(2 * D);
-            let factor = image::velocity_factor(entry.column(2 * D + 1), inverse_distance, cap);
+            let volume_slope = slope * (mass * entry.column(2 * D).inverse());
+            let mut factor = one;
+            if has_walls {
+                factor = image::velocity_factor(entry.column(2 * D + 1).abs(), inverse_distance, cap);
+            }
             if free_slip {
-                let slips = entry.column(2 * D + 2).less(one);
-                let normal = entry.vector::<D>(2 * D + 3);
+                let slips = entry.column(2 * D + 1).less(zero);
+                let normal = entry.vector::<D>(2 * D + 2);
                 let across = dot(normal, v);
                 for d in 0..D {
                     v[d] = L::select(slips, across * normal[d], v[d]);

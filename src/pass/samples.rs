@@ -65,6 +65,10 @@ impl<R: Real, const D: usize> Sample<R, D> {
                 ..Default::default()
             });
         }
+        // Tests make walls of fluid rows.
+        for column in &mut particles.wall_normal {
+            column.resize(particles.id.len(), R::default());
+        }
         let mut sample = Self { pair, grid, particles, sums: PairSums::default() };
         sample.sort();
         sample

@@ -37,7 +37,7 @@ pub fn find_stress<R: Real, const D: usize>(
     };
     let model = Sps { smagorinsky, isotropic, spacing: pair.spacing };
     sums.packs.prepare();
-    sums.columns.find_walls(pair, particles);
+    let has_walls = sums.columns.find_walls(pair, particles) > 0;
     sums.eddy_viscosity.resize(particles.len(), R::default());
     for column in sums.stress.iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());
@@ -62,7 +62,9 @@ pub fn find_stress<R: Real, const D: usize>(
     let outputs = (sums.stress.each_mut().map(Vec::as_mut_slice), [sums.eddy_viscosity.as_mut_slice()]);
     for_each_block(grid, outputs, &of_flow, &|(), ()| ());
 
-    pair.kernel.with_shape(WallStressPass { pair, grid, particles, sums });
+    if has_walls {
+        pair.kernel.with_shape(WallStressPass { pair, grid, particles, sums });
+    }
 }
 
 /// Stress and eddy viscosity of a block's rows.

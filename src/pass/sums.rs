@@ -38,15 +38,12 @@ pub struct PairSums<R, const D: usize> {
 /// Columns that every neighbour is asked for, made once per pass.
 #[derive(Debug, Default)]
 pub(super) struct PairColumns<R> {
-    /// Volume m/ρ, m³ (m² in 2D).
-    pub volume: Vec<R>,
-    /// Distance of a wall particle behind its surface, m; 0 for others.
+    /// Distance of a wall particle behind its surface, m; 0 for others. Negative for those of free-slip walls in the passes that
+    /// [`PairColumns::find_images`] made it for. Empty if there is no wall.
     pub image_distance: Vec<R>,
-    /// 1, or 0 for the particles of free-slip walls.
-    pub viscous: Vec<R>,
     /// 1 for fluid, inflow and outflow, 0 for walls.
     pub flow: Vec<R>,
-    /// Number of wall rows before each row, and of all at the end.
+    /// Number of wall rows before each row, and of all at the end. Empty if there is no wall.
     pub walls_before: Vec<u32>,
     /// Number of wall rows before each chunk of rows.
     walls_by_chunk: Vec<u32>,
@@ -85,8 +82,6 @@ impl<R: Real> PairColumns<R> {
         particles: &ParticleArrays<R, D>,
     ) -> u32 {
         let rows = particles.len();
-        self.image_distance.resize(rows, R::default());
-        self.walls_before.resize(rows + 1, 0);
         let zones = particles.zone.par_chunks(CHUNK);
         let count = |zones: &[Zone]| zones.iter().filter(|&&zone| zone == Zone::Wall).count() as u32;
         zones.clone().map(count).collect_into_vec(&mut self.walls_by_chunk);
@@ -94,6 +89,13 @@ impl<R: Real> PairColumns<R> {
         for walls in &mut self.walls_by_chunk {
             total += std::mem::replace(walls, total);
         }
+        if total == 0 {
+            self.image_distance.clear();
+            self.walls_before.clear();
+            return 0;
+        }
+        self.image_distance.resize(rows, R::default());
+        self.walls_before.resize(rows + 1, 0);
         self.walls_before[rows] = total;
         let least = R::from_f64(LEAST_IMAGE_DISTANCE * pair.spacing);
         let columns = self.image_distance.par_chunks_mut(CHUNK).zip(self.walls_before.par_chunks_mut(CHUNK));
@@ -124,27 +126,24 @@ impl<R: Real> PairColumns<R> {
         for_each_part(0..particles.len(), self.flow.as_mut_slice(), &work);
     }
 
-    /// Fills the columns for the present densities.
-    pub(super) fn fill<const D: usize>(&mut self, pair: &PairSettings, particles: &ParticleArrays<R, D>) {
-        self.find_walls(pair, particles);
-        let rows = particles.len();
-        self.volume.resize(rows, R::default());
-        self.viscous.resize(rows, R::default());
-        let mass = R::from_f64(pair.mass);
-        let has_free_slip = pair.has_free_slip();
-        let work = |rows: Range<usize>, [volume, viscous]: [&mut [R]; 2]| {
-            for (volume, &density) in volume.iter_mut().zip(&particles.density[rows.clone()]) {
-                *volume = mass / density;
-            }
-            viscous.fill(R::from_f64(1.0));
-            if has_free_slip {
-                for (viscous, row) in viscous.iter_mut().zip(rows) {
+    /// Fills the columns that say where the walls are, with the sign that tells free-slip walls from others; returns whether there
+    /// are any.
+    pub(super) fn find_images<const D: usize>(
+        &mut self,
+        pair: &PairSettings,
+        particles: &ParticleArrays<R, D>,
+    ) -> bool {
+        let has_walls = self.find_walls(pair, particles) > 0;
+        if has_walls && pair.has_free_slip() {
+            let work = |rows: Range<usize>, images: &mut [R]| {
+                for (image, row) in images.iter_mut().zip(rows) {
                     if particles.zone[row] == Zone::Wall && pair.wall_part(particles.patch[row]).free_slip {
-                        *viscous = R::default();
+                        *image = R::default() - *image;
                     }
                 }
-            }
-        };
-        for_each_part(0..rows, [&mut self.volume[..], &mut self.viscous[..]], &work);
+            };
+            for_each_part(0..particles.len(), self.image_distance.as_mut_slice(), &work);
+        }
+        has_walls
     }
 }

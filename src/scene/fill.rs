@@ -6,7 +6,7 @@
 //! behind the far end of a zone.
 
 use glam::DVec3;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use super::geometry::Shape;
 use super::lattice::Lattice;
@@ -90,20 +90,23 @@ impl<'a> Filler<'a> {
                 }
             }
         });
-        let [xs, ys, zs] = ranges;
-        let columns: Vec<Vec<Place>> = xs
+        let counts = ranges.each_ref().map(|range| (range.end - range.start).max(0) as usize);
+        let point = |index: usize| {
+            let along = [index / counts[2] / counts[1], index / counts[2] % counts[1], index % counts[2]];
+            let cell = std::array::from_fn(|axis| ranges[axis].start + along[axis] as i64);
+            lattice.point(cell, dimensions)
+        };
+        // What each point is, in one piece of memory, then the places in another: many small ones would stay with the
+        // allocator when the flow has long begun.
+        let mut roles = Vec::new();
+        (0..counts.iter().product())
             .into_par_iter()
-            .map(|i| {
-                let mut found = Vec::new();
-                for j in ys.clone() {
-                    for k in zs.clone() {
-                        found.extend(self.classify(lattice.point([i, j, k], dimensions)));
-                    }
-                }
-                found
-            })
-            .collect();
-        columns.concat()
+            .map(|index| self.classify(point(index)).map(|place| (place.zone, place.patch)))
+            .collect_into_vec(&mut roles);
+        let mut places = Vec::with_capacity(roles.iter().flatten().count());
+        let found = roles.iter().enumerate().filter_map(|(index, role)| role.map(|role| (index, role)));
+        places.extend(found.map(|(index, (zone, patch))| Place { position: point(index), zone, patch }));
+        places
     }
 
     fn classify(&self, point: DVec3) -> Option<Place> {

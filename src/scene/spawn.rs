@@ -1,7 +1,7 @@
 //! The particles of a scene at t = 0.
 
 use glam::DVec3;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
 
 use super::expression::Expression;
 use super::fill::{Place, places};
@@ -14,7 +14,8 @@ use crate::particles::zone::Zone;
 pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
     let mut places = places(scene);
     places.sort_by_key(|place| place.zone);
-    let mut seeds: Vec<ParticleSeed> = places.into_par_iter().map(|place| seed(scene, place)).collect();
+    let mut seeds = Vec::with_capacity(places.len() + scene.reservoir.initial);
+    seeds.par_extend(places.into_par_iter().map(|place| seed(scene, place)));
     let parked = scene.inlets.first().map_or(DVec3::ZERO, |inlet| inlet.patch.at);
     let reservoir = ParticleSeed {
         position: parked,

@@ -6,8 +6,8 @@ use super::geometry::Shape;
 use super::model::{BodyForce, InletVelocity, ParticleSeed, Scene};
 use crate::particles::zone::Zone;
 
-/// Memory of a particle in components, arrays, cell list and output, B: a generous round figure.
-pub const BYTES_PER_PARTICLE: f64 = 600.0;
+/// Memory of a particle in components, arrays, cell list and output, B: a generous round figure (docs/performance.md).
+pub const BYTES_PER_PARTICLE: f64 = 500.0;
 
 /// Bytes of a particle in a frame: position, velocity, density, pressure in f32 and its zone.
 const BYTES_PER_FRAME_2D: f64 = 6.0 * 4.0 + 2.0;

@@ -15,6 +15,6 @@ pub struct Parts<'a> {
 
 /// A part of a simulation: owns its resources and puts its systems into sets.
 pub trait Plugin {
-    /// Inserts resources and adds systems.
+    /// Inserts resources and adds systems. The particles come into the world when all plugins are built.
     fn build(&self, parts: &mut Parts<'_>);
 }

@@ -61,6 +61,14 @@ pub struct InflowCapacity(pub Vec<u64>);
 /// Spawns the particles of a scene and inserts seats, stored particles, what inflow zones hold, and the ledger.
 pub fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
     let turbulent = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+    for insert in [
+        World::init_resource::<Seats>,
+        World::init_resource::<Stored>,
+        World::init_resource::<InflowCapacity>,
+        World::init_resource::<Ledger>,
+    ] {
+        insert(world);
+    }
     let mut seats = Seats(Vec::with_capacity(seeds.len()));
     let mut stored = Stored::default();
     let mut capacity = InflowCapacity(vec![0; scene.inlets.len()]);

@@ -19,8 +19,6 @@ const NO_CELL: u32 = u32::MAX;
 /// Buffers kept from sort to sort.
 #[derive(Debug, Default)]
 pub(super) struct SortBuffers {
-    /// Cell of each row.
-    cell: Vec<u32>,
     /// Rows counted per cell, then the next free slot of the cell.
     cursor: Vec<AtomicU32>,
     /// Particle number in the upper half, row in the lower half.
@@ -42,12 +40,15 @@ impl<const D: usize> CellGrid<D> {
         let rows = id.len();
         let cells = self.len();
         let mut buffers = std::mem::take(&mut self.buffers);
-        buffers.cell.resize(rows, NO_CELL);
+        // The cell of each row, in the memory of the order that will replace it.
+        let mut cell_of_row = std::mem::take(&mut self.order);
+        cell_of_row.resize(rows, NO_CELL);
         buffers.cursor.resize_with(cells, AtomicU32::default);
         buffers.cursor.par_iter_mut().with_min_len(CHUNK).for_each(|count| *count.get_mut() = 0);
 
-        let outside = self.count(position, &keep, &mut buffers);
+        let outside = self.count(position, &keep, &mut cell_of_row, &buffers.cursor);
         if outside != usize::MAX {
+            self.order = cell_of_row;
             self.buffers = buffers;
             return Err(outside);
         }
@@ -62,7 +63,7 @@ impl<const D: usize> CellGrid<D> {
 
         let kept = total as usize;
         buffers.slots.resize_with(kept, AtomicU64::default);
-        buffers.cell.par_chunks(CHUNK).enumerate().for_each(|(chunk, cell_of)| {
+        cell_of_row.par_chunks(CHUNK).enumerate().for_each(|(chunk, cell_of)| {
             let mut row = chunk * CHUNK;
             for run in cell_of.chunk_by(|a, b| a == b) {
                 if run[0] != NO_CELL {
@@ -75,6 +76,7 @@ impl<const D: usize> CellGrid<D> {
             }
         });
 
+        self.order = cell_of_row;
         self.order.resize(kept, 0);
         sort_inside_cells(&self.starts, &mut buffers.slots, &mut self.order);
         self.buffers = buffers;
@@ -86,11 +88,11 @@ impl<const D: usize> CellGrid<D> {
         &self,
         position: &[Vec<f64>; D],
         keep: &(impl Fn(usize) -> bool + Sync),
-        buffers: &mut SortBuffers,
+        cell_of_row: &mut [u32],
+        cursor: &[AtomicU32],
     ) -> usize {
         let outside = AtomicUsize::new(usize::MAX);
-        let cursor = &buffers.cursor;
-        buffers.cell.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, cell_of)| {
+        cell_of_row.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, cell_of)| {
             for (offset, cell) in cell_of.iter_mut().enumerate() {
                 let row = chunk * CHUNK + offset;
                 *cell = NO_CELL;

@@ -93,15 +93,17 @@ pub fn sum_rates<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) -> RatesSummary {
     sums.packs.prepare();
-    sums.columns.fill(pair, particles);
+    let has_walls = sums.columns.find_images(pair, particles);
     for column in sums.shift.iter_mut().chain([&mut sums.divergence]) {
         column.resize(particles.len(), R::default());
     }
-    pair.kernel.with_shape(RatesPass { pair, grid, particles, level, sums })
+    let layout = Layout::new::<D>(pair, has_walls);
+    pair.kernel.with_shape(RatesPass { pair, layout, grid, particles, level, sums })
 }
 
 struct RatesPass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
+    layout: Layout,
     grid: &'a CellGrid<D>,
     particles: &'a mut ParticleArrays<R, D>,
     level: VelocityLevel,
@@ -125,7 +127,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             ..
         } = self.particles;
         let PairSums { shift, divergence, eddy_viscosity, strain, stress, columns, packs, .. } = self.sums;
-        let layout = Layout::new::<D>(self.pair);
+        let layout = self.layout;
         let mut neighbours: [&[R]; Layout::MOST_COLUMNS] = [&[]; Layout::MOST_COLUMNS];
         let velocity = match self.level {
             VelocityLevel::Present => velocity,
@@ -133,8 +135,9 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
         };
         let in_order = velocity
             .iter()
-            .chain([&*density, &*pressure, &columns.volume, &columns.image_distance, &columns.viscous])
+            .chain([&*density, &*pressure])
             .chain(strain.iter().take(layout.strain_components::<D>()))
+            .chain(layout.image_distance.map(|_| &columns.image_distance))
             .chain(wall_normal.iter().filter(|_| layout.normal.is_some()))
             .chain(stress.iter().take(layout.stress_components::<D>()));
         let mut count = 0;
@@ -195,18 +198,20 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for RatesBlock<'_, K
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> RatesSummary {
         let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout);
-        match (pair_loop.is_plain(), pair_loop.is_damped()) {
-            (true, false) => self.sweep::<L, true, false>(&pair_loop),
-            (true, true) => self.sweep::<L, true, true>(&pair_loop),
-            (false, _) => self.sweep::<L, false, false>(&pair_loop),
+        match (pair_loop.is_plain(), pair_loop.is_damped(), pair_loop.has_walls()) {
+            (true, false, false) => self.sweep::<L, true, false, false>(&pair_loop),
+            (true, false, true) => self.sweep::<L, true, false, true>(&pair_loop),
+            (true, true, false) => self.sweep::<L, true, true, false>(&pair_loop),
+            (true, true, true) => self.sweep::<L, true, true, true>(&pair_loop),
+            (false, ..) => self.sweep::<L, false, false, false>(&pair_loop),
         }
     }
 }
 
 impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
-    /// All fluid rows of the block; `PLAIN` and `DAMPED` as the loop says.
+    /// All fluid rows of the block; `PLAIN`, `DAMPED` and `WALLS` as the loop says.
     #[inline(always)]
-    fn sweep<L: Lanes<Real = R>, const PLAIN: bool, const DAMPED: bool>(
+    fn sweep<L: Lanes<Real = R>, const PLAIN: bool, const DAMPED: bool, const WALLS: bool>(
         self,
         pair_loop: &PairLoop<L, D>,
     ) -> RatesSummary {
@@ -225,7 +230,7 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     continue;
                 }
                 let point = self.pack.relative(self.source, row);
-                let rates = pair_loop.sum::<K, PLAIN, DAMPED>(
+                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS>(
                     self.pack,
                     self.source,
                     point,

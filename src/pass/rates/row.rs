@@ -19,11 +19,10 @@ pub(super) struct Layout {
     velocity: usize,
     density: usize,
     pressure: usize,
-    volume: usize,
-    image_distance: usize,
-    viscous: usize,
     /// Components of the rate of strain, only where noise is damped.
     strain: Option<usize>,
+    /// Only where there are walls.
+    pub image_distance: Option<usize>,
     /// Wall normals, only where a wall is free-slip.
     pub normal: Option<usize>,
     /// Components of T/ρ², only with sub-particle stress.
@@ -33,30 +32,28 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Most columns beside the coordinates: velocity, five scalars, strain, normal and stress in 3D.
-    pub const MOST_COLUMNS: usize = 3 + 5 + 6 + 3 + 6;
+    /// Most columns beside the coordinates: velocity, three scalars, strain, normal and stress in 3D.
+    pub const MOST_COLUMNS: usize = 3 + 3 + 6 + 3 + 6;
 
-    /// The columns that every pass has, and those of the damping.
+    /// The columns that every pass has, those of the damping and those of walls.
     #[inline(always)]
-    const fn plain<const D: usize>(damped: bool) -> Self {
-        let scalars = 2 * D + 5;
+    const fn plain<const D: usize>(damped: bool, walls: bool) -> Self {
+        let of_flow = 2 * D + 2 + if damped { sps::components(D) } else { 0 };
         Self {
             velocity: D,
             density: 2 * D,
             pressure: 2 * D + 1,
-            volume: 2 * D + 2,
-            image_distance: 2 * D + 3,
-            viscous: 2 * D + 4,
-            strain: if damped { Some(scalars) } else { None },
+            strain: if damped { Some(2 * D + 2) } else { None },
+            image_distance: if walls { Some(of_flow) } else { None },
             normal: None,
             stress: None,
-            count: if damped { scalars + sps::components(D) } else { scalars },
+            count: if walls { of_flow + 1 } else { of_flow },
         }
     }
 
-    pub fn new<const D: usize>(pair: &PairSettings) -> Self {
-        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0);
-        if pair.has_free_slip() {
+    pub fn new<const D: usize>(pair: &PairSettings, has_walls: bool) -> Self {
+        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0, has_walls);
+        if has_walls && pair.has_free_slip() {
             layout.normal = Some(layout.count);
             layout.count += D;
         }
@@ -155,9 +152,15 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.strain.is_some()
     }
 
+    /// Whether there are walls: without them nothing is reflected.
+    #[inline(always)]
+    pub fn has_walls(&self) -> bool {
+        self.layout.image_distance.is_some()
+    }
+
     /// Sums over a pack for the row at `point` (relative to the pack, in units of h).
     #[inline(always)]
-    pub fn sum<K: KernelShape, const PLAIN: bool, const DAMPED: bool>(
+    pub fn sum<K: KernelShape, const PLAIN: bool, const DAMPED: bool, const WALLS: bool>(
         &self,
         pack: &Pack<L::Real>,
         source: &Source<L::Real, D>,
@@ -166,8 +169,11 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         wall_distance: f64,
     ) -> RowRates<D> {
         let pair = self.pair;
-        let (layout, terms) =
-            if PLAIN { (Layout::plain::<D>(DAMPED), Terms::default()) } else { (self.layout, self.terms) };
+        let (layout, terms) = if PLAIN {
+            (Layout::plain::<D>(DAMPED, WALLS), Terms::default())
+        } else {
+            (self.layout, self.terms)
+        };
         let h = pair.smoothing_length;
         let own = |column: usize| source.columns[column - D][row];
         let density = own(layout.density).to_f64();
@@ -196,6 +202,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 *stress = L::splat(own(first + c));
             }
         }
+        let mass = L::constant(pair.mass);
         let rho_a = L::constant(density);
         let p_a = L::constant(pressure);
         let own_pressure =
@@ -230,34 +237,41 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             let q = q2 * inverse_q;
             let slope = K::slope(q, inverse_q);
 
-            // One division for 1/(ρ_a + ρ_b) and 1/(q² + η²/h²).
+            // One division for 1/(ρ_a + ρ_b), 1/(q² + η²/h²) and 1/ρ_b.
             let rho_b = entry.column(layout.density);
             let density_sum = rho_a + rho_b;
             let softened = q2 + L::constant(ETA_SQUARED);
-            let inverse = (density_sum * softened).inverse();
-            let inverse_density_sum = inverse * softened;
-            let inverse_softened = inverse * density_sum;
+            let product = density_sum * softened;
+            let inverse = (product * rho_b).inverse();
+            let inverse_rho_b = inverse * product;
+            let inverse_density_sum = inverse * (softened * rho_b);
+            let inverse_softened = inverse * (density_sum * rho_b);
 
             let xv = dot(x, v);
             let in_support = q2.less(self.limit);
             let speed = (xv * inverse_softened).abs();
             signal = signal.max(L::select(in_support, speed, zero));
 
-            let factor =
-                image::velocity_factor(entry.column(layout.image_distance), inverse_distance, self.cap);
-            let viscous = entry.column(layout.viscous);
-            let mut imaged_xv = factor * xv;
+            let mut factor = one;
+            let mut image_distance = zero;
+            let mut imaged_xv = xv;
+            if let Some(column) = layout.image_distance {
+                image_distance = entry.column(column);
+                factor = image::velocity_factor(image_distance.abs(), inverse_distance, self.cap);
+                imaged_xv = factor * xv;
+            }
+            let slips = image_distance.less(zero);
             if let Some(normal) = layout.normal {
                 let product = image::free_slip_product(factor, entry.vector(normal), x, v);
-                imaged_xv = L::select(viscous.less(one), product, imaged_xv);
+                imaged_xv = L::select(slips, product, imaged_xv);
             }
 
-            let volume_slope = entry.column(layout.volume) * slope;
+            let volume_slope = mass * inverse_rho_b * slope;
             divergence = volume_slope.mul_add(imaged_xv, divergence);
 
             let mut p_b = entry.column(layout.pressure);
-            if terms.mirrored {
-                let is_wall = zero.less(entry.column(layout.image_distance));
+            if terms.mirrored && layout.image_distance.is_some() {
+                let is_wall = zero.less(image_distance.abs());
                 p_b = L::select(is_wall, p_a + dot(weight_a, x), p_b);
             }
             let mut push = momentum::pressure_term(own_pressure, p_b, volume_slope);
@@ -266,7 +280,11 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 let approach = imaged_xv * inverse_softened;
                 let damping =
                     artificial::factor(L::constant(speed_a) + speed_b, approach, inverse_density_sum);
-                push = (damping * viscous * artificial_scale).mul_add(slope, push);
+                let mut damping = damping * artificial_scale;
+                if layout.normal.is_some() {
+                    damping = L::select(slips, zero, damping);
+                }
+                push = damping.mul_add(slope, push);
             }
             if let Some(first) = layout.strain {
                 let mut strain_sum = strain_a;
@@ -277,8 +295,10 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 let approach = reconstructed::unexplained(xv, strain_sum, x, h) * inverse_softened;
                 let damping =
                     reconstructed::factor(L::constant(speed_a) + speed_b, approach, inverse_density_sum);
-                let is_wall = zero.less(entry.column(layout.image_distance));
-                let damping = L::select(is_wall, zero, damping * noise_scale);
+                let mut damping = damping * noise_scale;
+                if layout.image_distance.is_some() {
+                    damping = L::select(zero.less(image_distance.abs()), zero, damping);
+                }
                 push = damping.mul_add(slope, push);
             }
             let drag = if terms.printed {
@@ -286,7 +306,10 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             } else {
                 laminar::factor(slope, inverse_density_sum)
             };
-            let drag = drag * viscous * factor;
+            let mut drag = if layout.image_distance.is_some() { drag * factor } else { drag };
+            if layout.normal.is_some() {
+                drag = L::select(slips, zero, drag);
+            }
             damping = damping + drag;
             for d in 0..D {
                 along_x[d] = push.mul_add(x[d], along_x[d]);
