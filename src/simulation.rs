@@ -138,6 +138,8 @@ impl Simulation {
         let world = &mut self.world;
         // On a thread of the pool: from outside, each parallel loop would wake the pool and sleep until it is done.
         rayon::scope(|_| world.run_schedule(Step));
+        // bevy notes each removed component, and each resource taken out for a while, until it is told to forget.
+        self.world.clear_trackers();
         let clock = self.clock();
         let failure = self.world.resource::<Failure>();
         if let Some(fault) = &failure.fault {

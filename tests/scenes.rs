@@ -7,14 +7,15 @@ use sphecs::scene::{load, load_smoke};
 use sphecs::simulation::Simulation;
 
 fn shipped() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let mut scenes: Vec<PathBuf> = std::fs::read_dir(folder)
-        .expect("scenes/")
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut scenes: Vec<PathBuf> = ["scenes", "benches"]
+        .into_iter()
+        .flat_map(|folder| std::fs::read_dir(root.join(folder)).expect("a folder of scenes"))
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
         .collect();
     scenes.sort();
-    assert!(!scenes.is_empty(), "no scene under scenes/");
+    assert!(!scenes.is_empty(), "no scene");
     scenes
 }
 

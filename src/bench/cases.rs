@@ -1,4 +1,4 @@
-//! What is timed: stirred periodic boxes, and the shipped channel with walls, inlet and outlet.
+//! What is timed: stirred periodic boxes, and channels with walls, inlet and outlet.
 //!
 //! The boxes have Wendland's kernel, laminar viscosity or sub-particle stress, and Fickian shifting: in 2D h = 1.33 Δ
 //! (20 neighbours), in 3D h = 2.02 Δ (some 256).
@@ -9,6 +9,9 @@ use crate::scene::model::{Precision, Scene};
 
 /// The channel as shipped, part of the program: an installed one has no scenes beside it.
 const CHANNEL: &str = include_str!("../../scenes/constricted_r2.ron");
+/// Flows that other codes have been timed on.
+const CYLINDER: &str = include_str!("../../benches/channel_cylinder.ron");
+const DUCT: &str = include_str!("../../benches/duct.ron");
 
 /// A flow that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +20,10 @@ pub enum Case {
     Box(StirredBox),
     /// The constricted channel, run R2, as shipped.
     Channel,
+    /// `benches/channel_cylinder.ron`.
+    Cylinder,
+    /// `benches/duct.ron`.
+    Duct,
 }
 
 /// A stirred periodic box.
@@ -60,10 +67,12 @@ const fn stressed(laminar: StirredBox) -> StirredBox {
 
 impl Case {
     /// All cases with their names, in the order in which they are timed, the small ones first: see [`memory`](super::memory).
-    pub const ALL: [(&'static str, Case); 9] = [
+    pub const ALL: [(&'static str, Case); 11] = [
         ("channel", Case::Channel),
+        ("channel_cylinder", Case::Cylinder),
         ("2d-f32", Case::Box(PLANE)),
         ("2d-f64", double(PLANE)),
+        ("duct", Case::Duct),
         ("3d-f32", Case::Box(SPACE)),
         ("3d-f64", double(SPACE)),
         ("3d-sps-f32", Case::Box(stressed(SPACE))),
@@ -95,6 +104,8 @@ impl Case {
             Case::Box(_) => Plan { warm_up: 2, repetitions: 3, steps: 2 },
             // The inlet has begun to push by then, and zones change.
             Case::Channel => Plan { warm_up: 300, repetitions: 6, steps: 20 },
+            Case::Cylinder => Plan { warm_up: 100, repetitions: 6, steps: 20 },
+            Case::Duct => Plan { warm_up: 10, repetitions: 3, steps: 4 },
         }
     }
 
@@ -106,6 +117,8 @@ impl Case {
         match self {
             Case::Box(stirred) => stirred.scene(),
             Case::Channel => scene::load_str("constricted_r2", CHANNEL, &[]),
+            Case::Cylinder => scene::load_str("channel_cylinder", CYLINDER, &[]),
+            Case::Duct => scene::load_str("duct", DUCT, &[]),
         }
     }
 }
@@ -162,7 +175,9 @@ mod tests {
             };
             let stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
             assert_eq!(stress, name.contains("sps"));
-            assert_eq!(scene.precision == Precision::F32, name.ends_with("f32"));
+            if let Case::Box(_) = case {
+                assert_eq!(scene.precision == Precision::F32, name.ends_with("f32"));
+            }
             assert_eq!(case.is_large(), name.contains("large"));
         }
         assert_eq!(Case::named("3d"), None);

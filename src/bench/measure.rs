@@ -42,6 +42,8 @@ pub struct Timing {
     pub threads: usize,
     /// Wall time of a step in the fastest repetition, s.
     pub step: f64,
+    /// Flow time of a step in that repetition, s.
+    pub flow: f64,
     /// Wall time of each set of systems in its fastest repetition, s a step, in the order of a step.
     pub sets: Vec<(&'static str, f64)>,
 }
@@ -125,16 +127,19 @@ fn time(simulation: &mut Simulation, plan: Plan) -> Result<Timing, Stop> {
     // The first step of a pool brings its threads their buffers, the first after a look at the components their state.
     simulation.step()?;
     let mut sets = FastestSets::begin(simulation);
-    let mut step = f64::INFINITY;
+    let (mut step, mut flow) = (f64::INFINITY, 0.0);
     for _ in 0..plan.repetitions {
-        let started = Instant::now();
+        let (started, begin) = (Instant::now(), simulation.clock().time);
         for _ in 0..plan.steps {
             simulation.step()?;
         }
-        step = step.min(started.elapsed().as_secs_f64() / plan.steps as f64);
+        let taken = started.elapsed().as_secs_f64() / plan.steps as f64;
+        if taken < step {
+            (step, flow) = (taken, (simulation.clock().time - begin) / plan.steps as f64);
+        }
         sets.record(simulation, plan.steps);
     }
-    Ok(Timing { threads: rayon::current_num_threads(), step, sets: sets.seconds() })
+    Ok(Timing { threads: rayon::current_num_threads(), step, flow, sets: sets.seconds() })
 }
 
 /// Particles of a simulation outside the reservoir, and [`ordered_pairs`] of them.
@@ -186,7 +191,7 @@ mod tests {
         assert!(expected.contains(&neighbours), "{neighbours} neighbours");
         assert_eq!(figures.timings.iter().map(|timing| timing.threads).collect::<Vec<_>>(), [1, 2]);
         for timing in &figures.timings {
-            assert!(timing.step > 0.0 && timing.step.is_finite());
+            assert!(timing.step > 0.0 && timing.step.is_finite() && timing.flow > 0.0);
             let sets: f64 = timing.sets.iter().map(|(_, seconds)| seconds).sum();
             assert!(sets > 0.0 && sets <= timing.step, "sets take {sets} s of {} s", timing.step);
             assert!(figures.pair_rate(timing).is_finite());

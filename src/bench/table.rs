@@ -14,7 +14,7 @@ pub fn opening(peaks: &Peaks) -> String {
     format!(
         "sphecs {} on {} lanes, {cores} cores{}\n\
         measured peak of multiply-adds of one core: {:.0} GFLOP/s in f64, {:.0} in f32\n\n\
-        {:<12}  {:>7}  {:>9}  {:>9}  {:>7}  {:>8}  {:>7}  {:>8}  {:>10}",
+        {:<16}  {:>7}  {:>9}  {:>9}  {:>7}  {:>8}  {:>7}  {:>8}  {:>10}",
         env!("CARGO_PKG_VERSION"),
         InstructionSet::best().name(),
         load().map_or_else(String::new, |load| format!(", load average {load:.1} before")),
@@ -48,7 +48,7 @@ pub fn rows(name: &str, figures: &Figures, peak: f64) -> String {
             figures.memory.map_or("-".to_owned(), |bytes| grouped(bytes / figures.particles.max(1) as u64));
         let speed_up = figures.speed_up(timing).map_or("-".to_owned(), |factor| format!("{factor:.2}"));
         format!(
-            "{:<12}  {:>7}  {:>9}  {:>9.2}  {:>7.2}  {:>8.0}  {:>5.1} %  {:>8}  {:>10}",
+            "{:<16}  {:>7}  {:>9}  {:>9.2}  {:>7.2}  {:>8.0}  {:>5.1} %  {:>8}  {:>10}",
             once(name.to_owned()),
             timing.threads,
             once(grouped(figures.particles as u64)),
@@ -70,8 +70,10 @@ pub fn close(measured: &[(&str, Figures)], wall_time: f64) -> String {
     let mut text = String::from("\nshare of a step in %, on the least threads:\n");
     for (name, figures) in measured {
         if let Some(timing) = figures.timings.first() {
-            let operations = figures.operations;
-            text += &format!("{name:<12}  {}; {operations} FLOP a pair\n", shares(&timing.sets));
+            let (operations, pace) = (figures.operations, timing.flow / timing.step);
+            let shares = shares(&timing.sets);
+            text +=
+                &format!("{name:<16}  {shares}; {operations} FLOP a pair; {pace:.3e} s of flow a second\n");
         }
     }
     text += &format!(
@@ -103,6 +105,7 @@ mod tests {
         let timing = |threads: usize, step: f64| Timing {
             threads,
             step,
+            flow: 1e-3 * step,
             sets: vec![("density", 0.25 * step), ("kick", 0.0), ("rates", 0.75 * step)],
         };
         let figures = Figures {
@@ -124,7 +127,7 @@ mod tests {
         }
         assert!(lines[1].contains("2.00") && lines[1].contains("10.0 %") && !lines[1].contains("3d-f32"));
         let close = close(&[("3d-f32", figures)], 3.0);
-        assert!(close.contains("density 25.0, rates 75.0; 80 FLOP"), "{close}");
+        assert!(close.contains("density 25.0, rates 75.0; 80 FLOP a pair; 1.000e-3 s of flow"), "{close}");
         let timings = vec![timing(2, 0.1)];
         let unknown = Figures { particles: 1, pairs: 1, operations: 1, memory: None, timings };
         assert_eq!(rows("box", &unknown, 1.0).matches(" -").count(), 2, "neither speed-up nor memory");

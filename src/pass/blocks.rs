@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+
 use crate::math::grid::CellGrid;
 
 /// Rows of a block: large enough to hide the cost of a task, small enough for threads to even out.
@@ -90,6 +92,25 @@ pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn
     );
 }
 
+/// Runs `work` over the rows in parts, in parallel. Each part has a list of its own, which is kept from call to call and is as
+/// `work` left it; returns those of these rows, in their order.
+pub fn with_lists<'a, T: Default + Send>(
+    rows: usize,
+    lists: &'a mut Vec<T>,
+    work: &(impl Fn(Range<usize>, &mut T) + Sync),
+) -> &'a mut [T] {
+    let parts = rows.div_ceil(PART);
+    if lists.len() < parts {
+        lists.resize_with(parts, T::default);
+    }
+    let lists = &mut lists[..parts];
+    lists
+        .par_iter_mut()
+        .enumerate()
+        .for_each(|(part, list)| work(part * PART..rows.min((part + 1) * PART), list));
+    lists
+}
+
 /// Runs `work` over the rows in parts, in parallel, and joins what it found in the order of the rows.
 pub fn join_parts<S: Send>(
     rows: Range<usize>,
@@ -151,6 +172,18 @@ mod tests {
             );
             assert!(first.iter().enumerate().all(|(row, &found)| row == found));
             assert!(second.iter().all(|&times| times == 1.0));
+        }
+    }
+
+    #[test]
+    fn lists_come_in_the_order_of_the_rows_and_those_of_longer_ones_are_left_out() {
+        let mut lists = Vec::<Vec<usize>>::new();
+        for rows in [0, 5 * PART + 3, PART + 1, PART, 1] {
+            let found = with_lists(rows, &mut lists, &|rows, list| {
+                list.clear();
+                list.extend(rows);
+            });
+            assert!(found.iter().flatten().copied().eq(0..rows), "{rows}");
         }
     }
 

@@ -73,10 +73,10 @@ impl Scene {
     pub fn extent_along(&self, direction: DVec3) -> f64 {
         let inlets = self.inlets.iter().map(|inlet| inlet.patch.at);
         let outlets = self.outlets.iter().map(|outlet| outlet.patch.at);
-        let positions: Vec<f64> = inlets.chain(outlets).map(|at| at.dot(direction)).collect();
-        let (low, high) = positions
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+        let (low, high) = inlets
+            .chain(outlets)
+            .map(|at| at.dot(direction))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         (high - low).max(10.0 * self.spacing)
     }
 }

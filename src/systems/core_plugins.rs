@@ -19,7 +19,7 @@ use super::rates::{RatesFound, StepsSincePlain, Sums, sum_density, sum_gradients
 use super::schedule::{Stage, StageSystems, StepSystems};
 use super::shift::shift;
 use super::stopwatch::Stopwatch;
-use super::transitions::transition;
+use super::transitions::{TransitionLists, transition};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
@@ -74,6 +74,7 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
         parts.world.init_resource::<OutletStates>();
         parts.world.init_resource::<HeldAtWalls>();
+        parts.world.init_resource::<TransitionLists>();
         // Walls look at the pressure of inflow and outflow particles, so they come last.
         parts.stage.add_systems(
             (apply_inlets::<R, D>, apply_outlets::<R, D>, apply_walls::<R, D>)

@@ -20,6 +20,7 @@ use std::ops::Range;
 use bevy_ecs::bundle::Bundle;
 use bevy_ecs::change_detection::Mut;
 use bevy_ecs::query::Without;
+use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
@@ -39,7 +40,7 @@ use crate::particles::components::{
 };
 use crate::particles::rows::{Row, set_real_vector};
 use crate::particles::zone::Zone;
-use crate::pass::blocks::{for_each_part, join_parts};
+use crate::pass::blocks::{for_each_part, with_lists};
 use crate::pass::neighbours::Neighbours;
 use crate::physics::viscosity::Viscosity;
 use crate::scene::model::{Patch, Scene, WhenEmpty};
@@ -66,6 +67,14 @@ struct Entry {
     again: bool,
 }
 
+/// The lists of a transition, kept from step to step.
+#[derive(Resource, Debug, Default)]
+pub struct TransitionLists {
+    /// Changes due in each part of the rows.
+    changes: Vec<Vec<Change>>,
+    entries: Vec<Entry>,
+}
+
 /// Finds the rows that crossed a plane, and changes their roles in both homes of the state.
 pub fn transition<R: Real, const D: usize>(world: &mut World) {
     let scene = world.resource::<SceneInUse>().0.clone();
@@ -74,14 +83,17 @@ pub fn transition<R: Real, const D: usize>(world: &mut World) {
         return;
     }
     world.resource_scope(|world, mut arrays: Mut<ParticleArrays<R, D>>| {
-        let changes = due_changes(&scene, &arrays);
-        let mut entries = Vec::new();
-        for change in &changes {
-            apply(world, &scene, &mut arrays, change, &mut entries);
-        }
-        for entry in entries {
-            enter(world, &scene, &mut arrays, &entry);
-        }
+        world.resource_scope(|world, mut lists: Mut<TransitionLists>| {
+            let TransitionLists { changes, entries } = &mut *lists;
+            let changes =
+                with_lists(arrays.len(), changes, &|rows, due| find_due(&scene, &arrays, rows, due));
+            for change in changes.iter().flatten() {
+                apply(world, &scene, &mut arrays, change, entries);
+            }
+            for entry in entries.drain(..) {
+                enter(world, &scene, &mut arrays, &entry);
+            }
+        });
     });
     wrap_periodic::<R, D>(world, &scene);
 }
@@ -109,21 +121,19 @@ fn through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
     beyond < patch.depth && patch.covers(point, spacing)
 }
 
-/// The rows that are due for a change, in their order.
-fn due_changes<R: Real, const D: usize>(scene: &Scene, arrays: &ParticleArrays<R, D>) -> Vec<Change> {
-    let find = |rows: Range<usize>| {
-        let mut changes = Vec::new();
-        for row in rows {
-            if let Some((zone, patch)) = due_change(scene, arrays, row) {
-                changes.push(Change { row, zone, patch });
-            }
+/// Lists those of the rows that are due for a change, in their order.
+fn find_due<R: Real, const D: usize>(
+    scene: &Scene,
+    arrays: &ParticleArrays<R, D>,
+    rows: Range<usize>,
+    due: &mut Vec<Change>,
+) {
+    due.clear();
+    for row in rows {
+        if let Some((zone, patch)) = due_change(scene, arrays, row) {
+            due.push(Change { row, zone, patch });
         }
-        changes
-    };
-    join_parts(0..arrays.len(), &find, &|mut changes, next| {
-        changes.extend(next);
-        changes
-    })
+    }
 }
 
 #[inline]

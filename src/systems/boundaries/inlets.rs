@@ -16,7 +16,7 @@
 //! Poiseuille flow at c0 = 2 m/s burst when its first particles came to cross. A wall whose pressure lags gives way to
 //! the wave and takes its energy: the flow stays within 0.1 % of the series.
 
-use bevy_ecs::system::{Res, ResMut};
+use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
@@ -50,6 +50,7 @@ pub fn apply_inlets<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
+    mut pressures: Local<Vec<f64>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
@@ -61,24 +62,17 @@ pub fn apply_inlets<R: Real, const D: usize>(
             InletPressure::Prescribed(_) => 1.0,
             InletPressure::Extrapolated => clock.time_step / (clock.time_step + lag),
         };
-        let pressures: Vec<f64> = {
-            let sampler = Sampler::new(&grid.0, &arrays, &pair.0, |zone| zone == Zone::Fluid);
-            rows.par_iter()
-                .with_min_len(32)
-                .map(|&row| match inlet.pressure {
-                    InletPressure::Prescribed(pressure) => pressure,
-                    InletPressure::Extrapolated => extrapolated_pressure(
-                        scene,
-                        inlet,
-                        &sampler,
-                        arrays.position_of(row as usize),
-                        clock.time,
-                    )
-                    .unwrap_or(arrays.pressure[row as usize].to_f64()),
-                })
-                .collect()
-        };
-        for (&row, pressure) in rows.iter().zip(pressures) {
+        let sampler = Sampler::new(&grid.0, &arrays, &pair.0, |zone| zone == Zone::Fluid);
+        let found = rows.par_iter().with_min_len(32).map(|&row| match inlet.pressure {
+            InletPressure::Prescribed(pressure) => pressure,
+            InletPressure::Extrapolated => {
+                let point = arrays.position_of(row as usize);
+                extrapolated_pressure(scene, inlet, &sampler, point, clock.time)
+                    .unwrap_or(arrays.pressure[row as usize].to_f64())
+            }
+        });
+        found.collect_into_vec(&mut pressures);
+        for (&row, &pressure) in rows.iter().zip(&*pressures) {
             let row = row as usize;
             let velocity = inlet_velocity(inlet, nu, arrays.position_of(row), clock.time);
             set_real_vector(&mut arrays.velocity, row, velocity);

@@ -1,7 +1,7 @@
 //! Pressure, convective velocity and rates of outflow particles, by the condition of their outlet.
 
 use bevy_ecs::resource::Resource;
-use bevy_ecs::system::{Res, ResMut};
+use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelExtend, ParallelIterator};
 
@@ -152,6 +152,7 @@ pub fn outlet_rates<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
+    mut rates: Local<Vec<(DVec3, DVec3)>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
@@ -166,12 +167,9 @@ pub fn outlet_rates<R: Real, const D: usize>(
             viscosity: scene.fluid.viscosity,
         };
         let neighbours = Neighbours::new(&grid.0, &arrays);
-        let rates: Vec<(DVec3, DVec3)> = rows
-            .par_iter()
-            .with_min_len(32)
-            .map(|&row| wave_rate(&setting, &pair, &neighbours, row as usize))
-            .collect();
-        for (&row, (rate, mut concentration)) in rows.iter().zip(rates) {
+        let found = rows.par_iter().with_min_len(32);
+        found.map(|&row| wave_rate(&setting, &pair, &neighbours, row as usize)).collect_into_vec(&mut rates);
+        for (&row, &(rate, mut concentration)) in rows.iter().zip(&*rates) {
             let row = row as usize;
             set_real_vector(&mut arrays.acceleration, row, rate);
             // Beyond the far end there is nothing: the normal part would empty the zone.

@@ -1,13 +1,11 @@
 //! Which rows of the sorted arrays belong to which patch.
 
-use std::ops::Range;
-
 use bevy_ecs::resource::Resource;
 
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::pass::blocks::join_parts;
+use crate::pass::blocks::with_lists;
 use crate::scene::model::Scene;
 
 /// Layers of fluid next to an outlet whose mean stands for the flow there.
@@ -22,29 +20,43 @@ pub struct PatchRows {
     pub outflow: Vec<Vec<u32>>,
     /// Fluid rows in the last three layers before each outlet.
     pub before_outlet: Vec<Vec<u32>>,
+    /// The same of each part of the rows: kept, so that collecting allocates nothing.
+    parts: Vec<PatchRows>,
 }
 
 impl PatchRows {
-    fn empty(scene: &Scene) -> Self {
-        Self {
-            inflow: vec![Vec::new(); scene.inlets.len()],
-            outflow: vec![Vec::new(); scene.outlets.len()],
-            before_outlet: vec![Vec::new(); scene.outlets.len()],
-        }
+    /// Empty lists for every patch of a scene.
+    fn clear(&mut self, scene: &Scene) {
+        self.inflow.resize_with(scene.inlets.len(), Vec::new);
+        self.outflow.resize_with(scene.outlets.len(), Vec::new);
+        self.before_outlet.resize_with(scene.outlets.len(), Vec::new);
+        self.lists().for_each(Vec::clear);
+    }
+
+    fn lists(&mut self) -> impl Iterator<Item = &mut Vec<u32>> {
+        self.inflow.iter_mut().chain(&mut self.outflow).chain(&mut self.before_outlet)
     }
 
     /// Collects the rows, in their order.
     pub fn collect<R: Real, const D: usize>(&mut self, scene: &Scene, arrays: &ParticleArrays<R, D>) {
+        self.clear(scene);
+        if scene.inlets.is_empty() && scene.outlets.is_empty() {
+            return;
+        }
+        let mut parts = std::mem::take(&mut self.parts);
         // Parts are joined in their order, so the lists do not depend on who collected them.
-        let rows = if scene.inlets.is_empty() && scene.outlets.is_empty() { 0 } else { arrays.len() };
-        let find = |rows: Range<usize>| {
-            let mut found = Self::empty(scene);
+        let found = with_lists(arrays.len(), &mut parts, &|rows, part: &mut Self| {
+            part.clear(scene);
             for row in rows {
-                found.sort_in(scene, arrays, row);
+                part.sort_in(scene, arrays, row);
             }
-            found
-        };
-        *self = join_parts(0..rows, &find, &Self::followed_by);
+        });
+        for part in found {
+            for (all, of_part) in self.lists().zip(part.lists()) {
+                all.extend_from_slice(of_part);
+            }
+        }
+        self.parts = parts;
     }
 
     /// Puts a row into the lists that it belongs to.
@@ -64,13 +76,5 @@ impl PatchRows {
             }
             Zone::Wall | Zone::Reservoir => {}
         }
-    }
-
-    fn followed_by(mut self, next: Self) -> Self {
-        let lists = self.inflow.iter_mut().chain(&mut self.outflow).chain(&mut self.before_outlet);
-        for (rows, more) in lists.zip(next.inflow.into_iter().chain(next.outflow).chain(next.before_outlet)) {
-            rows.extend(more);
-        }
-        self
     }
 }

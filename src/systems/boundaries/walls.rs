@@ -9,6 +9,7 @@ use crate::particles::zone::Zone;
 use crate::pass::blocks::for_each_part;
 use crate::pass::walls::extrapolate_wall_pressure;
 use crate::physics::wall::{WallModel, WallPressure};
+use crate::scene::model::WallPart;
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
@@ -27,22 +28,21 @@ pub fn apply_walls<R: Real, const D: usize>(
 ) {
     let scene = &*scene.0;
     let time = clock.time;
-    let moving: Vec<bool> = scene
-        .walls
-        .parts
-        .iter()
-        .map(|part| part.velocity.iter().any(|component| component.constant() != Some(0.0)))
-        .collect();
-    if moving.iter().any(|&moves| moves) {
+    let parts = &scene.walls.parts;
+    let moves = |part: &WallPart| part.velocity.iter().any(|component| component.constant() != Some(0.0));
+    if parts.iter().any(moves) {
         let ParticleArrays { zone, patch, position, velocity, .. } = &mut *arrays;
         let (zone, patch, position) = (&*zone, &*patch, &*position);
         let work = |rows: Range<usize>, velocity: [&mut [R]; D]| {
             for (at, row) in rows.enumerate() {
-                let part = usize::from(patch[row]);
-                if zone[row] == Zone::Wall && moving[part] {
+                if zone[row] != Zone::Wall {
+                    continue;
+                }
+                let part = &parts[usize::from(patch[row])];
+                if moves(part) {
                     let x = vector(position, row);
                     for axis in 0..D {
-                        let speed = scene.walls.parts[part].velocity[axis].value(x.x, x.y, x.z, time);
+                        let speed = part.velocity[axis].value(x.x, x.y, x.z, time);
                         velocity[axis][at] = R::from_f64(speed);
                     }
                 }
