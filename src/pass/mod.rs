@@ -8,7 +8,8 @@
 //! | [`gradients`] | fluid, inflow, outflow | velocity gradient, corrected where the support is cut |
 //! | [`stress`] | all | sub-particle stress from the gradient, extrapolated to walls |
 //! | [`strain`] | fluid, inflow, outflow | rate of strain, summed with the density or from the gradient |
-//! | [`sampling`] | none | the fluid's fields at arbitrary points |
+//! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets |
+//! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
 //!
 //! A pass goes over blocks of cells in parallel; for each cell it packs the neighbourhood once ([`pack`]) and runs
@@ -20,6 +21,7 @@ pub mod density;
 pub mod gradients;
 pub mod neighbours;
 pub mod pack;
+pub mod points;
 pub mod rates;
 #[cfg(test)]
 mod samples;

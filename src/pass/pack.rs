@@ -72,13 +72,23 @@ impl<R: Real> Pack<R> {
     /// Packs the neighbourhood of a cell.
     #[inline(always)]
     pub fn fill<L: Lanes<Real = R>, const D: usize>(&mut self, source: &Source<R, D>, cell: usize) {
+        self.fill_around::<L, D>(source, source.grid.index_of(cell));
+    }
+
+    /// Packs the neighbourhood of the cell of an unwrapped index, which need not be in the grid.
+    #[inline(always)]
+    pub fn fill_around<L: Lanes<Real = R>, const D: usize>(
+        &mut self,
+        source: &Source<R, D>,
+        index: [i64; D],
+    ) {
         let grid = source.grid;
         let total = source.position[0].len();
         let columns = source.columns.len();
         assert!(grid.starts()[grid.len()] as usize <= total, "the arrays must be sorted by this grid");
         assert!(source.columns.iter().all(|column| column.len() == total), "columns must have all rows");
 
-        let candidates = self.find_runs(grid, cell, L::COUNT);
+        let candidates = self.find_runs(grid, index, L::COUNT);
         self.reserve(candidates + L::COUNT, D + columns);
         let base = self.storage[self.begin..].as_mut_ptr();
         let stride = self.stride;
@@ -185,13 +195,18 @@ impl<R: Real> Pack<R> {
     /// Position of a row of the cell as the pack has it: relative to the cell's centre, in units of h.
     #[inline(always)]
     pub fn relative<const D: usize>(&self, source: &Source<R, D>, row: usize) -> [R; D] {
-        std::array::from_fn(|d| R::from_f64((source.position[d][row] - self.centre[d]) * source.inverse_h))
+        self.relative_to(source, std::array::from_fn(|d| source.position[d][row]))
+    }
+
+    /// The same of any point of the cell.
+    #[inline(always)]
+    pub fn relative_to<const D: usize>(&self, source: &Source<R, D>, point: [f64; D]) -> [R; D] {
+        std::array::from_fn(|d| R::from_f64((point[d] - self.centre[d]) * source.inverse_h))
     }
 
     /// Finds the runs of rows around a cell and its centre; returns the number of candidates, each run rounded up to
     /// whole vectors.
-    fn find_runs<const D: usize>(&mut self, grid: &CellGrid<D>, cell: usize, lanes: usize) -> usize {
-        let index = grid.index_of(cell);
+    fn find_runs<const D: usize>(&mut self, grid: &CellGrid<D>, index: [i64; D], lanes: usize) -> usize {
         let corner = grid.corner(index);
         for d in 0..D {
             self.centre[d] = corner[d] + 0.5 * grid.cell_size()[d];

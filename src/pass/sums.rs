@@ -43,6 +43,8 @@ pub(super) struct PairColumns<R> {
     pub image_distance: Vec<R>,
     /// 1 for fluid, inflow and outflow, 0 for walls.
     pub flow: Vec<R>,
+    /// Volume m/ρ of fluid rows, m³ (m² in 2D), 0 of others; empty unless an inlet or outlet asks for the fluid.
+    pub fluid_volume: Vec<R>,
     /// Number of wall rows before each row, and of all at the end. Empty if there is no wall.
     pub walls_before: Vec<u32>,
     /// Number of wall rows before each chunk of rows.
@@ -113,6 +115,23 @@ impl<R: Real> PairColumns<R> {
             }
         });
         total
+    }
+
+    /// Fills the column of the fluid's volumes.
+    pub(super) fn find_fluid_volume<const D: usize>(
+        &mut self,
+        pair: &PairSettings,
+        particles: &ParticleArrays<R, D>,
+    ) {
+        self.fluid_volume.resize(particles.len(), R::default());
+        let mass = R::from_f64(pair.mass);
+        let work = |rows: Range<usize>, volumes: &mut [R]| {
+            let densities = &particles.density[rows.clone()];
+            for ((volume, zone), &density) in volumes.iter_mut().zip(&particles.zone[rows]).zip(densities) {
+                *volume = if *zone == Zone::Fluid { mass / density } else { R::default() };
+            }
+        };
+        for_each_part(0..particles.len(), self.fluid_volume.as_mut_slice(), &work);
     }
 
     /// Fills the column that says what flows.

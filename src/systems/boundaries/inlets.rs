@@ -24,8 +24,7 @@ use super::rows::PatchRows;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
-use crate::particles::zone::Zone;
-use crate::pass::sampling::Sampler;
+use crate::pass::points::{PointFit, PointFlows};
 use crate::physics::inlet::InletPressure;
 use crate::physics::viscosity::Viscosity;
 use crate::scene::model::{Inlet, Scene};
@@ -33,6 +32,7 @@ use crate::systems::clock::Clock;
 use crate::systems::forces::body_force;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
+use crate::systems::rates::Sums;
 use crate::systems::setup::SceneInUse;
 
 /// Time over which an extrapolated pressure is followed, in passages of sound over Δ.
@@ -50,7 +50,9 @@ pub fn apply_inlets<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
+    mut flows: Local<PointFlows<D>>,
     mut pressures: Local<Vec<f64>>,
+    mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
@@ -62,14 +64,22 @@ pub fn apply_inlets<R: Real, const D: usize>(
             InletPressure::Prescribed(_) => 1.0,
             InletPressure::Extrapolated => clock.time_step / (clock.time_step + lag),
         };
-        let sampler = Sampler::new(&grid.0, &arrays, &pair.0, |zone| zone == Zone::Fluid);
-        let found = rows.par_iter().with_min_len(32).map(|&row| match inlet.pressure {
+        if inlet.pressure == InletPressure::Extrapolated {
+            flows.points.clear();
+            flows.points.extend(rows.iter().map(|&row| {
+                let mirrored = mirrored(inlet, arrays.position_of(row as usize));
+                std::array::from_fn(|axis| mirrored[axis])
+            }));
+            flows.find(PointFit::Pressure, &pair.0, &grid.0, &arrays, &mut sums.0);
+        }
+        let found = rows.par_iter().enumerate().with_min_len(32).map(|(index, &row)| match inlet.pressure {
             InletPressure::Prescribed(pressure) => pressure,
-            InletPressure::Extrapolated => {
-                let point = arrays.position_of(row as usize);
-                extrapolated_pressure(scene, inlet, &sampler, point, clock.time)
-                    .unwrap_or(arrays.pressure[row as usize].to_f64())
-            }
+            InletPressure::Extrapolated => match flows.found[index] {
+                Some(flow) => {
+                    flow.pressure - rise(scene, inlet, arrays.position_of(row as usize), clock.time)
+                }
+                None => arrays.pressure[row as usize].to_f64(),
+            },
         });
         found.collect_into_vec(&mut pressures);
         for (&row, &pressure) in rows.iter().zip(&*pressures) {
@@ -88,16 +98,13 @@ pub fn apply_inlets<R: Real, const D: usize>(
     }
 }
 
-fn extrapolated_pressure<R: Real, const D: usize>(
-    scene: &Scene,
-    inlet: &Inlet,
-    sampler: &Sampler<'_, R, D>,
-    point: DVec3,
-    time: f64,
-) -> Option<f64> {
-    let normal = inlet.patch.towards;
-    let distance = -2.0 * inlet.patch.along(point);
-    let sampled = sampler.pressure(point + normal * distance)?;
+/// The mirror image of a point in the plane of an inlet.
+fn mirrored(inlet: &Inlet, point: DVec3) -> DVec3 {
+    point - inlet.patch.towards * (2.0 * inlet.patch.along(point))
+}
+
+/// By how much the prescribed motion makes the pressure rise from a point to its mirror image, Pa.
+fn rise(scene: &Scene, inlet: &Inlet, point: DVec3, time: f64) -> f64 {
     // Short against any ramp, and against any profile that the particles can follow.
     let (moment, step) = (1e-4 * scene.spacing / scene.fluid.sound_speed, 0.25 * scene.spacing);
     let viscosity = match scene.scheme.viscosity {
@@ -106,5 +113,5 @@ fn extrapolated_pressure<R: Real, const D: usize>(
     };
     let inertia = inlet.inertia(viscosity, point, time, step, moment);
     let gradient = (body_force(&scene.body_force, point, time) - inertia) * scene.fluid.density;
-    Some(sampled - gradient.dot(normal) * distance)
+    gradient.dot(mirrored(inlet, point) - point)
 }

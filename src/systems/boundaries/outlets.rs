@@ -3,7 +3,7 @@
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
-use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelExtend, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::rows::PatchRows;
 use crate::math::real::Real;
@@ -11,7 +11,7 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
 use crate::particles::zone::Zone;
 use crate::pass::neighbours::Neighbours;
-use crate::pass::sampling::Sampler;
+use crate::pass::points::{PointFit, PointFlow, PointFlows};
 use crate::physics::outlet::OutletPressure;
 use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
 use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
@@ -61,7 +61,9 @@ pub fn apply_outlets<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
+    mut flows: Local<PointFlows<D>>,
     mut states: ResMut<OutletStates>,
+    mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
@@ -76,17 +78,21 @@ pub fn apply_outlets<R: Real, const D: usize>(
             state.fluid_pressure = mean(before, |row| arrays.pressure[row].to_f64());
         }
         set_pressure(scene, outlet, zone, clock.time_step, state, &mut arrays);
-        let sampler = Sampler::new(&grid.0, &arrays, &pair.0, |zone| zone == Zone::Fluid);
-        state.convective.clear();
-        state.convective.par_extend(zone.par_iter().with_min_len(32).map(|&row| {
-            let row = row as usize;
-            let x = arrays.position_of(row);
+        flows.points.clear();
+        flows.points.extend(zone.iter().map(|&row| {
+            let x = arrays.position_of(row as usize);
             let foot = x - normal * (outlet.patch.along(x) + LAYERS_INSIDE * scene.spacing);
-            let (velocity, pressure) = sampler
-                .section_flow(foot, normal, outlet.patch.across)
-                .unwrap_or((state.fluid_velocity, state.fluid_pressure));
-            let impedance = scene.fluid.density * scene.fluid.sound_speed;
-            convective_velocity(velocity, pressure, arrays.pressure[row].to_f64(), impedance)
+            std::array::from_fn(|axis| foot[axis])
+        }));
+        let section = PointFit::Section { normal, across: outlet.patch.across };
+        flows.find(section, &pair.0, &grid.0, &arrays, &mut sums.0);
+        let impedance = scene.fluid.density * scene.fluid.sound_speed;
+        let mean = PointFlow { velocity: state.fluid_velocity, pressure: state.fluid_pressure };
+        state.convective.clear();
+        state.convective.extend(zone.iter().zip(&flows.found).map(|(&row, found)| {
+            let flow = found.unwrap_or(mean);
+            let own = arrays.pressure[row as usize].to_f64();
+            convective_velocity(flow.velocity, flow.pressure, own, impedance)
         }));
         // A pressure that a particle keeps from step to step must not lose its dynamic part again and again.
         let given = matches!(
