@@ -72,11 +72,11 @@ impl Case {
         ("channel_cylinder", Case::Cylinder),
         ("2d-f32", Case::Box(PLANE)),
         ("2d-f64", double(PLANE)),
-        ("duct", Case::Duct),
         ("3d-f32", Case::Box(SPACE)),
         ("3d-f64", double(SPACE)),
         ("3d-sps-f32", Case::Box(stressed(SPACE))),
         ("3d-sps-f64", double(stressed(SPACE))),
+        ("duct", Case::Duct),
         ("3d-large-f32", Case::Box(LARGE)),
         ("3d-large-f64", double(LARGE)),
     ];

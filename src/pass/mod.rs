@@ -7,7 +7,7 @@
 //! | [`walls`] | walls | pressure and density extrapolated from the fluid |
 //! | [`gradients`] | fluid, inflow, outflow | velocity gradient, corrected where the support is cut |
 //! | [`stress`] | all | sub-particle stress from the gradient, extrapolated to walls |
-//! | [`strain`] | fluid, inflow, outflow | rate of strain, summed with the density or from the gradient |
+//! | [`strain`] | fluid, inflow, outflow | velocity gradient among the neighbours and rate of strain, summed with the density |
 //! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Moving least squares with a linear basis: Liu & Liu (2006), as Negi et al. (2020), Eq. 22, use it for their mirror
-//! points. A linear field comes back exactly, next to a boundary too (tests of `points.rs`, which shares the solution). Where
+//! points. A linear field comes back exactly, next to a boundary too (test `linear_fields_are_exact_at_a_cut_support`). Where
 //! the neighbours do not span the directions, the Shepard mean is taken.
 
 use glam::{DMat4, DVec3, DVec4};
@@ -95,4 +95,46 @@ pub(super) fn solve_linear(moments: [[f64; 4]; 4], right: [f64; 4], dimensions: 
         return right[0] / total;
     }
     scaled.inverse().row(0).dot(DVec4::from_array(right)) / total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::kernel::Kernel;
+    use crate::pass::samples::{SPACING, Sample as Particles, WATER, settings};
+
+    fn check<const D: usize>() {
+        let mut sample = Particles::<f64, D>::lattice(settings(Kernel::WendlandC2, D, 1.5), [9; D], false);
+        sample.stir(0.2, 0.0);
+        let linear = |x: f64| 3.0 - 7.0 * (x + 0.3);
+        for row in 0..sample.particles.len() {
+            let x = sample.particles.position[0][row];
+            sample.particles.velocity[1][row] = linear(x);
+            sample.particles.pressure[row] = 100.0 * linear(x);
+            sample.particles.density[row] = WATER.reference_density + linear(x);
+            if sample.particles.id[row] % 7 == 3 {
+                sample.particles.zone[row] = Zone::Wall;
+                sample.particles.pressure[row] = 1e5;
+            }
+        }
+        let sees = |zone| zone == Zone::Fluid;
+        let sampler = Sampler::new(&sample.grid, &sample.particles, &sample.pair, sees);
+        for along in [0.0, 0.4, 4.6] {
+            let mut point = DVec3::ZERO;
+            for axis in 0..D {
+                point[axis] = -0.3 + along * SPACING;
+            }
+            let found = sampler.sample(point).expect("fluid is near");
+            assert!((found.velocity.y - linear(point.x)).abs() < 1e-10 && found.velocity.x.abs() < 1e-10);
+            assert!((found.pressure - 100.0 * linear(point.x)).abs() < 1e-8, "{} Pa", found.pressure);
+            assert!((found.density - WATER.reference_density - linear(point.x)).abs() < 1e-8);
+        }
+        assert!(sampler.sample(DVec3::splat(5.0)).is_none());
+    }
+
+    #[test]
+    fn linear_fields_are_exact_at_a_cut_support() {
+        check::<2>();
+        check::<3>();
+    }
 }
