@@ -147,7 +147,9 @@ fn fluid_that_crosses_the_outlet_becomes_outflow_and_is_stored_at_rest_beyond_it
 
 #[test]
 fn particles_go_round_and_a_plug_keeps_its_speed() {
-    let mut simulation = flow(&[]);
+    // With c0 = 1 m/s 200 steps are nine spacings: a column then reaches the end of its zone exactly at the end of a step, and
+    // rounding decides which of its particles leave first. The others, alone at the edge, are shifted sideways.
+    let mut simulation = flow(&[("fluid.sound_speed", "1.0123")]);
     for _ in 0..THROUGH {
         simulation.step().expect("a step");
     }

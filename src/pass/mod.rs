@@ -9,6 +9,7 @@
 //! | [`stress`] | all | sub-particle stress from the gradient, extrapolated to walls |
 //! | [`strain`] | fluid, inflow, outflow | velocity gradient among the neighbours and rate of strain, summed with the density |
 //! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets |
+//! | [`waves`] | outflow | what the wave equation of an outlet sums over its neighbours |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
 //!
@@ -32,3 +33,4 @@ pub mod stress;
 pub mod sums;
 pub mod wall_distance;
 pub mod walls;
+pub mod waves;

@@ -23,15 +23,30 @@
 use glam::DVec3;
 
 use super::{Frame, TransverseOperator};
+use crate::math::lanes::{Lanes, dot};
+use crate::math::real::Real;
 
-/// Running sums over the neighbours of one outflow particle.
-#[derive(Clone, Copy, Debug, Default)]
+/// Least r² under a division, over h²: a particle meets itself.
+const LEAST_R2: f64 = 1e-30;
+
+/// Sums over the neighbours of one outflow particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WaveSums {
     normal_gradient: DVec3,
     transverse: DVec3,
     transverse_weight: f64,
     shepard_velocity: f64,
     shepard_weight: f64,
+}
+
+/// The same as they run, one neighbour per lane. Lengths are in units of h, W and F without their norm.
+#[derive(Clone, Copy)]
+pub struct WaveLanes<L, const D: usize> {
+    normal_gradient: [L; D],
+    transverse: [L; D],
+    transverse_weight: L,
+    shepard_velocity: L,
+    shepard_weight: L,
 }
 
 /// What the sums of one particle need to know.
@@ -45,64 +60,108 @@ pub struct WaveSetting {
     pub normal: DVec3,
     /// Dimensions, 2 or 3.
     pub dimensions: usize,
-    /// η² = 0.01 h², m².
+    /// (η/h)² of the form `Printed`: 0.01.
     pub eta_squared: f64,
     /// Kinematic viscosity ν, m²/s.
     pub viscosity: f64,
 }
 
-/// One neighbour as the sums see it.
-#[derive(Clone, Copy, Debug)]
-pub struct WavePair {
-    /// x_o − x_b, m.
-    pub x_ob: DVec3,
+/// Neighbours as the sums see them.
+#[derive(Clone, Copy)]
+pub struct WavePair<L, const D: usize> {
+    /// (x_o − x_b)/h.
+    pub x_ob: [L; D],
     /// v_o − v_b with wall images, m/s: what diffusion and gradient see.
-    pub v_ob: DVec3,
+    pub v_ob: [L; D],
     /// Normal velocity of the neighbour, m/s.
-    pub v_n_b: f64,
+    pub v_n_b: L,
     /// Volume V_b, m³ (m² in 2D).
-    pub volume: f64,
-    /// Kernel W, 1/m³ (1/m² in 2D).
-    pub w: f64,
-    /// F = (dW/dr)/r, 1/m⁵ (1/m⁴ in 2D).
-    pub f: f64,
-    /// Whether the neighbour moves with the flow (not a wall).
-    pub flows: bool,
+    pub volume: L,
+    /// Shape of the kernel, w(q).
+    pub w: L,
+    /// (dw/dq)/q.
+    pub f: L,
+    /// 1 for a neighbour that moves with the flow, 0 for a wall.
+    pub flows: L,
 }
 
-impl WaveSums {
-    /// Adds a neighbour.
-    pub fn add(&mut self, setting: &WaveSetting, pair: &WavePair) {
-        let r_squared = pair.x_ob.length_squared();
-        if pair.flows {
-            self.shepard_velocity += pair.volume * pair.v_n_b * pair.w;
-            self.shepard_weight += pair.volume * pair.w;
-        }
-        if r_squared == 0.0 {
-            return;
-        }
-        let along = pair.x_ob.dot(setting.normal);
-        self.normal_gradient -= pair.v_ob * (pair.volume * along * pair.f);
-        let across_squared = (r_squared - along * along).max(0.0);
-        match setting.transverse {
-            None => {}
-            Some(TransverseOperator::Normalised) => {
-                let g = across_squared / r_squared * pair.f;
-                self.transverse += pair.v_ob * (pair.volume * g);
-                self.transverse_weight -= pair.volume * across_squared * g;
-            }
-            Some(TransverseOperator::Printed) => {
-                let g = 2.0 * across_squared * pair.f / (r_squared + setting.eta_squared);
-                self.transverse += pair.v_ob * (pair.volume * g);
-            }
-            Some(TransverseOperator::Consistent) => {
-                let d = setting.dimensions as f64;
-                let g = ((d + 2.0) * across_squared / r_squared - (d - 1.0)) * pair.f;
-                self.transverse += pair.v_ob * (pair.volume * g);
-            }
+impl<L: Lanes, const D: usize> WaveLanes<L, D> {
+    /// Empty sums.
+    #[inline(always)]
+    pub fn new() -> Self {
+        let zero = L::constant(0.0);
+        Self {
+            normal_gradient: [zero; D],
+            transverse: [zero; D],
+            transverse_weight: zero,
+            shepard_velocity: zero,
+            shepard_weight: zero,
         }
     }
 
+    /// Adds neighbours.
+    #[inline(always)]
+    pub fn add(&mut self, setting: &WaveSetting, pair: &WavePair<L, D>) {
+        let mut normal = [L::constant(0.0); D];
+        for d in 0..D {
+            normal[d] = L::constant(setting.normal[d]);
+        }
+        let weight = pair.volume * pair.w * pair.flows;
+        self.shepard_velocity = weight.mul_add(pair.v_n_b, self.shepard_velocity);
+        self.shepard_weight = self.shepard_weight + weight;
+        let r_squared = dot(pair.x_ob, pair.x_ob) + L::constant(LEAST_R2);
+        let along = dot(pair.x_ob, normal);
+        let volume_f = pair.volume * pair.f;
+        let gradient = -(volume_f * along);
+        for d in 0..D {
+            self.normal_gradient[d] = pair.v_ob[d].mul_add(gradient, self.normal_gradient[d]);
+        }
+        let across_squared = (r_squared - along * along).max(L::constant(0.0));
+        let g = match setting.transverse {
+            None => return,
+            Some(TransverseOperator::Normalised) => across_squared * r_squared.inverse() * volume_f,
+            Some(TransverseOperator::Printed) => {
+                let softened = r_squared + L::constant(setting.eta_squared);
+                L::constant(2.0) * across_squared * softened.inverse() * volume_f
+            }
+            Some(TransverseOperator::Consistent) => {
+                let d = D as f64;
+                let share = across_squared * r_squared.inverse();
+                (L::constant(d + 2.0) * share - L::constant(d - 1.0)) * volume_f
+            }
+        };
+        for d in 0..D {
+            self.transverse[d] = pair.v_ob[d].mul_add(g, self.transverse[d]);
+        }
+        self.transverse_weight = self.transverse_weight - across_squared * g;
+    }
+
+    /// The sums over all lanes in SI units; `f_scale` is F over (dw/dq)/q, 1/m^(D+2), `h` the smoothing length, m.
+    #[inline(always)]
+    pub fn total(self, f_scale: f64, h: f64) -> WaveSums {
+        let (mut normal_gradient, mut transverse) = (DVec3::ZERO, DVec3::ZERO);
+        for d in 0..D {
+            normal_gradient[d] = f_scale * h * self.normal_gradient[d].sum().to_f64();
+            transverse[d] = f_scale * self.transverse[d].sum().to_f64();
+        }
+        WaveSums {
+            normal_gradient,
+            transverse,
+            transverse_weight: f_scale * h * h * self.transverse_weight.sum().to_f64(),
+            // Only their ratio is asked for.
+            shepard_velocity: self.shepard_velocity.sum().to_f64(),
+            shepard_weight: self.shepard_weight.sum().to_f64(),
+        }
+    }
+}
+
+impl<L: Lanes, const D: usize> Default for WaveLanes<L, D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl WaveSums {
     /// Smoothed convective velocity v̄_n, m/s.
     pub fn convective_velocity(&self) -> f64 {
         if self.shepard_weight > 0.0 { self.shepard_velocity / self.shepard_weight } else { 0.0 }
@@ -137,34 +196,43 @@ impl WaveSums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::lanes::Array;
 
     /// Sums over a unit square lattice of spacing 1 around the origin, for a velocity field along x,
     /// with a Wendland kernel of h = 3 Δ:
     /// the fourth moments of the lattice are 2 % off at 2 Δ.
     fn lattice_sums(setting: &WaveSetting, v: impl Fn(f64, f64) -> f64) -> WaveSums {
-        let mut sums = WaveSums::default();
+        let mut sums = WaveLanes::<Array<f64, 1>, 2>::new();
         let h = 3.0;
-        let norm = 7.0 / (4.0 * std::f64::consts::PI * h * h);
         for i in -6..=6 {
             for j in -6..=6 {
                 let (x, y) = (f64::from(i), f64::from(j));
                 let q = x.hypot(y) / h;
                 let t = (1.0 - 0.5 * q).max(0.0);
+                let pair = WavePair {
+                    x_ob: [-x / h, -y / h],
+                    v_ob: [v(0.0, 0.0) - v(x, y), 0.0],
+                    v_n_b: v(x, y),
+                    volume: 1.0,
+                    w: t.powi(4) * (2.0 * q + 1.0),
+                    f: -5.0 * t.powi(3),
+                    flows: 1.0,
+                };
                 sums.add(
                     setting,
                     &WavePair {
-                        x_ob: DVec3::new(-x, -y, 0.0),
-                        v_ob: DVec3::X * (v(0.0, 0.0) - v(x, y)),
-                        v_n_b: v(x, y),
-                        volume: 1.0,
-                        w: norm * t.powi(4) * (2.0 * q + 1.0),
-                        f: -5.0 * norm / (h * h) * t.powi(3),
-                        flows: true,
+                        x_ob: pair.x_ob.map(|x| Array([x])),
+                        v_ob: pair.v_ob.map(|v| Array([v])),
+                        v_n_b: Array([pair.v_n_b]),
+                        volume: Array([pair.volume]),
+                        w: Array([pair.w]),
+                        f: Array([pair.f]),
+                        flows: Array([pair.flows]),
                     },
                 );
             }
         }
-        sums
+        sums.total(7.0 / (4.0 * std::f64::consts::PI * h.powi(4)), h)
     }
 
     fn setting(transverse: Option<TransverseOperator>) -> WaveSetting {

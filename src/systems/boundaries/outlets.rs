@@ -2,20 +2,18 @@
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Local, Res, ResMut};
-use glam::DVec3;
-use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::rows::PatchRows;
+use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
-use crate::particles::zone::Zone;
-use crate::pass::neighbours::Neighbours;
 use crate::pass::points::{PointFit, PointFlow, PointFlows};
+use crate::pass::waves::{WaveFound, sum_waves};
 use crate::physics::outlet::OutletPressure;
 use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
 use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
-use crate::physics::outlet::wave::{WavePair, WaveSetting, WaveSums};
+use crate::physics::outlet::wave::WaveSetting;
 use crate::scene::model::{Outlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
@@ -158,7 +156,7 @@ pub fn outlet_rates<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
-    mut rates: Local<Vec<(DVec3, DVec3)>>,
+    mut waves: Local<Vec<WaveFound>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
@@ -169,15 +167,14 @@ pub fn outlet_rates<R: Real, const D: usize>(
             transverse: outlet.condition.transverse(),
             normal: outlet.patch.towards,
             dimensions: scene.dimensions,
-            eta_squared: 0.01 * pair.0.smoothing_length * pair.0.smoothing_length,
+            eta_squared: ETA_SQUARED,
             viscosity: scene.fluid.viscosity,
         };
-        let neighbours = Neighbours::new(&grid.0, &arrays);
-        let found = rows.par_iter().with_min_len(32);
-        found.map(|&row| wave_rate(&setting, &pair, &neighbours, row as usize)).collect_into_vec(&mut rates);
-        for (&row, &(rate, mut concentration)) in rows.iter().zip(&*rates) {
+        sum_waves(&setting, &pair.0, &grid.0, &arrays, &mut sums.0, rows, &mut waves);
+        for (&row, wave) in rows.iter().zip(&*waves) {
             let row = row as usize;
-            set_real_vector(&mut arrays.acceleration, row, rate);
+            set_real_vector(&mut arrays.acceleration, row, wave.sums.rate(&setting));
+            let mut concentration = wave.concentration;
             // Beyond the far end there is nothing: the normal part would empty the zone.
             if outlet.patch.along(arrays.position_of(row)) > outlet.patch.depth - pair.0.support() {
                 concentration -= setting.normal * concentration.dot(setting.normal);
@@ -185,46 +182,4 @@ pub fn outlet_rates<R: Real, const D: usize>(
             set_real_vector(&mut sums.0.shift, row, concentration);
         }
     }
-}
-
-/// Nearest distance to a wall over the spacing that the image velocity of a wall particle sees.
-const LEAST_WALL_DISTANCE: f64 = 0.05;
-
-fn wave_rate<R: Real, const D: usize>(
-    setting: &WaveSetting,
-    pair: &Pair,
-    neighbours: &Neighbours<'_, R, D>,
-    row: usize,
-) -> (DVec3, DVec3) {
-    let arrays = neighbours.particles;
-    let v_o = arrays.velocity_of(row);
-    let d_o = arrays.wall_distance[row].to_f64().max(LEAST_WALL_DISTANCE * pair.0.spacing);
-    let mut sums = WaveSums::default();
-    let mut concentration = DVec3::ZERO;
-    neighbours.for_each(std::array::from_fn(|axis| arrays.position[axis][row]), |b, x_ob, r_squared| {
-        let v_b = arrays.velocity_of(b);
-        let wall = arrays.zone[b] == Zone::Wall;
-        // The image velocity of a wall particle, as the fluid sees it.
-        let stretch = if wall { 1.0 + arrays.wall_distance[b].to_f64() / d_o } else { 1.0 };
-        let mut x = DVec3::ZERO;
-        for axis in 0..D {
-            x[axis] = x_ob[axis];
-        }
-        let r = r_squared.sqrt();
-        let (volume, f) = (pair.0.mass / arrays.density[b].to_f64(), pair.0.f(r));
-        concentration += x * (volume * f);
-        sums.add(
-            setting,
-            &WavePair {
-                x_ob: x,
-                v_ob: (v_o - v_b) * stretch,
-                v_n_b: v_b.dot(setting.normal),
-                volume,
-                w: pair.0.w(r),
-                f,
-                flows: !wall,
-            },
-        );
-    });
-    (sums.rate(setting), concentration)
 }
