@@ -143,9 +143,6 @@ class Rates(Equation):
         d_cx[d_idx] += volume * DWIJ[0]
         d_cy[d_idx] += volume * DWIJ[1]
 
-    def reduce(self, dst, t, dt):
-        dst.fastest[0] = np.sqrt(np.max(dst.u**2 + dst.v**2))
-
 
 class ShiftedLeapfrog(IntegratorStep):
     """Kick, drift with the shift, evaluation, kick."""
@@ -182,7 +179,7 @@ class ChannelCylinder(Application):
         super().__init__(output_dir=str(folder))
 
     def create_particles(self) -> list[ParticleArray]:
-        """The four arrays, all with the same properties."""
+        """The four arrays, the fluid first, all with the same properties."""
         start = self.start
         arrays = []
         for name, at in start.points.items():
@@ -244,25 +241,28 @@ class ChannelCylinder(Application):
     def create_solver(self) -> Solver:
         """One evaluation a step; the end of time is out of reach, the number of steps counts."""
         integrator = LeapFrogIntegrator(fluid=ShiftedLeapfrog(), inlet=Drift(), outlet=Drift())
-        total = self.warm_up + self.steps
-        solver = Solver(
+        return Solver(
             dim=2,
             kernel=WendlandQuintic(dim=2),
             integrator=integrator,
             dt=self.time_step,
-            tf=2 * total * self.time_step,
+            tf=2 * self.total_steps() * self.time_step,
             adaptive_timestep=False,
             fixed_h=True,
         )
-        solver.set_max_steps(total)
-        return solver
+
+    def total_steps(self) -> int:
+        """Steps of the run, with those of the warm-up."""
+        return self.warm_up + self.steps
 
     def post_step(self, solver: Solver) -> None:
-        """Looks at the clock after the warm-up and at the end; the solver counts a step after this."""
+        """Finds the largest speed; looks at the clock after the warm-up and at the end. The solver counts a step after this."""
+        fluid = self.particles[0]
+        fluid.fastest[0] = np.sqrt(np.max(fluid.u**2 + fluid.v**2))
         done = solver.count + 1
         if done == self.warm_up:
             self.began = time.perf_counter()
-        elif done == self.warm_up + self.steps:
+        elif done == self.total_steps():
             self.ended = time.perf_counter()
 
 
@@ -278,23 +278,22 @@ def figures(velocity: np.ndarray) -> dict[str, float]:
 
 
 def main() -> None:
-    """Runs the flow and prints its figures."""
+    """Runs the flow and prints its figures; options that are not its own go to PySPH."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("particles", type=Path, help="particles.nc of a run of sphecs; its first frame is the start")
     parser.add_argument("--time-step", type=float, required=True, help="s")
     parser.add_argument("--warm-up", type=int, required=True, help="steps before the clock starts, at least 1")
     parser.add_argument("--steps", type=int, required=True, help="steps that are timed")
     parser.add_argument("--out", type=Path, required=True, help="folder for PySPH's log")
-    parser.add_argument("pysph", nargs="*", help="options for PySPH, after --")
-    options = parser.parse_args()
+    options, for_pysph = parser.parse_known_args()
 
     # This version of PySPH has an option that turns OpenMP off, none that turns it on.
     get_config().use_openmp = True
     start = read_frame(options.particles, 0)
     flow = ChannelCylinder(start, options.time_step, options.warm_up, options.steps, options.out)
-    flow.run(["--quiet", "--disable-output", *options.pysph])
+    flow.run(["--quiet", "--disable-output", "--max-steps", str(flow.total_steps()), *for_pysph])
 
-    fluid = next(array for array in flow.particles if array.name == "fluid")
+    fluid = flow.particles[0]
     result = {
         "seconds": flow.ended - flow.began,
         "particles": sum(array.get_number_of_particles() for array in flow.particles),

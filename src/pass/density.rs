@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::blocks::for_each_block;
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -45,6 +45,7 @@ impl<R: Real, const D: usize> WithShape for DensityPass<'_, R, D> {
             columns: &[],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::All,
         };
         let zone = &self.particles.zone;
         let packs = &self.sums.packs;

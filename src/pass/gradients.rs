@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -81,6 +81,7 @@ impl<R: Real, const D: usize> WithShape for GradientPass<'_, R, D> {
             columns: &neighbours[..count],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::All,
         };
         let packs = &self.sums.packs;
         let work = |cells: Range<usize>, gradient: Outputs<R, D>| {

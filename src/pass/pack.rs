@@ -38,6 +38,28 @@ pub struct Source<'a, R, const D: usize> {
     pub inverse_h: f64,
     /// Radius of the support over h.
     pub support_ratio: f64,
+    /// Which of the rows are packed.
+    pub only: Only<'a, R>,
+}
+
+/// Which rows a pack takes up. A pass that asks for walls alone, or for all others, has less to loop over.
+#[derive(Clone, Copy, Debug)]
+pub enum Only<'a, R> {
+    /// All rows.
+    All,
+    /// Those that have more than 0 in this column.
+    Positive(&'a [R]),
+    /// Those that have not.
+    NotPositive(&'a [R]),
+}
+
+impl<'a, R> Only<'a, R> {
+    fn column(self) -> Option<&'a [R]> {
+        match self {
+            Only::All => None,
+            Only::Positive(column) | Only::NotPositive(column) => Some(column),
+        }
+    }
 }
 
 /// A neighbourhood, column by column.
@@ -86,7 +108,8 @@ impl<R: Real> Pack<R> {
         let total = source.position[0].len();
         let columns = source.columns.len();
         assert!(grid.starts()[grid.len()] as usize <= total, "the arrays must be sorted by this grid");
-        assert!(source.columns.iter().all(|column| column.len() == total), "columns must have all rows");
+        let mut needed = source.columns.iter().copied().chain(source.only.column());
+        assert!(needed.all(|column| column.len() == total), "columns must have all rows");
 
         let candidates = self.find_runs(grid, index, L::COUNT);
         self.reserve(candidates + L::COUNT, D + columns);
@@ -99,6 +122,8 @@ impl<R: Real> Pack<R> {
             half[d] = L::constant(0.5 * grid.cell_size()[d] * source.inverse_h + 1e-5);
         }
 
+        let zero = L::constant(0.0);
+        let in_place = D < CULLED_DIMENSIONS && matches!(source.only, Only::All);
         let mut len = 0;
         for &Run { start, end, shift } in &self.runs {
             let mut row = start;
@@ -124,31 +149,25 @@ impl<R: Real> Pack<R> {
                     let outside = (x[d].abs() - half[d]).max(L::constant(0.0));
                     beyond = outside.mul_add(outside, beyond);
                 }
-                let near = beyond.less(limit);
-                let kept = if D < CULLED_DIMENSIONS {
+                let asked_for = match source.only {
+                    Only::All => beyond,
+                    Only::Positive(column) => L::select(zero.less(load_rows(column, row)), beyond, limit),
+                    Only::NotPositive(column) => L::select(zero.less(load_rows(column, row)), limit, beyond),
+                };
+                let near = asked_for.less(limit);
+                let kept = if in_place {
                     count
                 } else {
                     (L::bits(near) & ((1u32 << count) - 1)).count_ones() as usize
                 };
                 if kept > 0 {
                     for column in 0..D + columns {
-                        let values = if column < D {
-                            x[column]
-                        } else {
-                            let from = source.columns[column - D];
-                            // SAFETY: as for the positions; all columns have `total` rows.
-                            unsafe {
-                                if whole {
-                                    L::load(from.as_ptr().add(row))
-                                } else {
-                                    L::load(padded(&from[row..]).as_ptr())
-                                }
-                            }
-                        };
+                        let values =
+                            if column < D { x[column] } else { load_rows(source.columns[column - D], row) };
                         // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
                         unsafe {
                             let to = base.add(column * stride + len);
-                            if D < CULLED_DIMENSIONS { values.store(to) } else { values.compress(near, to) }
+                            if in_place { values.store(to) } else { values.compress(near, to) }
                         }
                     }
                 }
@@ -289,6 +308,19 @@ impl<L: Lanes> Entry<'_, L> {
             vector[d] = self.column(first + d);
         }
         vector
+    }
+}
+
+/// The numbers from a row on, followed by zeros where the column ends.
+#[inline(always)]
+fn load_rows<L: Lanes>(column: &[L::Real], row: usize) -> L {
+    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read.
+    unsafe {
+        if row + L::COUNT <= column.len() {
+            L::load(column.as_ptr().add(row))
+        } else {
+            L::load(padded(&column[row..]).as_ptr())
+        }
     }
 }
 

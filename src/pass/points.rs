@@ -15,7 +15,7 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::density::LEAST_Q2;
-use super::pack::{Entry, Pack, Source};
+use super::pack::{Entry, Only, Pack, Source};
 use super::sampling::solve_linear;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -124,6 +124,7 @@ impl<R: Real, const D: usize> WithShape for PointPass<'_, R, D> {
             columns: &columns[..count],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::All,
         };
         let PointFlows { points, order, in_order, .. } = self.flows;
         let points = &*points;

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::density::{LEAST_Q2, finish};
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -86,6 +86,7 @@ impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
             columns: &neighbours[..D + 1],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::All,
         };
         let (zone, packs) = (&*zone, &*packs);
         let work = |cells: Range<usize>, outputs: Outputs<R, D>| {

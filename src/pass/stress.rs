@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -96,6 +96,7 @@ impl<R: Real, const D: usize> WithShape for WallStressPass<'_, R, D> {
             columns: &neighbours[..=count],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::All,
         };
         let work = |cells: Range<usize>, stress: [&mut [R]; 6]| {
             let block = WallStressBlock::<K, R, D> {

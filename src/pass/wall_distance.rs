@@ -14,7 +14,7 @@
 use std::ops::Range;
 
 use super::blocks::for_each_block;
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -50,6 +50,7 @@ pub fn find_wall_distance<R: Real, const D: usize>(
         columns: &neighbours[..=D],
         inverse_h: 1.0 / pair.smoothing_length,
         support_ratio: pair.kernel.support_ratio(),
+        only: Only::Positive(&columns.image_distance),
     };
     let packs = &sums.packs;
     let zone = &particles.zone;
@@ -114,7 +115,7 @@ impl<R: Real, const D: usize> Vectorised<R> for DistanceBlock<'_, R, D> {
     }
 }
 
-/// Distance, in units of h, to the nearest disc of the wall particles within `limit` (r²/h²).
+/// Distance, in units of h, to the nearest disc of the packed wall particles within `limit` (r²/h²).
 #[inline(always)]
 fn nearest_disc<L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -143,7 +144,6 @@ fn nearest_disc<L: Lanes, const D: usize>(
         let aside = (dot(foot, foot) - along * along).max(zero).sqrt();
         let beyond = (aside - disc).max(zero);
         let square = along.mul_add(along, beyond * beyond);
-        let square = L::select(zero.less(depth), square, infinite);
         nearest = nearest.min(L::select(dot(x, x).less(limit), square, infinite));
     }
     let largest = (-nearest).largest().to_f64();

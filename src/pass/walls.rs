@@ -14,7 +14,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 
 use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -30,8 +30,8 @@ const LEAST_SUM: f64 = 1e-20;
 /// Rows that a thread takes at a time.
 const CHUNK: usize = 8192;
 
-/// Columns of the pack beside the coordinates: density, pressure, distance behind a wall.
-const COLUMNS: usize = 3;
+/// Columns of the pack beside the coordinates: density and pressure of the flow.
+const COLUMNS: usize = 2;
 
 /// Sets pressure and density of the wall rows from the flow around them.
 pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
@@ -70,14 +70,14 @@ impl<R: Real, const D: usize> WithShape for WallPass<'_, R, D> {
 
     fn run<K: KernelShape>(self) {
         let columns = &mut self.sums.columns;
-        let neighbours: [&[R]; COLUMNS] =
-            [&self.particles.density, &self.particles.pressure, &columns.image_distance];
+        let neighbours: [&[R]; COLUMNS] = [&self.particles.density, &self.particles.pressure];
         let source = Source {
             grid: self.grid,
             position: &self.particles.position,
             columns: &neighbours,
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::NotPositive(&columns.image_distance),
         };
         let packs = &self.sums.packs;
         let walls_before = &columns.walls_before;
@@ -139,7 +139,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WallBlock<'_, K,
     }
 }
 
-/// Kernel mean of the flow's pressure carried to a point by `force` (m²/s²: force per mass times h).
+/// Kernel mean of the packed flow's pressure carried to a point by `force` (m²/s²: force per mass times h).
 #[inline(always)]
 fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -163,8 +163,6 @@ fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
             q2 = x[d].mul_add(x[d], q2);
         }
         let weight = K::value(q2 * q2.inverse_sqrt());
-        let is_wall = zero.less(entry.column(D + 2));
-        let weight = L::select(is_wall, zero, weight);
         let pressure = entry.column(D).mul_add(dot(force_w, x), entry.column(D + 1));
         sum = pressure.mul_add(weight, sum);
         weights = weights + weight;

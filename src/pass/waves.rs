@@ -7,7 +7,7 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::density::LEAST_Q2;
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -78,6 +78,7 @@ impl<R: Real, const D: usize> WithShape for WavePass<'_, R, D> {
             columns: &columns[..D + 1 + usize::from(!images.is_empty())],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::All,
         };
         let chunks = self.rows.par_chunks(CHUNK).zip(self.found.par_chunks_mut(CHUNK));
         chunks.for_each(|(rows, found)| {

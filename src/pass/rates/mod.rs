@@ -18,7 +18,7 @@ use std::ops::Range;
 use row::{Layout, PairLoop};
 
 use super::blocks::for_each_block;
-use super::pack::{Pack, Source};
+use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -151,6 +151,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             columns: &neighbours[..count],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
+            only: Only::All,
         };
         let work = |cells: Range<usize>, (acceleration, shift, [divergence]): Outputs<R, D>| {
             let block = RatesBlock::<K, R, D> {
