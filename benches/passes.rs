@@ -9,6 +9,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use sphecs::bench::measure::ordered_pairs;
 use sphecs::bench::peak::Chains;
+use sphecs::bench::scalar::density_and_force;
 use sphecs::math::grid::CellGrid;
 use sphecs::math::kernel::Kernel;
 use sphecs::math::lanes::InstructionSet;
@@ -16,7 +17,6 @@ use sphecs::math::real::Real;
 use sphecs::particles::arrays::{ParticleArrays, SpareColumns};
 use sphecs::particles::rows::Row;
 use sphecs::pass::density::sum_density;
-use sphecs::pass::neighbours::Neighbours;
 use sphecs::pass::rates::{VelocityLevel, sum_rates};
 use sphecs::pass::settings::PairSettings;
 use sphecs::pass::sums::PairSums;
@@ -173,30 +173,9 @@ fn sort_and_both<R: Real, const D: usize>(bencher: Bencher) {
 /// Density and forces neighbour by neighbour, in plain f64.
 #[divan::bench(consts = [2, 3], sample_count = 3)]
 fn scalar_both<const D: usize>(bencher: Bencher) {
-    let flow = Flow::<f64, D>::new();
-    let h = flow.pair.smoothing_length;
-    let kernel = flow.pair.kernel;
-    let particles = &flow.particles;
-    let neighbours = Neighbours::new(&flow.grid, particles);
-    bencher.counter(ItemsCount::new(flow.pairs)).bench_local(|| {
-        let mut total = 0.0;
-        for a in 0..particles.len() {
-            neighbours.for_each(flow.point(a), |_, _, r2| total += kernel.value(D, h, r2.sqrt()));
-        }
-        for a in 0..particles.len() {
-            let mut acceleration = [0.0; D];
-            neighbours.for_each(flow.point(a), |b, x, r2| {
-                let slope = kernel.slope(D, h, r2.sqrt());
-                let push = (particles.pressure[a] + particles.pressure[b]) / particles.density[b] * slope;
-                let drag = 4e-6 * slope / (particles.density[a] + particles.density[b]);
-                for d in 0..D {
-                    let v = particles.velocity[d][a] - particles.velocity[d][b];
-                    acceleration[d] += drag * v - push * x[d];
-                }
-            });
-            total += acceleration.iter().sum::<f64>();
-        }
-        total
+    let Flow { pair, grid, particles, pairs, .. } = Flow::<f64, D>::new();
+    bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
+        (0..particles.len()).map(|row| density_and_force(&pair, &grid, &particles, row).1).sum::<f64>()
     });
 }
 

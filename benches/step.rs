@@ -1,17 +1,19 @@
 //! Whole steps on one thread: particle-steps per second, ordered pairs per second, and where the time goes.
 //!
 //! `cargo bench --bench step`. The cases of `sphecs bench`: stirred periodic boxes (2D: h = 1.33 Δ; 3D: h = 2.02 Δ, with a
-//! quarter of a million and a million particles), and the shipped constricted channel with walls, inlet and outlet. Divan's
+//! quarter of a million and a million particles), and channels and a duct with walls, inlet and outlet. Divan's
 //! items are particle-steps, reservoir excluded. The table below divan's is made of the fastest run of each set of systems,
 //! because a shared machine is slow for reasons of its own; `pairs` are ordered pairs of fluid particles with anything in
 //! their support, all passes of a step together counted as one.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use sphecs::bench::cases::Case;
-use sphecs::bench::measure::{FastestSets, count};
+use sphecs::bench::measure::{FastestSets, count, scalar_rate};
+use sphecs::bench::operations::per_pair;
+use sphecs::bench::peak::Peaks;
 use sphecs::bench::table::shares;
 use sphecs::math::lanes::InstructionSet;
 use sphecs::simulation::Simulation;
@@ -21,9 +23,18 @@ struct Report {
     name: String,
     particles: usize,
     pairs: usize,
+    /// Floating-point operations of a pair.
+    operations: usize,
+    /// Multiply-adds of the core, operations a second.
+    peak: f64,
+    /// Pairs a second of the scalar baseline.
+    scalar_rate: f64,
     /// Fastest run of each set, s.
     sets: Vec<(&'static str, f64)>,
 }
+
+/// Measured once.
+static PEAKS: OnceLock<Peaks> = OnceLock::new();
 
 static REPORTS: Mutex<Vec<Report>> = Mutex::new(Vec::new());
 
@@ -45,12 +56,15 @@ impl Report {
         let step: f64 = self.sets.iter().map(|(_, seconds)| seconds).sum();
         let millions = |count: usize| count as f64 / step / 1e6;
         format!(
-            "{}: {} particles, {:.2} ms a step, {:.2} M particle-steps/s, {:.0} M pairs/s: {} %",
+            "{}: {} particles, {:.2} ms a step, {:.2} M particle-steps/s, {:.0} M pairs/s, \
+             {:.1} % of the peak of multiply-adds, {:.1} x scalar: {} %",
             self.name,
             self.particles,
             1e3 * step,
             millions(self.particles),
             millions(self.pairs),
+            100.0 * (self.pairs * self.operations) as f64 / step / self.peak,
+            self.pairs as f64 / step / self.scalar_rate,
             shares(&self.sets),
         )
     }
@@ -76,7 +90,12 @@ fn time(bencher: Bencher, name: &str) {
     });
     let sets = sets.seconds();
     if sets.iter().all(|(_, seconds)| seconds.is_finite()) {
-        let report = Report { name: name.to_owned(), particles, pairs, sets };
+        let scene = simulation.scene();
+        let (operations, precision) = (per_pair(scene), scene.precision);
+        let scalar_rate = scalar_rate(&mut simulation);
+        let peak = PEAKS.get_or_init(Peaks::measure).of(precision);
+        let name = name.to_owned();
+        let report = Report { name, particles, pairs, operations, peak, scalar_rate, sets };
         REPORTS.lock().unwrap_or_else(PoisonError::into_inner).push(report);
     }
 }
@@ -96,7 +115,12 @@ fn million_3d(bencher: Bencher, name: &str) {
     time(bencher, name);
 }
 
-#[divan::bench(args = ["channel"], sample_count = 60, sample_size = 1)]
-fn constricted_channel(bencher: Bencher, name: &str) {
+#[divan::bench(args = ["channel", "channel_cylinder"], sample_count = 60, sample_size = 1)]
+fn open_channels(bencher: Bencher, name: &str) {
+    time(bencher, name);
+}
+
+#[divan::bench(args = ["duct"], sample_count = 8, sample_size = 1)]
+fn square_duct(bencher: Bencher, name: &str) {
     time(bencher, name);
 }

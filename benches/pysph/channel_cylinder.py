@@ -24,7 +24,6 @@ from pathlib import Path
 
 import netCDF4
 import numpy as np
-from compyle.api import get_config
 from pysph.base.kernels import WendlandQuintic
 from pysph.base.particle_array import ParticleArray
 from pysph.base.utils import get_particle_array
@@ -287,11 +286,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder for PySPH's log")
     options, for_pysph = parser.parse_known_args()
 
-    # This version of PySPH has an option that turns OpenMP off, none that turns it on.
-    get_config().use_openmp = True
     start = read_frame(options.particles, 0)
     flow = ChannelCylinder(start, options.time_step, options.warm_up, options.steps, options.out)
-    flow.run(["--quiet", "--disable-output", "--max-steps", str(flow.total_steps()), *for_pysph])
+    flow.run(["--openmp", "--quiet", "--disable-output", "--max-steps", str(flow.total_steps()), *for_pysph])
 
     fluid = flow.particles[0]
     result = {

@@ -11,6 +11,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use super::cases::Plan;
 use super::memory;
 use super::operations;
+use super::scalar;
 use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -19,6 +20,7 @@ use crate::pass::neighbours::Neighbours;
 use crate::scene::model::{Precision, Scene};
 use crate::simulation::{Simulation, Stop};
 use crate::systems::neighbours::Grid;
+use crate::systems::pair::Pair;
 
 /// What was found of a flow.
 #[derive(Clone, Debug)]
@@ -29,6 +31,8 @@ pub struct Figures {
     pub pairs: usize,
     /// Floating-point operations of a pair in a step: see [`operations`].
     pub operations: usize,
+    /// Ordered pairs a second of the scalar baseline on one thread, 1/s: see [`scalar`].
+    pub scalar_rate: f64,
     /// Growth of the process's largest resident memory, B; None where the system does not tell.
     pub memory: Option<u64>,
     /// One for each number of threads, in the order asked for.
@@ -52,6 +56,11 @@ impl Figures {
     /// Ordered pairs a second and thread, 1/s.
     pub fn pair_rate(&self, timing: &Timing) -> f64 {
         self.pairs as f64 / (timing.step * timing.threads as f64)
+    }
+
+    /// How many times the pairs of the scalar baseline, thread by thread.
+    pub fn gain(&self, timing: &Timing) -> f64 {
+        self.pair_rate(timing) / self.scalar_rate
     }
 
     /// How many times as fast as on one thread; None if one thread was not timed.
@@ -103,15 +112,14 @@ pub fn measure(
 ) -> Result<Figures, Stop> {
     let growth = memory::Growth::begin(at_rest);
     let operations = operations::per_pair(&scene);
-    let build = || -> Result<(Simulation, usize, usize), Stop> {
+    let build = || -> Result<Simulation, Stop> {
         let mut simulation = Simulation::from_scene(scene);
         for _ in 0..plan.warm_up {
             simulation.step()?;
         }
-        let (particles, pairs) = count(&mut simulation);
-        Ok((simulation, particles, pairs))
+        Ok(simulation)
     };
-    let (mut simulation, particles, pairs) = match pools.last() {
+    let mut simulation = match pools.last() {
         Some(pool) => pool.install(build)?,
         None => build()?,
     };
@@ -119,7 +127,14 @@ pub fn measure(
     for pool in pools {
         timings.push(pool.install(|| time(&mut simulation, plan))?);
     }
-    Ok(Figures { particles, pairs, operations, memory: growth.and_then(memory::Growth::bytes), timings })
+    // Before the pairs are counted: that looks at the components, which a run does not hold twice.
+    let memory = growth.and_then(memory::Growth::bytes);
+    let mut look = || (count(&mut simulation), scalar_rate(&mut simulation));
+    let ((particles, pairs), scalar_rate) = match pools.last() {
+        Some(pool) => pool.install(look),
+        None => look(),
+    };
+    Ok(Figures { particles, pairs, operations, scalar_rate, memory, timings })
 }
 
 /// Times steps on the threads of the present pool.
@@ -140,6 +155,22 @@ fn time(simulation: &mut Simulation, plan: Plan) -> Result<Timing, Stop> {
         sets.record(simulation, plan.steps);
     }
     Ok(Timing { threads: rayon::current_num_threads(), step, flow, sets: sets.seconds() })
+}
+
+/// Ordered pairs a second of the scalar baseline over the particles of a simulation, 1/s: see [`scalar`].
+pub fn scalar_rate(simulation: &mut Simulation) -> f64 {
+    match (simulation.scene().precision, simulation.scene().dimensions) {
+        (Precision::F64, 2) => scalar_rate_typed::<f64, 2>(simulation),
+        (Precision::F64, _) => scalar_rate_typed::<f64, 3>(simulation),
+        (Precision::F32, 2) => scalar_rate_typed::<f32, 2>(simulation),
+        (Precision::F32, _) => scalar_rate_typed::<f32, 3>(simulation),
+    }
+}
+
+fn scalar_rate_typed<R: Real, const D: usize>(simulation: &mut Simulation) -> f64 {
+    let world = simulation.world();
+    let arrays = world.resource::<ParticleArrays<R, D>>();
+    scalar::pair_rate(&world.resource::<Pair>().0, &world.resource::<Grid<D>>().0, arrays)
 }
 
 /// Particles of a simulation outside the reservoir, and [`ordered_pairs`] of them.
@@ -194,7 +225,7 @@ mod tests {
             assert!(timing.step > 0.0 && timing.step.is_finite() && timing.flow > 0.0);
             let sets: f64 = timing.sets.iter().map(|(_, seconds)| seconds).sum();
             assert!(sets > 0.0 && sets <= timing.step, "sets take {sets} s of {} s", timing.step);
-            assert!(figures.pair_rate(timing).is_finite());
+            assert!(figures.pair_rate(timing).is_finite() && figures.scalar_rate > 0.0);
             assert!(figures.speed_up(timing).is_some_and(f64::is_finite));
         }
         assert_eq!(figures.speed_up(&figures.timings[0]), Some(1.0));

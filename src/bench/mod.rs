@@ -1,7 +1,7 @@
 //! The figures of the engine on the machine at hand: what `sphecs bench` measures and `cargo bench` shares.
 //!
 //! Rooms: `cases` (what is timed), `measure` (steps, sets of systems and pairs), `operations` (floating-point operations
-//! of a pair), `peak` (the most multiply-adds of a core), `memory` (growth of the process), `table` (how it is said).
+//! of a pair), `peak` (the most multiply-adds of a core), `scalar` (a straightforward code as the baseline), `memory` (growth of the process), `table` (how it is said).
 //!
 //! To add a case: a variant of [`Case`] with its name, plan and scene, and its place in `Case::ALL`. What its pair loops
 //! compute must be counted in `operations`.
@@ -11,6 +11,7 @@ pub mod measure;
 pub mod memory;
 pub mod operations;
 pub mod peak;
+pub mod scalar;
 pub mod table;
 
 use std::num::NonZeroUsize;

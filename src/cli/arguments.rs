@@ -220,7 +220,7 @@ pub struct BenchArguments {
     /// Threads to measure with; several with commas between [default: one, and all cores]
     #[arg(long, value_name = "N", value_delimiter = ',')]
     pub threads: Vec<NonZeroUsize>,
-    /// Measure boxes of a million particles as well
+    /// Measure boxes of one and four million particles as well
     #[arg(long)]
     pub large: bool,
 }
