@@ -1,15 +1,15 @@
 """The flow of benches/channel_cylinder.ron in PySPH: python channel_cylinder.py --help
 
-Takes the particles, the fluid's constants and the smoothing length from a run of sphecs, so that both start from the same. The
-equations are those of sphecs, written as PySPH's users write theirs, with one evaluation of the forces a step:
+Takes the particles, the fluid's constants and the smoothing length from a run of sphecs, so that both start from the
+same. The equations are those of sphecs, as PySPH lets its users write theirs, with one evaluation of the forces a step:
 
     rho_a = sum_b m_b W                                     over fluid, walls, inlet and outlet
     p     = c0^2 rho0/7 ((rho/rho0)^7 - 1)
-    dv/dt = sum_b [-(V_b/rho_a) (p_a + p_b) + 4 nu m_b F/(rho_a + rho_b) v_ab] grad W,   F = x.grad W/r^2
+    dv/dt = sum_b [-(V_b/rho_a) (p_a + p_b) grad W + 4 nu m_b F/(rho_a + rho_b) v_ab],   F = x.grad W/r^2
     dx    = -A h v_max dt sum_b V_b grad W                  shifting, A = 4 as in sphecs
 
-Walls carry the kernel means of the fluid's pressure and of its reversed velocity. Inlet and outlet are PySPH's own: new
-particles at the inlet's velocity, at the pressure of the fluid next to it; what has left keeps what it had.
+Walls carry the kernel means of the fluid's pressure and of its velocity, reversed. Inlet and outlet are PySPH's own:
+new particles come with the inlet's velocity and the pressure of the fluid next to it; what has left keeps what it had.
 
 Prints one JSON object: seconds for the steps after the warm-up, and figures of the flow at the end.
 """
@@ -80,7 +80,7 @@ def read_frame(path: Path, index: int) -> Start:
         )
 
 
-class BoundaryPressure(Equation):
+class InletPressure(Equation):
     """Pressure of inlet particles: the kernel mean of the fluid's."""
 
     def initialize(self, d_idx, d_p, d_wij):
@@ -97,7 +97,7 @@ class BoundaryPressure(Equation):
 
 
 class WallState(Equation):
-    """Pressure and velocity of wall particles: the kernel means of the fluid's, the velocity reversed (Adami et al., 2012)."""
+    """Pressure and velocity of wall particles: the kernel means of the fluid's, the velocity reversed."""
 
     def initialize(self, d_idx, d_p, d_u, d_v, d_wij):
         d_p[d_idx] = 0.0
@@ -233,7 +233,7 @@ class ChannelCylinder(Application):
         return [
             Group([SummationDensity("fluid", everything)]),
             Group([TaitEOS("fluid", None, rho0=start.density, c0=start.sound_speed, gamma=7.0)]),
-            Group([WallState("wall", ["fluid"]), BoundaryPressure("inlet", ["fluid"])]),
+            Group([WallState("wall", ["fluid"]), InletPressure("inlet", ["fluid"])]),
             Group([Rates("fluid", everything, nu=start.viscosity)]),
         ]
 
@@ -255,9 +255,10 @@ class ChannelCylinder(Application):
         return self.warm_up + self.steps
 
     def post_step(self, solver: Solver) -> None:
-        """Finds the largest speed; looks at the clock after the warm-up and at the end. The solver counts a step after this."""
+        """Finds the largest speed for the shift; looks at the clock after the warm-up and at the end."""
         fluid = self.particles[0]
         fluid.fastest[0] = np.sqrt(np.max(fluid.u**2 + fluid.v**2))
+        # The solver counts a step after this.
         done = solver.count + 1
         if done == self.warm_up:
             self.began = time.perf_counter()

@@ -3,6 +3,8 @@
 //! The scalar companion of the packed passes, for what is asked at few points: inlets, outlets, probes. Periodic
 //! images included, always in the same order.
 
+use std::ops::Range;
+
 use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -24,6 +26,11 @@ impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
         Self { grid, particles, support: grid.support() }
     }
 
+    /// Neighbours within a radius, m, that is a small part of the grid's support: visits few cells.
+    pub fn within(radius: f64, grid: &'a CellGrid<D>, particles: &'a ParticleArrays<R, D>) -> Self {
+        Self { grid, particles, support: radius }
+    }
+
     /// Visits each particle, or image of one, nearer to `point` than the support: its row, `x_ab = point − x_b` (m) and
     /// r² (m²). A particle at the point itself is visited too.
     #[inline]
@@ -33,7 +40,7 @@ impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
         }
         let limit = self.support * self.support;
         let position = &self.particles.position;
-        self.grid.for_each_run(self.grid.unwrapped_index(point), |rows, shift| {
+        let visit_run = |rows: Range<usize>, shift: [f64; D]| {
             for row in rows {
                 let x_ab: [f64; D] = std::array::from_fn(|d| point[d] - (position[d][row] + shift[d]));
                 let r2 = x_ab.iter().map(|x| x * x).sum();
@@ -41,7 +48,14 @@ impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
                     visit(row, x_ab, r2);
                 }
             }
-        });
+        };
+        if self.support < self.grid.support() {
+            let reach = self.support * (1.0 + 1e-9);
+            let corner = |sign: f64| self.grid.unwrapped_index(point.map(|x| x + sign * reach));
+            self.grid.for_each_run_between(corner(-1.0), corner(1.0), visit_run);
+        } else {
+            self.grid.for_each_run(self.grid.unwrapped_index(point), visit_run);
+        }
     }
 }
 
@@ -88,6 +102,24 @@ mod tests {
             .expect("the cloud fills the box");
         arrays.reorder(order, &mut SpareColumns::default());
 
+        for radius in [support, 0.3 * support] {
+            check_within(radius, length, periodic, &grid, &arrays);
+        }
+    }
+
+    fn check_within<const D: usize>(
+        radius: f64,
+        length: [f64; D],
+        periodic: [bool; D],
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<f64, D>,
+    ) {
+        let support = grid.support();
+        let neighbours = if radius < support {
+            Neighbours::within(radius, grid, arrays)
+        } else {
+            Neighbours::new(grid, arrays)
+        };
         let images: [i64; D] =
             std::array::from_fn(|d| if periodic[d] { (support / length[d]).ceil() as i64 + 1 } else { 0 });
         let mut expected = Vec::new();
@@ -101,7 +133,7 @@ mod tests {
                         .map(|d| (point[d] - (arrays.position[d][b] + image[d] as f64 * length[d])).powi(2))
                         .sum();
                     // A pair on the very edge may fall to either side by rounding.
-                    if r2 < support * support * (1.0 - 1e-9) {
+                    if r2 < radius * radius * (1.0 - 1e-9) {
                         expected.push((arrays.id[a], arrays.id[b], (r2 * 1e9).round() as i64));
                     }
                 }
@@ -114,9 +146,9 @@ mod tests {
                 }
                 break;
             }
-            Neighbours::new(&grid, &arrays).for_each(point, |b, x_ab, r2| {
+            neighbours.for_each(point, |b, x_ab, r2| {
                 assert!((x_ab.iter().map(|x| x * x).sum::<f64>() - r2).abs() < 1e-15);
-                if r2 < support * support * (1.0 - 1e-9) {
+                if r2 < radius * radius * (1.0 - 1e-9) {
                     found.push((arrays.id[a], arrays.id[b], (r2 * 1e9).round() as i64));
                 }
             });

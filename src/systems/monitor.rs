@@ -3,6 +3,7 @@
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::boundaries::hold::HeldAtWalls;
 use super::clock::Clock;
@@ -10,10 +11,12 @@ use super::ledger::Ledger;
 use super::neighbours::Grid;
 use super::rates::RatesFound;
 use super::setup::{Resolution, SceneInUse};
+use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::neighbours::Neighbours;
+use crate::scene::model::Scene;
 
 /// One row of `monitor.nc`.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -107,9 +110,7 @@ fn figures<R: Real, const D: usize>(
     let mass = world.resource::<Resolution>().mass;
     let ledger = world.resource::<Ledger>();
     let arrays = world.resource::<ParticleArrays<R, D>>();
-    let neighbours = Neighbours::new(&world.resource::<Grid<D>>().0, arrays);
     let interval = clock.time - before.time;
-    let close = (CLOSE * scene.spacing).powi(2);
     let mut row = MonitorRow {
         time: clock.time,
         step: clock.step,
@@ -122,31 +123,83 @@ fn figures<R: Real, const D: usize>(
         largest_divergence: world.resource::<RatesFound>().largest_divergence,
         ..MonitorRow::default()
     };
-    let (mut pressure, mut fluid) = (0.0, 0_u64);
-    for a in 0..arrays.len() {
-        if arrays.zone[a] != Zone::Fluid {
-            continue;
-        }
-        fluid += 1;
-        let v = arrays.velocity_of(a);
-        row.kinetic_energy += 0.5 * mass * v.length_squared();
-        row.momentum += mass * v;
-        row.largest_speed = row.largest_speed.max(v.length());
-        let deviation = (arrays.density[a].to_f64() / scene.fluid.density - 1.0).abs();
-        row.largest_density_deviation = row.largest_density_deviation.max(deviation);
-        pressure += arrays.pressure[a].to_f64();
-        let point = arrays.position_of(a);
-        // Only a particle next to a wall can be behind it; the signed distance of a scene is dear.
-        let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;
-        if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
-            row.through_walls += 1;
-        }
-        neighbours.for_each(std::array::from_fn(|axis| point[axis]), |b, _, r_squared| {
-            if b > a && r_squared < close && arrays.zone[b] == Zone::Fluid {
-                row.close_pairs += 1;
-            }
-        });
-    }
-    row.mean_pressure = if fluid > 0 { pressure / fluid as f64 } else { 0.0 };
+    let sums = fluid_sums(scene, &world.resource::<Grid<D>>().0, arrays);
+    row.kinetic_energy = 0.5 * mass * sums.square_speed;
+    row.momentum = mass * sums.velocity;
+    row.largest_speed = sums.largest_speed;
+    row.largest_density_deviation = sums.largest_density_deviation;
+    row.mean_pressure = if sums.count > 0 { sums.pressure / sums.count as f64 } else { 0.0 };
+    row.through_walls = sums.through_walls;
+    row.close_pairs = sums.close_pairs;
     row
+}
+
+/// What a row sums over the fluid.
+#[derive(Clone, Copy, Debug, Default)]
+struct FluidSums {
+    count: u64,
+    /// Σ |v|², m²/s².
+    square_speed: f64,
+    /// Σ v, m/s.
+    velocity: DVec3,
+    /// Σ p, Pa.
+    pressure: f64,
+    largest_speed: f64,
+    largest_density_deviation: f64,
+    through_walls: u64,
+    close_pairs: u64,
+}
+
+impl FluidSums {
+    fn join(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            square_speed: self.square_speed + other.square_speed,
+            velocity: self.velocity + other.velocity,
+            pressure: self.pressure + other.pressure,
+            largest_speed: self.largest_speed.max(other.largest_speed),
+            largest_density_deviation: self.largest_density_deviation.max(other.largest_density_deviation),
+            through_walls: self.through_walls + other.through_walls,
+            close_pairs: self.close_pairs + other.close_pairs,
+        }
+    }
+}
+
+/// Rows that are summed up together: the same on any number of threads, and so are the bits of the sums.
+const CHUNK: usize = 4096;
+
+fn fluid_sums<R: Real, const D: usize>(
+    scene: &Scene,
+    grid: &CellGrid<D>,
+    arrays: &ParticleArrays<R, D>,
+) -> FluidSums {
+    let close = Neighbours::within(CLOSE * scene.spacing, grid, arrays);
+    let sums_of = |chunk: usize| {
+        let mut sums = FluidSums::default();
+        for a in chunk * CHUNK..arrays.len().min((chunk + 1) * CHUNK) {
+            if arrays.zone[a] != Zone::Fluid {
+                continue;
+            }
+            sums.count += 1;
+            let v = arrays.velocity_of(a);
+            sums.square_speed += v.length_squared();
+            sums.velocity += v;
+            sums.largest_speed = sums.largest_speed.max(v.length());
+            let deviation = (arrays.density[a].to_f64() / scene.fluid.density - 1.0).abs();
+            sums.largest_density_deviation = sums.largest_density_deviation.max(deviation);
+            sums.pressure += arrays.pressure[a].to_f64();
+            let point = arrays.position_of(a);
+            // Only a particle next to a wall can be behind it; the signed distance of a scene is dear.
+            let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;
+            if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
+                sums.through_walls += 1;
+            }
+            close.for_each(std::array::from_fn(|axis| point[axis]), |b, _, _| {
+                sums.close_pairs += u64::from(b > a && arrays.zone[b] == Zone::Fluid);
+            });
+        }
+        sums
+    };
+    let by_chunk: Vec<FluidSums> = (0..arrays.len().div_ceil(CHUNK)).into_par_iter().map(sums_of).collect();
+    by_chunk.into_iter().fold(FluidSums::default(), FluidSums::join)
 }

@@ -192,12 +192,21 @@ impl<const D: usize> CellGrid<D> {
     /// Visits the rows of all cells that a point of the unwrapped cell `index` can reach: contiguous runs of rows,
     /// each with the shift, m, that carries them to the image meant. The order is fixed.
     #[inline(always)]
-    pub fn for_each_run(&self, index: [i64; D], mut visit: impl FnMut(Range<usize>, [f64; D])) {
-        let mut first = index;
-        let mut last = index;
+    pub fn for_each_run(&self, index: [i64; D], visit: impl FnMut(Range<usize>, [f64; D])) {
+        let first = std::array::from_fn(|d| index[d] - self.reach[d]);
+        let last = std::array::from_fn(|d| index[d] + self.reach[d]);
+        self.for_each_run_between(first, last, visit);
+    }
+
+    /// The same for the unwrapped cells from `first` to `last`, both included.
+    #[inline(always)]
+    pub fn for_each_run_between(
+        &self,
+        mut first: [i64; D],
+        mut last: [i64; D],
+        mut visit: impl FnMut(Range<usize>, [f64; D]),
+    ) {
         for d in 0..D {
-            first[d] -= self.reach[d];
-            last[d] += self.reach[d];
             if !self.periodic[d] {
                 first[d] = first[d].max(0);
                 last[d] = last[d].min(self.cells[d] as i64 - 1);
