@@ -84,6 +84,7 @@ pub mod run;
 pub mod scene;
 pub mod simulation;
 pub mod systems;
+pub mod validate;
 
 /// The examples of the README compile.
 #[cfg(doctest)]

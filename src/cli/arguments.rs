@@ -75,6 +75,8 @@ pub enum Command {
     Pack(PackArguments),
     /// Measure how fast the engine is on this machine
     Bench(BenchArguments),
+    /// Run known cases and hold them against their references
+    Validate(ValidateArguments),
 }
 
 /// Which scene, and what is changed in it.
@@ -223,6 +225,37 @@ pub struct BenchArguments {
     /// Measure boxes of one and four million particles as well
     #[arg(long)]
     pub large: bool,
+}
+
+/// `sphecs validate`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    sphecs validate --quick\n  \
+    sphecs validate --case poiseuille --out runs/poiseuille_check\n  \
+    sphecs validate --case my_cases/pipe.ron\n\n\
+    Leaves a page with plots for each case, and report.json. Exit code 1 when a band that must be met is missed.")]
+pub struct ValidateArguments {
+    /// Name of a case, or the path of a case file; repeatable [default: all]
+    #[arg(long = "case", value_name = "NAME")]
+    pub cases: Vec<String>,
+    /// Run only what takes minutes
+    #[arg(long, conflicts_with = "full")]
+    pub quick: bool,
+    /// Run everything, at published resolution
+    #[arg(long)]
+    pub full: bool,
+    /// Folder for runs, pages and plots
+    #[arg(long, value_name = "DIR", default_value = "runs/validation")]
+    pub out: PathBuf,
+    /// Take completed runs of the same scene and version from the folder
+    #[arg(long)]
+    pub reuse: bool,
+    /// Threads to compute with [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Say what cases there are, and run none
+    #[arg(long)]
+    pub list: bool,
 }
 
 // The names come from the fields and maps themselves, so that help and messages cannot fall behind.

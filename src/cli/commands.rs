@@ -1,13 +1,14 @@
 //! One function for each command: from arguments to an exit code.
 
 use std::io::{IsTerminal, Write};
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use super::arguments::{
     BenchArguments, CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments,
-    RunArguments, SceneArguments,
+    RunArguments, SceneArguments, ValidateArguments,
 };
-use super::failure::{DONE, Failure};
+use super::failure::{DONE, Failure, MISSED};
 use crate::bench::cases::Case;
 use crate::bench::{self, BenchOptions};
 use crate::output::error::OutputError;
@@ -19,6 +20,8 @@ use crate::run::words::{bytes, columns, figure, grouped};
 use crate::run::{Ending, RunOptions, report};
 use crate::scene::model::Scene;
 use crate::scene::{self, summary};
+use crate::validate::schema::Tier;
+use crate::validate::{self, Judgement, ValidateError, ValidateOptions, case};
 
 /// Runs a scene.
 ///
@@ -166,6 +169,37 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     };
     bench::run(&options)?;
     Ok(DONE)
+}
+
+/// Runs cases and holds them against their references.
+///
+/// # Errors
+/// [`Failure::Validate`].
+pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
+    if arguments.list {
+        for name in case::shipped() {
+            let case = case::Case::load(&name).map_err(ValidateError::from)?;
+            Console::Normal.say(&format!("{name:<16}  {}", case.file.title));
+        }
+        return Ok(DONE);
+    }
+    let options = ValidateOptions {
+        cases: if arguments.cases.is_empty() { case::shipped() } else { arguments.cases.clone() },
+        tier: match (arguments.quick, arguments.full) {
+            (true, _) => Tier::Quick,
+            (_, true) => Tier::Full,
+            _ => Tier::Usual,
+        },
+        folder: arguments.out.clone(),
+        reuse: arguments.reuse,
+        threads: arguments.threads.map(NonZeroUsize::get),
+        console: Console::Normal,
+    };
+    Ok(match validate::validate(&options)? {
+        Judgement::Met => DONE,
+        Judgement::Missed => MISSED,
+        Judgement::Stopped(signal) => signal.exit_code(),
+    })
 }
 
 fn load(input: &SceneArguments) -> Result<Scene, Failure> {

@@ -9,9 +9,12 @@ use crate::bench::BenchError;
 use crate::output::error::OutputError;
 use crate::run::error::RunError;
 use crate::scene::faults::SceneFaults;
+use crate::validate::ValidateError;
 
 /// Done.
 pub const DONE: u8 = 0;
+/// A case missed a band that must be met.
+pub const MISSED: u8 = 1;
 /// The command line or the scene is wrong: nothing was written. clap ends with the same code.
 pub const BAD_INPUT: u8 = 2;
 /// The flow blew up, or an inlet ran out of particles.
@@ -40,6 +43,10 @@ pub enum Failure {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Bench(#[from] BenchError),
+    /// The validation ended early.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Validate(#[from] ValidateError),
 }
 
 impl Failure {
@@ -47,11 +54,11 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Failure::Scene(_)
-            | Failure::Run(RunError::Threads(_))
+            | Failure::Validate(ValidateError::Case(_))
             | Failure::Bench(BenchError::Scene(_) | BenchError::Threads(_)) => BAD_INPUT,
-            Failure::Run(RunError::Flow { .. }) | Failure::Bench(BenchError::Flow { .. }) => FLOW,
-            Failure::Run(RunError::Signals(_)) => FILES,
-            Failure::Run(RunError::Output(error)) | Failure::Output(error) => code_of_output(error),
+            Failure::Bench(BenchError::Flow { .. }) => FLOW,
+            Failure::Run(error) | Failure::Validate(ValidateError::Run(error)) => code_of_run(error),
+            Failure::Output(error) | Failure::Validate(ValidateError::Output(error)) => code_of_output(error),
         }
     }
 
@@ -61,6 +68,15 @@ impl Failure {
         // A reader of standard error that is gone is no reason to fail in another way.
         let _reader_gone = writeln!(std::io::stderr(), "{:?}", Report::new(self));
         ExitCode::from(code)
+    }
+}
+
+fn code_of_run(error: &RunError) -> u8 {
+    match error {
+        RunError::Threads(_) => BAD_INPUT,
+        RunError::Flow { .. } => FLOW,
+        RunError::Signals(_) => FILES,
+        RunError::Output(error) => code_of_output(error),
     }
 }
 

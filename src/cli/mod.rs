@@ -11,7 +11,7 @@ use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 
-/// Reads the command line, does what it says and gives the exit code: 0 done, 2 bad input, 3 the flow blew up,
+/// Reads the command line, does what it says and gives the exit code: 0 done, 1 a case missed its band, 2 bad input, 3 the flow blew up,
 /// 4 input or output failed, 130 interrupted, 143 terminated.
 pub fn main() -> ExitCode {
     failure::prepare_messages();
@@ -30,6 +30,7 @@ pub fn main() -> ExitCode {
         Command::Export(export) => commands::export(&export),
         Command::Pack(pack) => commands::pack(&pack),
         Command::Bench(bench) => commands::bench(&bench),
+        Command::Validate(validate) => commands::validate(&validate),
     };
     answer.map_or_else(failure::Failure::report, ExitCode::from)
 }

@@ -102,6 +102,21 @@ impl MonitorWriter {
     }
 }
 
+/// The columns of `monitor.csv`, by name without the unit.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub fn read_history(folder: &Path) -> Result<Vec<(String, Vec<f64>)>, OutputError> {
+    let table = Table::read(&folder.join(CSV))?;
+    let numbers = |index: usize| table.numbers(index);
+    Ok(table
+        .columns
+        .iter()
+        .enumerate()
+        .map(|(index, column)| (column.name.clone(), numbers(index)))
+        .collect())
+}
+
 /// Makes `monitor.nc` from `monitor.csv`; its path, or None when there is no CSV file.
 ///
 /// # Errors

@@ -1,18 +1,20 @@
-//! The fluid's fields at arbitrary points, first-order consistent.
+//! The fluid's fields at arbitrary points: velocity by a quadratic fit, pressure and density by a linear one.
 //!
 //! ```text
-//! minimise Σ_b V_b W_b (f_b − c0 − c·(x_b − x)/h)²   →   f(x) = c0
+//! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i((x_b − x)/h))²   →   f(x) = c_0,   φ = 1, ξ, η, …, ξ², ξη, η², …
 //! ```
 //!
-//! Moving least squares with a linear basis: Liu & Liu (2006), as Negi et al. (2020), Eq. 22, use it for their mirror
-//! points. A linear field comes back exactly, next to a boundary too (test `linear_fields_are_exact_at_a_cut_support`). Where
-//! the neighbours do not span the directions, the Shepard mean is taken.
+//! Moving least squares: Liu & Liu (2006), as Negi et al. (2020), Eq. 22, use it with a linear basis for their mirror
+//! points. A linear field comes back exactly, next to a boundary too, and a quadratic velocity: a linear fit takes 0.2 % of
+//! the peak off a Poiseuille profile of 50 rows, and 0.3 % onto it at the wall. Pressure is too noisy for curvatures. Where
+//! the neighbours do not span the quadratic basis well the linear one is taken, and without that the Shepard mean.
 
 use glam::{DMat4, DVec3, DVec4};
 
 use super::neighbours::Neighbours;
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
+use crate::math::linear::solve;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::sample::Sample;
@@ -21,6 +23,13 @@ use crate::particles::zone::Zone;
 /// Below this determinant of the scaled moments the neighbours do not span all directions: a full support has
 /// about 0.1^D.
 const SMALLEST_DETERMINANT: f64 = 1e-6;
+
+/// Fields that are fitted at once: velocity, pressure, density.
+const FIELDS: usize = 5;
+
+/// Largest gain of a quadratic fit: the variance of what it finds over that of the particles, if each had noise of its own.
+/// 0.1 to 0.3 within the fluid, 1 to 3 on a flat wall; 1 is a fit that has the noise of one particle.
+const MOST_GAIN: f64 = 5.0;
 
 /// Samples the fields of sorted particles.
 pub struct Sampler<'a, R: Real, const D: usize> {
@@ -42,45 +51,89 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
 
     /// Velocity, pressure and density at a point; None where no particle is near.
     pub fn sample(&self, point: DVec3) -> Option<Sample> {
-        let particles = self.neighbours.particles;
-        let fit =
-            self.fit(point, |row| particles.velocity_of(row).extend(particles.pressure[row].to_f64()))?;
-        let density = self.fit(point, |row| DVec4::new(particles.density[row].to_f64(), 0.0, 0.0, 0.0))?;
-        Some(Sample { velocity: fit.truncate(), pressure: fit.w, density: density.x })
+        // A row of moments for each function of the basis: 1, D coordinates and their products.
+        if D == 2 { self.fit::<6>(point) } else { self.fit::<10>(point) }
     }
 
-    /// The fitted values of four fields at once.
-    fn fit(&self, point: DVec3, fields: impl Fn(usize) -> DVec4) -> Option<DVec4> {
+    fn fit<const N: usize>(&self, point: DVec3) -> Option<Sample> {
         let particles = self.neighbours.particles;
         let scale = 1.0 / self.pair.smoothing_length;
-        let mut moments = DMat4::ZERO;
-        let mut sums = DMat4::ZERO;
+        let mut moments = [[0.0; N]; N];
+        let mut sums = [[0.0; N]; FIELDS];
         let coordinates: [f64; D] = std::array::from_fn(|axis| point[axis]);
         self.neighbours.for_each(coordinates, |row, x_ab, r_squared| {
             if !(self.sees)(particles.zone[row]) {
                 return;
             }
-            let weight = self.pair.mass / particles.density[row].to_f64() * self.pair.w(r_squared.sqrt());
-            let mut basis = DVec4::new(1.0, 0.0, 0.0, 0.0);
-            for axis in 0..D {
-                basis[axis + 1] = -x_ab[axis] * scale;
-            }
-            let weighted = basis * weight;
-            let values = fields(row);
-            for column in 0..4 {
-                *moments.col_mut(column) += weighted * basis[column];
-                *sums.col_mut(column) += weighted * values[column];
+            let density = particles.density[row].to_f64();
+            let weight = self.pair.mass / density * self.pair.w(r_squared.sqrt());
+            let basis = basis::<D, N>(x_ab.map(|x| -x * scale));
+            let velocity = particles.velocity_of(row);
+            let values = [velocity.x, velocity.y, velocity.z, particles.pressure[row].to_f64(), density];
+            for i in 0..N {
+                let weighted = weight * basis[i];
+                for j in 0..N {
+                    moments[i][j] += weighted * basis[j];
+                }
+                for (sums, value) in sums.iter_mut().zip(values) {
+                    sums[i] += weighted * value;
+                }
             }
         });
-        let total = moments.x_axis.x;
+        let total = moments[0][0];
         if total <= 0.0 {
             return None;
         }
-        Some(DVec4::from_array([0, 1, 2, 3].map(|field| {
-            let right = sums.col(field).to_array();
-            solve_linear(moments.to_cols_array_2d(), right, D)
-        })))
+        let linear = |field: usize| {
+            let block = std::array::from_fn(|i| {
+                std::array::from_fn(|j| if i.max(j) <= D { moments[i][j] } else { 0.0 })
+            });
+            let right = std::array::from_fn(|i| if i <= D { sums[field][i] } else { 0.0 });
+            solve_linear(block, right, D)
+        };
+        // f(x) = Σ_i a_i Σ_b V_b W_b φ_i f_b with a the first column of the inverse moments.
+        let first: [f64; N] = std::array::from_fn(|i| f64::from(u8::from(i == 0)));
+        let shares = solve(moments.map(|row| row.map(|moment| moment / total)), first)
+            .filter(|shares| self.gain(coordinates, total, shares) <= MOST_GAIN);
+        let velocity = |field: usize| match shares {
+            Some(shares) => shares.iter().zip(sums[field]).map(|(share, sum)| share * sum / total).sum(),
+            None => linear(field),
+        };
+        let velocity = DVec3::new(velocity(0), velocity(1), velocity(2));
+        Some(Sample { velocity, pressure: linear(3), density: linear(4) })
     }
+}
+
+impl<R: Real, const D: usize> Sampler<'_, R, D> {
+    /// Σ_b (V_b W_b Σ_i a_i φ_i / Σ V W)² of a fit with the shares a.
+    fn gain<const N: usize>(&self, point: [f64; D], total: f64, shares: &[f64; N]) -> f64 {
+        let particles = self.neighbours.particles;
+        let scale = 1.0 / self.pair.smoothing_length;
+        let mut gain = 0.0;
+        self.neighbours.for_each(point, |row, x_ab, r_squared| {
+            if (self.sees)(particles.zone[row]) {
+                let weight = self.pair.mass / particles.density[row].to_f64() * self.pair.w(r_squared.sqrt());
+                let basis = basis::<D, N>(x_ab.map(|x| -x * scale));
+                let share: f64 = basis.iter().zip(shares).map(|(basis, share)| basis * share).sum();
+                gain += (weight * share / total).powi(2);
+            }
+        });
+        gain
+    }
+}
+
+/// 1, the coordinates and their products.
+fn basis<const D: usize, const N: usize>(x: [f64; D]) -> [f64; N] {
+    let mut basis = [1.0; N];
+    basis[1..=D].copy_from_slice(&x);
+    let mut next = D + 1;
+    for i in 0..D {
+        for j in i..D {
+            basis[next] = x[i] * x[j];
+            next += 1;
+        }
+    }
+    basis
 }
 
 /// The value at the point of a linear fit with these moments (of 1 and the `dimensions` coordinates over h) and right-hand side; the
@@ -130,6 +183,27 @@ mod tests {
             assert!((found.density - WATER.reference_density - linear(point.x)).abs() < 1e-8);
         }
         assert!(sampler.sample(DVec3::splat(5.0)).is_none());
+    }
+
+    #[test]
+    fn a_parabola_of_velocity_is_exact_on_a_flat_wall() {
+        // On y = −0.3, where the fluid begins, half of the support is empty. With h = 1.3 Δ two rows are left of it: too few.
+        let mut sample = Particles::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 2.2), [14, 12], false);
+        sample.stir(0.2, 0.0);
+        let parabola = |y: f64| 2.0 - 40.0 * (y + 0.3).powi(2);
+        for row in 0..sample.particles.len() {
+            sample.particles.velocity[0][row] = parabola(sample.particles.position[1][row]);
+        }
+        let sampler = Sampler::new(&sample.grid, &sample.particles, &sample.pair, |_| true);
+        for height in [0.0, 0.3, 2.0, 4.7] {
+            let point = DVec3::new(-0.3 + 6.6 * SPACING, -0.3 + height * SPACING, 0.0);
+            let found = sampler.sample(point).expect("fluid is near").velocity.x;
+            assert!(
+                (found - parabola(point.y)).abs() < 1e-9,
+                "{found} at {height}, not {}",
+                parabola(point.y)
+            );
+        }
     }
 
     #[test]

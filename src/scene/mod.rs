@@ -7,6 +7,7 @@
 //!
 //! * [`notation`]: RON with places, `--set`
 //! * [`schema`]: what may stand in a file
+//! * [`constants`]: its named numbers
 //! * [`expression`], [`geometry`]: fields and shapes
 //! * [`build`]: every check of values
 //! * [`model`]: the checked scene
@@ -18,6 +19,7 @@
 use std::path::Path;
 
 pub mod build;
+pub mod constants;
 pub mod expression;
 pub mod faults;
 pub mod fill;
@@ -32,7 +34,6 @@ pub mod spawn;
 pub mod summary;
 pub mod walls;
 
-mod constants;
 #[cfg(test)]
 mod tests;
 

@@ -9,6 +9,7 @@
 //!
 //! in kg/s (kg/(s m), per metre of depth, in 2D) and Pa. A point without fluid near it carries no mass and has no pressure.
 
+pub mod history;
 pub mod results;
 mod section;
 mod series;

@@ -1,0 +1,148 @@
+//! Plots of a case as vector graphics.
+
+use std::path::Path;
+
+use plotters::prelude::*;
+
+use super::schema::{CurveFile, PlotFile};
+use super::value::profile::profiles;
+use super::value::reference::{self, coordinate};
+use super::value::{Context, series};
+
+/// Size, points.
+const SIZE: (u32, u32) = (720, 480);
+/// Colours of the curves, in turn: told apart by people who do not tell red from green (Okabe and Ito).
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+/// Points of a dashed stroke.
+const DASH: (i32, i32) = (6, 4);
+
+/// A curve with its points.
+struct Curve {
+    label: String,
+    points: Vec<(f64, f64)>,
+    /// What should be there.
+    reference: Vec<(f64, f64)>,
+}
+
+/// Draws a plot to an SVG file.
+///
+/// # Errors
+/// What is missing, or that the file cannot be written.
+pub fn draw(plot: &PlotFile, context: Context<'_>, path: &Path) -> Result<(), String> {
+    let mut curves = plot.curves.iter().map(|curve| gather(curve, context)).collect::<Result<Vec<_>, _>>()?;
+    if plot.logarithmic {
+        // A magnitude of nothing has no logarithm.
+        for curve in &mut curves {
+            for points in [&mut curve.points, &mut curve.reference] {
+                points.iter_mut().for_each(|point| point.1 = point.1.abs().log10());
+                points.retain(|point| point.1.is_finite());
+            }
+        }
+    }
+    render(plot, &curves, path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
+    match curve {
+        CurveFile::Profile { run, probe, field, when, axis, reference, label } => {
+            let probe = context.run(&run.value)?.probe(&probe.value)?;
+            let found = profiles(probe, *field, &when.value)?;
+            let profile = found.first().ok_or("no samples")?;
+            let along = probe.places.iter().map(|&place| coordinate(place, *axis));
+            let points = along.clone().zip(profile.values.iter().copied()).collect();
+            let function = match reference {
+                Some(reference) => reference::function(reference, context.case)?,
+                None => None,
+            };
+            let line = function.map_or_else(Vec::new, |function| {
+                along.zip(&probe.places).map(|(at, &place)| (at, function(place, profile.time))).collect()
+            });
+            Ok(Curve { label: label.clone(), points, reference: line })
+        }
+        CurveFile::Series { run, table, column, label } => {
+            let (times, values) = series::column(context.run(&run.value)?, &table.value, &column.value)?;
+            let points = times.into_iter().zip(values).filter(|point| point.1.is_finite()).collect();
+            Ok(Curve { label: label.clone(), points, reference: Vec::new() })
+        }
+    }
+}
+
+/// Least and largest of one coordinate, with a margin.
+fn range(curves: &[Curve], of: fn(&(f64, f64)) -> f64, margin: f64) -> std::ops::Range<f64> {
+    let all = || curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.reference)).map(of);
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    if low > high {
+        return 0.0..1.0;
+    }
+    let room = margin * if high > low { high - low } else { high.abs().max(1e-300) };
+    low - room..high + room
+}
+
+fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let root = SVGBackend::new(path, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let (across, upward) = (range(curves, |point| point.0, 0.0), range(curves, |point| point.1, 0.05));
+    let mut chart = ChartBuilder::on(&root)
+        .caption(&plot.title, ("sans-serif", 17))
+        .margin(12)
+        .x_label_area_size(44)
+        .y_label_area_size(76)
+        .build_cartesian_2d(across, upward)?;
+    let logarithmic = plot.logarithmic;
+    let label = |value: &f64| {
+        if logarithmic { format!("{:.1e}", 10_f64.powf(*value)) } else { super::verdict::number(*value) }
+    };
+    chart
+        .configure_mesh()
+        .x_desc(&plot.across)
+        .y_desc(&plot.upward)
+        .x_label_formatter(&|value| super::verdict::number(*value))
+        .y_label_formatter(&label)
+        .light_line_style(WHITE.mix(0.0))
+        .draw()?;
+    let mut first_reference = true;
+    for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
+        if !curve.reference.is_empty() {
+            let style = BLACK.mix(0.7).stroke_width(1);
+            let dashed = DashedLineSeries::new(curve.reference.iter().copied(), DASH.0, DASH.1, style);
+            let drawn = chart.draw_series(dashed)?;
+            if std::mem::take(&mut first_reference) {
+                drawn.label("reference").legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            }
+        }
+        let style = colour.stroke_width(2);
+        chart
+            .draw_series(LineSeries::new(curve.points.iter().copied(), style))?
+            .label(&curve.label)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+    }
+    chart.configure_series_labels().background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.3)).draw()?;
+    root.present()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_all_points_and_are_never_empty() {
+        let curve = |points: &[(f64, f64)]| Curve {
+            label: String::new(),
+            points: points.to_vec(),
+            reference: vec![(5.0, -1.0)],
+        };
+        assert_eq!(range(&[curve(&[(1.0, 2.0), (3.0, 0.0)])], |point| point.0, 0.0), 1.0..5.0);
+        assert_eq!(range(&[], |point| point.1, 0.0), 0.0..1.0);
+        let flat = range(&[curve(&[(1.0, -1.0)])], |point| point.1, 0.05);
+        assert!(flat.start < -1.0 && flat.end > -1.0);
+    }
+}

@@ -1,0 +1,71 @@
+//! Columns over time, and what is taken of them.
+
+use super::{MONITOR, RunResults};
+use crate::validate::schema::TakeFile;
+
+/// Times, s, and values of a column of the monitor or of a probe with one point.
+///
+/// # Errors
+/// That there is no such column.
+pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
+    if table != MONITOR {
+        let probe = run.probe(table)?;
+        let values = probe.column(column).ok_or_else(|| format!("probe `{table}` has no `{column}`"))?;
+        if probe.places.len() != 1 {
+            return Err(format!("probe `{table}` has many points"));
+        }
+        return Ok((probe.times.clone(), values.to_vec()));
+    }
+    let of =
+        |name: &str| run.monitor.iter().find(|(known, _)| known == name).map(|(_, values)| values.clone());
+    let values = of(column).ok_or_else(|| format!("the monitor has no `{column}`"))?;
+    Ok((of("time").ok_or("the monitor has no times")?, values))
+}
+
+/// What is taken of a column from one time to another, s.
+///
+/// # Errors
+/// That there is nothing then.
+pub fn take(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> Result<f64, String> {
+    let inside: Vec<(f64, f64)> = times
+        .iter()
+        .copied()
+        .zip(values.iter().copied())
+        .filter(|(time, _)| (over.0..=over.1).contains(time))
+        .collect();
+    let Some(&(_, last)) = inside.last() else {
+        return Err(format!("nothing from {} to {} s", over.0, over.1));
+    };
+    let all = || inside.iter().map(|(_, value)| *value);
+    let mean = all().sum::<f64>() / inside.len() as f64;
+    // A value that is none must show.
+    let extreme = |better: fn(f64, f64) -> bool| {
+        all()
+            .fold(inside[0].1, |best, value| if better(value, best) || value.is_nan() { value } else { best })
+    };
+    Ok(match take {
+        TakeFile::Mean => mean,
+        TakeFile::Deviation => {
+            (all().map(|value| (value - mean).powi(2)).sum::<f64>() / inside.len() as f64).sqrt()
+        }
+        TakeFile::Largest => extreme(|value, best| value > best),
+        TakeFile::Smallest => extreme(|value, best| value < best),
+        TakeFile::Last => last,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_taken_is_of_the_interval() {
+        let times = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let values = [100.0, 1.0, 5.0, 3.0, -100.0];
+        let of = |what| take(&times, &values, (1.0, 3.0), what).expect("a value");
+        assert_eq!(of(TakeFile::Mean), 3.0);
+        assert_eq!((of(TakeFile::Largest), of(TakeFile::Smallest), of(TakeFile::Last)), (5.0, 1.0, 3.0));
+        assert!((of(TakeFile::Deviation) - (8.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert!(take(&times, &values, (5.0, 6.0), TakeFile::Mean).is_err());
+    }
+}
