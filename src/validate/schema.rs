@@ -230,8 +230,10 @@ pub enum ReferenceFile {
         half_width: Number,
         /// Half the edge along z, m.
         half_height: Number,
-        /// Mean velocity, m/s.
-        mean: Number,
+        /// Force per mass along x, m/s².
+        body_force: Number,
+        /// Kinematic viscosity, m²/s.
+        viscosity: Number,
     },
     /// Columns of a CSV file beside the case, with straight lines between.
     Table {

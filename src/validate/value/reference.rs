@@ -42,9 +42,9 @@ pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Referen
             let (velocity, nu) = (velocity.value, viscosity.value);
             Box::new(move |[_, y, _], t| couette::startup_velocity(y - bottom, t, gap, velocity, nu))
         }
-        ReferenceFile::RectangularDuct { half_width, half_height, mean } => {
-            let (a, b, mean) = (half_width.value, half_height.value, mean.value);
-            Box::new(move |[_, y, z], _| duct::developed_velocity(y, z, a, b, mean))
+        ReferenceFile::RectangularDuct { half_width, half_height, body_force, viscosity } => {
+            let (a, b, drive) = (half_width.value, half_height.value, body_force.value / viscosity.value);
+            Box::new(move |[_, y, z], _| duct::developed_velocity(y, z, a, b, drive))
         }
         ReferenceFile::Table { file, along, axis, value } => {
             let points = read_table(&case.table(&file.value)?, &along.value, &value.value)
