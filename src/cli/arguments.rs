@@ -85,7 +85,7 @@ pub struct SceneArguments {
     /// Scene file, RON
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// Change a value of the scene, as `fluid.sound_speed=1.0` or `outlets[0].depth=0.01`; repeatable
+    /// Change a value of the scene, as `fluid.sound_speed=1.0` or `outlets.0.depth=0.01`; repeatable
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
     pub sets: Vec<(String, String)>,
     /// Run at the scene's coarse smoke spacing, for a quick look

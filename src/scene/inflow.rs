@@ -7,8 +7,12 @@ use crate::physics::inlet::poiseuille::startup_velocity;
 
 impl Inlet {
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
+    ///
+    /// A point of the zone has the velocity of the plane in front of it: one that varied along the zone would bring the
+    /// particles of a row together.
     pub fn velocity_at(&self, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
         let towards = self.patch.towards;
+        let point = point - towards * (point - self.patch.at).dot(towards);
         let across = (point - self.patch.at).dot(self.patch.across[0]);
         match &self.velocity {
             InletVelocity::Normal(speed) => towards * speed.value(point.x, point.y, point.z, time),
@@ -95,6 +99,16 @@ mod tests {
             },
             velocity,
             pressure: InletPressure::Extrapolated,
+        }
+    }
+
+    #[test]
+    fn all_of_a_row_has_the_velocity_of_the_plane() {
+        let text = "x + 10*y + t";
+        let speed = Expression::read(text, &Constants::default()).expect("an expression");
+        let inlet = inlet(InletVelocity::Normal(speed));
+        for x in [0.0, -0.1, -0.4] {
+            assert_eq!(inlet.velocity_at(0.0, DVec3::new(x, 1.5, 0.0), 2.0), DVec3::X * 17.0);
         }
     }
 

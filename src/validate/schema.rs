@@ -150,13 +150,16 @@ pub enum ValueFile {
         /// Bounds of the amplitude.
         between: (Number, Number),
     },
-    /// Reflection of sound: largest |p' − ρ c u'| over the second interval against largest |p' + ρ c u'| over the first.
+    /// Reflection of sound: largest |p' − Z u'| over the second interval against largest |p' + Z u'| over the first.
     Reflection {
         /// Run.
         run: Text,
-        /// Point probe.
+        /// Point probe, or a line across, its last point the first of the next period.
         probe: Text,
-        /// ρ c, kg/(m² s).
+        /// Waves on the line, 0 for a point.
+        #[serde(default)]
+        waves: Option<Number>,
+        /// Impedance Z = ρ c/cos θ, kg/(m² s).
         impedance: Number,
         /// When the incident wave passes, s.
         incident: (Number, Number),

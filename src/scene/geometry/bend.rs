@@ -43,14 +43,6 @@ impl Section {
             Section::Rectangular(_, half_height) => half_height,
         }
     }
-
-    /// Radius of a ball that holds the section, m.
-    pub fn reach(self) -> f64 {
-        match self {
-            Section::Circular(radius) => radius,
-            Section::Rectangular(half_width, half_height) => half_width.hypot(half_height),
-        }
-    }
 }
 
 /// A section swept along an arc.
@@ -102,8 +94,45 @@ impl Bend {
         beyond(before, at_start).min(beyond(after, at_end))
     }
 
-    /// A ball that holds the bend: centre and radius, m.
-    pub fn bounds(&self) -> (DVec3, f64) {
-        (self.center, self.radius + self.section.reach())
+    /// Corners of a box that holds the bend, m.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let axis = self.outwards.cross(self.direction);
+        let (across, along) = (self.radius + self.section.half_width(), self.section.half_height());
+        // The disc of the full circle, and the height on its axis.
+        let reach = axis.to_array().map(|a| across * (1.0 - a * a).max(0.0).sqrt() + along * a.abs());
+        let reach = DVec3::from(reach);
+        (self.center - reach, self.center + reach)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_hold_every_point_of_a_slanting_bend_and_little_else() {
+        let outwards = DVec3::new(1.0, 2.0, -0.5).normalize();
+        let bend = Bend {
+            center: DVec3::new(0.3, -0.2, 0.1),
+            outwards,
+            direction: outwards.cross(DVec3::new(0.2, 0.1, 1.0)).normalize(),
+            radius: 0.5,
+            angle: 3.0,
+            section: Section::Rectangular(0.1, 0.04),
+        };
+        let (min, max) = bend.bounds();
+        let axis = bend.outwards.cross(bend.direction);
+        for step in 0..=30 {
+            let (sin, cos) = (0.1 * f64::from(step)).sin_cos();
+            for (radial, height) in [(0.6, 0.04), (0.6, -0.04), (0.4, 0.04)] {
+                let point =
+                    bend.center + radial * (cos * bend.outwards + sin * bend.direction) + height * axis;
+                assert!(
+                    (point - min).min_element() > -1e-12 && (max - point).min_element() > -1e-12,
+                    "{point}"
+                );
+            }
+        }
+        assert!((max - min).max_element() <= 2.0 * 0.602);
     }
 }

@@ -25,10 +25,7 @@ impl Shape {
                 }
                 (min, max)
             }
-            Shape::Bend(bend) => {
-                let (center, reach) = bend.bounds();
-                (center - DVec3::splat(reach), center + DVec3::splat(reach))
-            }
+            Shape::Bend(bend) => bend.bounds(),
             Shape::Union(shapes) => shapes
                 .iter()
                 .map(Shape::bounds)

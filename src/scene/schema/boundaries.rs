@@ -75,9 +75,9 @@ pub struct InletFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum InletVelocityFile {
-    /// Speed along `towards`, m/s.
+    /// Speed along `towards`, m/s, on the plane of the inlet: all of a row has it.
     Normal(Formula),
-    /// Components, m/s.
+    /// Components, m/s, on the plane.
     Components(Spanned<Vec<Formula>>),
     /// Speed along `towards` in time: rows of (s, m/s), or a CSV file of two columns.
     TimeTable {

@@ -109,10 +109,10 @@ pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<f64, String> 
             let probe = context.run(&run.value)?.probe(&probe.value)?;
             waves::growth(probe, field.column(), waves.value, (between.0.value, between.1.value))?
         }
-        ValueFile::Reflection { run, probe, impedance, incident, reflected } => {
+        ValueFile::Reflection { run, probe, waves, impedance, incident, reflected } => {
             let probe = context.run(&run.value)?.probe(&probe.value)?;
             let intervals = [incident, reflected].map(|interval| (interval.0.value, interval.1.value));
-            waves::reflection(probe, impedance.value, intervals)?
+            waves::reflection(probe, waves.map_or(0.0, |waves| waves.value), impedance.value, intervals)?
         }
         ValueFile::Order { figures, spacings } => {
             let figure =

@@ -8,25 +8,35 @@ use crate::output::probes::history::ProbeHistory;
 /// Fewest samples that a growth rate is fitted to.
 const FEWEST: usize = 4;
 
-/// Growth rate, 1/s, of the wave with so many waves on a line whose last point is the first of the next period: slope of
-/// the logarithm of the amplitude 2|Σ f exp(−i k x)|/N over time, by least squares, from the first time that the amplitude
-/// is above the lower bound until it passes the upper one.
+/// Amplitude of the wave with so many waves on a line, 2 Σ f exp(−i k x)/N, real and imaginary, at each sample; the last point
+/// of the line is the first of the next period. Of a single point the deviation from its first sample.
+fn amplitudes(probe: &ProbeHistory, field: &str, waves: f64) -> Result<Vec<(f64, f64)>, String> {
+    let column = probe.column(field).ok_or_else(|| format!("probe `{}` has no `{field}`", probe.name))?;
+    if probe.places.len() == 1 {
+        return Ok(column.iter().map(|value| (value - column[0], 0.0)).collect());
+    }
+    let points = probe.places.len() - 1;
+    let amplitude = |values: &[f64]| {
+        let (mut real, mut imaginary) = (0.0, 0.0);
+        for (point, value) in values.iter().take(points).enumerate() {
+            let (sine, cosine) = (TAU * waves * point as f64 / points as f64).sin_cos();
+            real += value * cosine;
+            imaginary -= value * sine;
+        }
+        (2.0 * real / points as f64, 2.0 * imaginary / points as f64)
+    };
+    Ok(column.chunks_exact(points + 1).map(amplitude).collect())
+}
+
+/// Growth rate, 1/s, of a wave along a line: slope of the logarithm of its amplitude over time, by least squares, from the
+/// first time that the amplitude is above the lower bound until it passes the upper one.
 ///
 /// # Errors
 /// That the amplitude is hardly ever between the bounds.
 pub fn growth(probe: &ProbeHistory, field: &str, waves: f64, between: (f64, f64)) -> Result<f64, String> {
-    let points = probe.places.len().saturating_sub(1);
     let mut fitted = Vec::new();
-    for (index, &time) in probe.times.iter().enumerate() {
-        let values =
-            probe.sample(field, index).ok_or_else(|| format!("probe `{}` has no `{field}`", probe.name))?;
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (point, value) in values.iter().take(points).enumerate() {
-            let phase = TAU * waves * point as f64 / points as f64;
-            cosine += value * phase.cos();
-            sine += value * phase.sin();
-        }
-        let amplitude = 2.0 * f64::hypot(cosine, sine) / points as f64;
+    for (&time, (real, imaginary)) in probe.times.iter().zip(amplitudes(probe, field, waves)?) {
+        let amplitude = f64::hypot(real, imaginary);
         if amplitude > between.1 {
             break;
         }
@@ -35,37 +45,32 @@ pub fn growth(probe: &ProbeHistory, field: &str, waves: f64, between: (f64, f64)
         }
     }
     if fitted.len() < FEWEST {
-        return Err(format!(
-            "the amplitude is between {} and {} in {} samples only",
-            between.0,
-            between.1,
-            fitted.len()
-        ));
+        let (low, high) = between;
+        return Err(format!("the amplitude is between {low} and {high} in {} samples only", fitted.len()));
     }
     Ok(slope(&fitted))
 }
 
-/// Reflection coefficient at a point: largest |p' − ρ c u'| in the second interval over largest |p' + ρ c u'| in the first
-/// (s), of the deviations from the first sample; `impedance` ρ c in kg/(m² s).
+/// Reflection coefficient: largest |p' − Z u'| in the second interval over largest |p' + Z u'| in the first (s), at a point or
+/// of a wave along a line across; `impedance` Z = ρ c/cos θ in kg/(m² s).
 ///
 /// # Errors
 /// That the probe has no such fields or times.
 pub fn reflection(
     probe: &ProbeHistory,
+    waves: f64,
     impedance: f64,
     [incident, reflected]: [(f64, f64); 2],
 ) -> Result<f64, String> {
-    let column =
-        |name: &str| probe.column(name).ok_or_else(|| format!("probe `{}` has no `{name}`", probe.name));
-    let (pressure, velocity) = (column("pressure")?, column("u")?);
-    if probe.places.len() != 1 {
-        return Err(format!("probe `{}` has many points", probe.name));
-    }
+    let pressure = amplitudes(probe, "pressure", waves)?;
+    let velocity = amplitudes(probe, "u", waves)?;
     let largest = |(from, to): (f64, f64), sign: f64| {
         let inside = (0..probe.times.len()).filter(|&index| (from..=to).contains(&probe.times[index]));
-        let waves = inside
-            .map(|at| (pressure[at] - pressure[0] + sign * impedance * (velocity[at] - velocity[0])).abs());
-        waves.fold(f64::NAN, f64::max)
+        let characteristic = |at: usize| {
+            let part = |p: f64, u: f64| p + sign * impedance * u;
+            f64::hypot(part(pressure[at].0, velocity[at].0), part(pressure[at].1, velocity[at].1))
+        };
+        inside.map(characteristic).fold(f64::NAN, f64::max)
     };
     Ok(largest(reflected, -1.0) / largest(incident, 1.0))
 }
@@ -106,7 +111,7 @@ mod tests {
         let velocity = times.iter().map(|&t| 0.1 + (pulse(t, 0.5) - back * pulse(t, 1.5)) / rho_c).collect();
         let columns = vec![("u", velocity), ("pressure", pressure)];
         let probe = ProbeHistory { places: vec![[0.0; 3]], times, columns, ..Default::default() };
-        let found = reflection(&probe, rho_c, [(0.0, 1.0), (1.0, 2.0)]).expect("a coefficient");
+        let found = reflection(&probe, 0.0, rho_c, [(0.0, 1.0), (1.0, 2.0)]).expect("a coefficient");
         assert!((found - 0.2).abs() < 1e-9, "{found}");
     }
 }
