@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
-use crate::bench::cases::Case;
+use super::trials::{BenchArguments, ValidateArguments};
 use crate::output::picture::{Colours, Field, Slice};
 
 /// The whole command line.
@@ -209,55 +209,6 @@ pub struct PackArguments {
     pub run: PathBuf,
 }
 
-/// `sphecs bench`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    sphecs bench\n  \
-    sphecs bench --case 3d-f32 --case 3d-f64 --threads 1,4,16\n\n\
-    Nothing is read or written. Let the machine rest meanwhile: a figure is the fastest of some repetitions.")]
-pub struct BenchArguments {
-    /// Case to measure; repeatable [default: all but the large ones]
-    #[arg(long = "case", value_name = "NAME", value_parser = cases())]
-    pub cases: Vec<Case>,
-    /// Threads to measure with; several with commas between [default: one, and all cores]
-    #[arg(long, value_name = "N", value_delimiter = ',')]
-    pub threads: Vec<NonZeroUsize>,
-    /// Measure boxes of one and four million particles as well
-    #[arg(long)]
-    pub large: bool,
-}
-
-/// `sphecs validate`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    sphecs validate --quick\n  \
-    sphecs validate --case poiseuille --out runs/poiseuille_check\n  \
-    sphecs validate --case my_cases/pipe.ron\n\n\
-    Leaves a page with plots for each case, and report.json. Exit code 1 when a band that must be met is missed.")]
-pub struct ValidateArguments {
-    /// Name of a case, or the path of a case file; repeatable [default: all]
-    #[arg(long = "case", value_name = "NAME")]
-    pub cases: Vec<String>,
-    /// Run only what takes minutes
-    #[arg(long, conflicts_with = "full")]
-    pub quick: bool,
-    /// Run everything, at published resolution
-    #[arg(long)]
-    pub full: bool,
-    /// Folder for runs, pages and plots
-    #[arg(long, value_name = "DIR", default_value = "runs/validation")]
-    pub out: PathBuf,
-    /// Take completed runs of the same scene and version from the folder
-    #[arg(long)]
-    pub reuse: bool,
-    /// Threads to compute with [default: all cores]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
-    /// Say what cases there are, and run none
-    #[arg(long)]
-    pub list: bool,
-}
-
 // The names come from the fields and maps themselves, so that help and messages cannot fall behind.
 fn fields() -> impl TypedValueParser<Value = Field> {
     PossibleValuesParser::new(Field::ALL.map(Field::name)).try_map(|name| name.parse::<Field>())
@@ -268,11 +219,6 @@ fn colours() -> impl TypedValueParser<Value = Colours> {
         let found = Colours::ALL.into_iter().find(|(known, _)| *known == name);
         found.map(|(_, colours)| colours).ok_or("is no colour map")
     })
-}
-
-fn cases() -> impl TypedValueParser<Value = Case> {
-    PossibleValuesParser::new(Case::ALL.map(|(name, _)| name))
-        .try_map(|name| Case::named(&name).ok_or("is no case"))
 }
 
 fn slice(text: &str) -> Result<Slice, String> {

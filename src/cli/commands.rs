@@ -5,10 +5,11 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use super::arguments::{
-    BenchArguments, CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments,
-    RunArguments, SceneArguments, ValidateArguments,
+    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, RunArguments,
+    SceneArguments,
 };
 use super::failure::{DONE, Failure, MISSED};
+use super::trials::{BenchArguments, ValidateArguments};
 use crate::bench::cases::Case;
 use crate::bench::{self, BenchOptions};
 use crate::output::error::OutputError;

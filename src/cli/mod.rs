@@ -1,11 +1,12 @@
 //! The command line: what the user asks for, and how it is answered.
 //!
-//! Rooms: `arguments` (what may stand on the command line), `commands` (one function for each),
-//! `failure` (messages and exit codes).
+//! Rooms: `arguments` (what may stand on the command line), `trials` (the same of `bench` and `validate`), `commands` (one
+//! function for each), `failure` (messages and exit codes).
 
 pub mod arguments;
 pub mod commands;
 pub mod failure;
+pub mod trials;
 
 use std::process::ExitCode;
 

@@ -2,15 +2,22 @@
 
 use std::path::Path;
 
-use plotters::prelude::*;
+use plotters::backend::SVGBackend;
+use plotters::chart::{ChartBuilder, SeriesLabelPosition};
+use plotters::drawing::IntoDrawingArea;
+use plotters::element::PathElement;
+use plotters::series::{DashedLineSeries, LineSeries};
+use plotters::style::{BLACK, Color, RGBColor, WHITE};
 
 use super::schema::{CurveFile, PlotFile};
 use super::value::profile::profiles;
 use super::value::reference::{self, coordinate};
 use super::value::{Context, series};
 
-/// Size, points.
-const SIZE: (u32, u32) = (720, 480);
+/// Size, points: twice what it is looked at, since coordinates are whole points.
+const SIZE: (u32, u32) = (1440, 960);
+/// Size of letters, points.
+const LETTERS: u32 = 26;
 /// Colours of the curves, in turn: told apart by people who do not tell red from green (Okabe and Ito).
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -22,7 +29,9 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 /// Points of a dashed stroke.
-const DASH: (i32, i32) = (6, 4);
+const DASH: (i32, i32) = (10, 14);
+/// Length of a key in the legend, points.
+const KEY: i32 = 40;
 
 /// A curve with its points.
 struct Curve {
@@ -90,11 +99,13 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
     let root = SVGBackend::new(path, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
     let (across, upward) = (range(curves, |point| point.0, 0.0), range(curves, |point| point.1, 0.05));
+    let corner = emptiest_corner(curves, &across, &upward);
     let mut chart = ChartBuilder::on(&root)
-        .caption(&plot.title, ("sans-serif", 17))
-        .margin(12)
-        .x_label_area_size(44)
-        .y_label_area_size(76)
+        .caption(&plot.title, ("sans-serif", LETTERS + 8))
+        .margin(24)
+        .margin_right(60)
+        .x_label_area_size(88)
+        .y_label_area_size(150)
         .build_cartesian_2d(across, upward)?;
     let logarithmic = plot.logarithmic;
     let label = |value: &f64| {
@@ -104,29 +115,61 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
         .configure_mesh()
         .x_desc(&plot.across)
         .y_desc(&plot.upward)
+        .label_style(("sans-serif", LETTERS))
+        .x_labels(8)
         .x_label_formatter(&|value| super::verdict::number(*value))
         .y_label_formatter(&label)
         .light_line_style(WHITE.mix(0.0))
         .draw()?;
-    let mut first_reference = true;
     for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
-        if !curve.reference.is_empty() {
-            let style = BLACK.mix(0.7).stroke_width(1);
-            let dashed = DashedLineSeries::new(curve.reference.iter().copied(), DASH.0, DASH.1, style);
-            let drawn = chart.draw_series(dashed)?;
-            if std::mem::take(&mut first_reference) {
-                drawn.label("reference").legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
-            }
-        }
-        let style = colour.stroke_width(2);
+        let style = colour.stroke_width(4);
         chart
             .draw_series(LineSeries::new(curve.points.iter().copied(), style))?
             .label(&curve.label)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
     }
-    chart.configure_series_labels().background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.3)).draw()?;
+    // On top: where both agree the dashes show it.
+    let style = BLACK.stroke_width(2);
+    for (number, curve) in curves.iter().filter(|curve| !curve.reference.is_empty()).enumerate() {
+        let dashed = DashedLineSeries::new(curve.reference.iter().copied(), DASH.0, DASH.1, style);
+        let drawn = chart.draw_series(dashed)?;
+        if number == 0 {
+            drawn.label("reference").legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
+        }
+    }
+    chart
+        .configure_series_labels()
+        .position(corner)
+        .label_font(("sans-serif", LETTERS))
+        .legend_area_size(KEY + 14)
+        .margin(20)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
     root.present()?;
     Ok(())
+}
+
+/// The corner of the plot with the fewest points of curves, for the legend.
+fn emptiest_corner(
+    curves: &[Curve],
+    across: &std::ops::Range<f64>,
+    upward: &std::ops::Range<f64>,
+) -> SeriesLabelPosition {
+    let corners = [
+        (true, true, SeriesLabelPosition::UpperRight),
+        (false, true, SeriesLabelPosition::UpperLeft),
+        (true, false, SeriesLabelPosition::LowerRight),
+        (false, false, SeriesLabelPosition::LowerLeft),
+    ];
+    let share = |value: f64, range: &std::ops::Range<f64>| (value - range.start) / (range.end - range.start);
+    let points_in = |right: bool, upper: bool| {
+        let near = |share: f64, high: bool| if high { share > 0.6 } else { share < 0.4 };
+        let all = curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.reference));
+        all.filter(|point| near(share(point.0, across), right) && near(share(point.1, upward), upper)).count()
+    };
+    let least = corners.into_iter().min_by_key(|&(right, upper, _)| points_in(right, upper));
+    least.map_or(SeriesLabelPosition::UpperRight, |(_, _, corner)| corner)
 }
 
 #[cfg(test)]
@@ -142,6 +185,11 @@ mod tests {
         };
         assert_eq!(range(&[curve(&[(1.0, 2.0), (3.0, 0.0)])], |point| point.0, 0.0), 1.0..5.0);
         assert_eq!(range(&[], |point| point.1, 0.0), 0.0..1.0);
+        let rising = curve(&[(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)]);
+        assert!(matches!(
+            emptiest_corner(&[rising], &(0.0..2.0), &(0.0..2.0)),
+            SeriesLabelPosition::UpperLeft
+        ));
         let flat = range(&[curve(&[(1.0, -1.0)])], |point| point.1, 0.05);
         assert!(flat.start < -1.0 && flat.end > -1.0);
     }

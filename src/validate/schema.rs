@@ -324,7 +324,7 @@ pub enum CurveFile {
         axis: AxisFile,
         /// What should be there.
         #[serde(default)]
-        reference: Option<ReferenceFile>,
+        reference: Option<Box<ReferenceFile>>,
         /// Words of the legend.
         label: String,
     },

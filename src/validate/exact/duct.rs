@@ -4,7 +4,7 @@
 //! u = (16 f a²/(ν π³)) Σ_i (−1)^((i−1)/2) [1 − cosh(i π z/2a)/cosh(i π b/2a)] cos(i π y/2a)/i³,   i = 1, 3, 5, …
 //! ```
 //!
-//! White (1991), Eq. 3-48, with the force per mass f in place of the pressure gradient over ρ.
+//! Shah & London (1978), chapter VII, with the force per mass f in place of the pressure gradient over ρ.
 
 use std::f64::consts::PI;
 
@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn a_square_has_the_known_peak_and_friction() {
-        // White (1991), Table 3-5: peak over mean 2.0963, f Re = 56.91, that is a mean of 2 G D²/(56.91 μ).
+        // Shah & London (1978): peak over mean 2.0963, f Re = 56.91, that is a mean of 2 G D²/(56.91 μ).
         let found = mean(0.3, 0.3, 7.0);
         let peak = developed_velocity(0.0, 0.0, 0.3, 0.3, 7.0);
         assert!((peak / found - 2.09626).abs() < 1e-3, "{}", peak / found);

@@ -1,0 +1,145 @@
+//! `sphecs validate` as a user meets it: verdicts, pages, exit codes; and the quick tier itself.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn validate(arguments: &[&str], out: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sphecs"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).env_remove("RUST_BACKTRACE").arg("validate");
+    command.args(arguments).arg("--out").arg(out).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A periodic flow of 0.25 m/s along x that nothing changes, and what is measured of it.
+const SCENE: &str = r#"Scene(
+    title: "Uniform stream", dimensions: 2, spacing: 0.05, smoke: 0.1,
+    fluid: (density: 1000.0, viscosity: 1.0e-6, sound_speed: 5.0),
+    domain: Box(min: (0.0, 0.0), max: (0.5, 0.5)), periodic: ["x", "y"], walls: None,
+    initial: (velocity: (0.25, 0.0)),
+    time: (end: 0.05),
+    output: (every: 0.05, monitor_every: 0.01, probes: [
+        (name: "line", kind: Line(from: (0.0, 0.25), to: (0.5, 0.25), count: 6)),
+        (name: "flow", kind: Section(at: (0.25, 0.25), normal: (1.0, 0.0))),
+    ]),
+)"#;
+
+/// A case of that flow whose speed should be `speed`.
+fn case(folder: &Path, speed: f64) -> String {
+    let text = format!(
+        r#"Case(
+    title: "Uniform stream", source: "nobody", setting: "A stream | that stays.",
+    constants: {{ "speed": {speed} }},
+    runs: [
+        (name: "stream", scene: "stream.ron", tier: Quick),
+        (name: "later", scene: "stream.ron", set: [("time.end", "0.06")], tier: Usual),
+    ],
+    figures: [
+        (name: "off", what: "distance from the speed, m/s", must: AtMost(1e-9), value: Profile(
+            run: "stream", probe: "line", field: u, when: Every(0.0, 1.0), reference: Formula("speed"), norm: Largest)),
+        (name: "flow", what: "flow, kg/(s m)", must: Near(value: 125.0, by: 1e-6), value: Series(
+            run: "stream", table: "flow", column: "mass_flow", over: (0.0, 1.0), take: Mean)),
+        (name: "twice", what: "twice that", value: Formula("2*flow")),
+        (name: "same", what: "distance from the other run", value: Profile(
+            run: "stream", probe: "line", field: u, when: At(0.05), reference: Run("later"), norm: Largest)),
+    ],
+    plots: [(name: "line", title: "u", across: "x, m", upward: "u, m/s", curves: [
+        Profile(run: "stream", probe: "line", field: u, when: At(0.05), axis: x, reference: Some(Formula("speed")), label: "u"),
+    ])],
+)"#
+    );
+    fs::write(folder.join("stream.ron"), SCENE).expect("written");
+    let path = folder.join("uniform.ron");
+    fs::write(&path, text).expect("written");
+    path.to_string_lossy().into_owned()
+}
+
+#[test]
+fn a_case_of_ones_own_is_run_measured_and_judged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let path = case(folder.path(), 0.25);
+    let output = validate(&["--quick", "--case", &path], &out);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}\n{}", text(&output.stderr));
+    assert!(said.contains("all that must be met is met"), "{said}");
+    assert!(!said.contains("the other run"), "its second run is not of this tier:\n{said}");
+
+    let page = fs::read_to_string(out.join("uniform.md")).expect("a page");
+    for words in
+        ["# Uniform stream", "| flow, kg/(s m) | 125 | 125 ±", "| twice that | 250 |", "uniform_line.svg"]
+    {
+        assert!(page.contains(words), "no `{words}` in\n{page}");
+    }
+    let picture = fs::read_to_string(out.join("uniform_line.svg")).expect("a plot");
+    assert!(picture.starts_with("<svg") && picture.contains("reference"));
+    let report: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("report.json")).expect("a report")).expect("JSON");
+    assert_eq!(report["figures"].as_array().map(Vec::len), Some(3));
+    assert_eq!(
+        report["figures"][2]["value"],
+        2.0 * report["figures"][1]["value"].as_f64().expect("a number")
+    );
+
+    // What is complete is taken again; the other tier adds its run.
+    let first = fs::read(out.join("uniform/stream/summary.json")).expect("a summary");
+    let output = validate(&["--reuse", "--case", &path], &out);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+    assert!(text(&output.stdout).contains("distance from the other run"));
+    assert_eq!(fs::read(out.join("uniform/stream/summary.json")).expect("a summary"), first);
+}
+
+#[test]
+fn a_missed_band_is_said_and_gives_exit_code_1() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let path = case(folder.path(), 0.3);
+    let output = validate(&["--quick", "--case", &path], &out);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("MISSED") && said.contains("missed: uniform"), "{said}");
+    assert!(fs::read_to_string(out.join("uniform.md")).expect("a page").contains("| MISSED |"));
+}
+
+#[test]
+fn a_flow_that_blows_up_is_a_miss_with_its_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let path = case(folder.path(), 0.25);
+    // Two thousand times the sound speed for one column.
+    let scene = SCENE.replace("velocity: (0.25, 0.0)", r#"velocity: ("1e4*(x < 0.05)", 0.0)"#);
+    fs::write(folder.path().join("stream.ron"), scene).expect("written");
+    let output = validate(&["--quick", "--case", &path], &out);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{said}\n{}", text(&output.stderr));
+    assert!(said.contains("run `stream` has no results"), "{said}");
+    assert!(fs::read_to_string(out.join("uniform.md")).expect("a page").contains("| failed: "));
+}
+
+#[test]
+fn faults_of_a_case_end_before_anything_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let path = case(folder.path(), 0.25);
+    let bad = fs::read_to_string(&path).expect("the case").replace("probe: \"line\"", "probe: \"lines\"");
+    fs::write(&path, bad).expect("written");
+    let output = validate(&["--case", &path], &out);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("run `stream` has no probe `lines`") && message.contains("line"), "{message}");
+    assert!(!out.exists());
+
+    let output = validate(&["--case", "poisseuille"], &out);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("poiseuille"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn the_quick_tier_meets_all_that_must_be_met() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = validate(&["--quick"], folder.path());
+    assert_eq!(output.status.code(), Some(0), "{}\n{}", text(&output.stdout), text(&output.stderr));
+}
