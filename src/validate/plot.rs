@@ -13,6 +13,7 @@ use super::schema::{CurveFile, PlotFile};
 use super::value::profile::profiles;
 use super::value::reference::{self, coordinate};
 use super::value::{Context, series};
+use super::verdict::number;
 
 /// Size, points: twice what it is looked at, since coordinates are whole points.
 const SIZE: (u32, u32) = (1440, 960);
@@ -100,6 +101,14 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
     root.fill(&WHITE)?;
     let (across, upward) = (range(curves, |point| point.0, 0.0), range(curves, |point| point.1, 0.05));
     let corner = emptiest_corner(curves, &across, &upward);
+    let logarithmic = plot.logarithmic;
+    // A line of the mesh at zero is a rounding error beside it.
+    let spans = [across.end - across.start, upward.end - upward.start];
+    let plain =
+        move |value: f64, axis: usize| number(if value.abs() < 1e-9 * spans[axis] { 0.0 } else { value });
+    let label = |value: &f64| {
+        if logarithmic { format!("{:.1e}", 10_f64.powf(*value)) } else { plain(*value, 1) }
+    };
     let mut chart = ChartBuilder::on(&root)
         .caption(&plot.title, ("sans-serif", LETTERS + 8))
         .margin(24)
@@ -107,17 +116,13 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
         .x_label_area_size(88)
         .y_label_area_size(150)
         .build_cartesian_2d(across, upward)?;
-    let logarithmic = plot.logarithmic;
-    let label = |value: &f64| {
-        if logarithmic { format!("{:.1e}", 10_f64.powf(*value)) } else { super::verdict::number(*value) }
-    };
     chart
         .configure_mesh()
         .x_desc(&plot.across)
         .y_desc(&plot.upward)
         .label_style(("sans-serif", LETTERS))
         .x_labels(8)
-        .x_label_formatter(&|value| super::verdict::number(*value))
+        .x_label_formatter(&|value| plain(*value, 0))
         .y_label_formatter(&label)
         .light_line_style(WHITE.mix(0.0))
         .draw()?;

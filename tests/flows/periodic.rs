@@ -74,9 +74,9 @@ fn taylor_green_errors(spacing: &str) -> (f64, f64) {
     ((off / exact).sqrt(), found / exact - 1.0)
 }
 
-/// Measured at 16, 32 and 64 rows, Re = 100, c0 = 10 U: energy off by 16.0, 5.7 and 1.0 %, order 2.0 in the mean; velocity by 16.1,
-/// 4.9 and 3.4 %, order 1.1. The kernel's own error is of second order; the velocity's is less because the lattice breaks up
-/// at random and leaves a noise that falls with h/Δ rather than with Δ, hence bounds half an order below what was measured.
+/// Measured at 16, 32 and 64 rows, Re = 100, c0 = 10 U: energy off by 5.9, 1.3 and −0.1 %; velocity by 14.3, 7.9 and 2.9 %, order
+/// 1.1. The kernel's own error is of second order; the velocity's is less because the lattice rearranges at random and
+/// leaves a noise that falls with h/Δ rather than with Δ, hence bounds half an order below what was measured.
 #[test]
 fn taylor_green_decay_converges() {
     let errors = ["1/16", "1/32", "1/64"].map(|spacing| taylor_green_errors(&format!("\"{spacing}\"")));
