@@ -38,28 +38,44 @@ def frame(run, time, zone=None):
     return now.isel(particle=np.flatnonzero(keep))
 
 
-def profile(now, points, field, h):
-    """A field at points (rows of x, y, m) by weighted least squares of a linear field over the particles within 2h.
+# Largest gain of a quadratic fit in what is uneven from particle to particle, as in the engine.
+MOST_GAIN = 5.0
 
-    NaN where fewer than four particles are near. Exact for linear fields, as the probes of sphecs are.
+
+def profile(now, points, field, h):
+    """A field at points (rows of x, y, m) by weighted least squares over the particles within 2h, as the probes of sphecs.
+
+    Velocities by a quadratic fit where the particles bear one, all else by a linear one. NaN where fewer than four
+    particles are near.
     """
     x = np.stack([now.x.values, now.y.values], axis=1)
     values = now[field].values.astype(float)
     result = np.full(len(points), np.nan)
     for index, point in enumerate(np.asarray(points, dtype=float)):
-        offset = x - point
-        q = np.hypot(offset[:, 0], offset[:, 1]) / h
+        offset = (x - point) / h
+        q = np.hypot(offset[:, 0], offset[:, 1])
         near = q < 2.0
         if near.sum() < 4:
             continue
-        q = q[near]
-        weight = (1 - q / 2) ** 4 * (1 + 2 * q)
-        basis = np.column_stack([np.ones(near.sum()), offset[near] / h])
-        moment = basis.T @ (weight[:, None] * basis)
-        # A point beside the fluid has neighbours on one side only.
-        if np.linalg.cond(moment) < 1e8:
-            result[index] = np.linalg.solve(moment, basis.T @ (weight * values[near]))[0]
+        weight = (1 - q[near] / 2) ** 4 * (1 + 2 * q[near])
+        first, second = offset[near].T
+        linear = [np.ones(near.sum()), first, second]
+        shares = fit_shares([*linear, first**2, first * second, second**2], weight) if field in "uvw" else None
+        if shares is None or (shares**2).sum() > MOST_GAIN:
+            shares = fit_shares(linear, weight)
+        if shares is not None:
+            result[index] = shares @ values[near]
     return result
+
+
+def fit_shares(functions, weight):
+    """What each particle contributes to a fit at the point where all functions but the first are 0; None where there is none."""
+    basis = np.column_stack(functions)
+    moment = basis.T @ (weight[:, None] * basis)
+    # A point beside the fluid has neighbours on one side only.
+    if np.linalg.cond(moment) > 1e8:
+        return None
+    return weight * (basis @ np.linalg.inv(moment)[0])
 
 
 def plot(run, field, time, size=4.0):

@@ -110,7 +110,7 @@ def test_profile_from_particles_is_the_probe_of_the_engine(particles, run_folder
     assert both.mean() > 0.9
     largest = np.abs(wanted[both]).max()
     assert largest > 0.0
-    # Both fit a linear field to the same particles; they weigh them a little differently by their volumes.
+    # Both fit the same functions to the same particles; they weigh them a little differently by their volumes.
     assert np.abs(found - wanted)[both].max() < 1e-3 * largest
 
 
