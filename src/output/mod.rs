@@ -5,7 +5,7 @@
 //! reported as written. [`pack`](pack::pack) turns both into `particles.nc`, `monitor.nc` and `probes.nc`.
 //! [`Results`](results::Results) reads packed and unfinished runs alike, for pictures, export and people.
 
-mod disk;
+pub(crate) mod disk;
 pub mod error;
 pub mod folder;
 pub mod frame;

@@ -29,6 +29,7 @@ use schema::{RunFile, Tier, ValueFile};
 use value::{Context, RunResults, evaluate, runs_of};
 use verdict::Verdict;
 
+use crate::output::disk::write_whole;
 use crate::output::error::OutputError;
 use crate::output::summary::{Status, Summary};
 use crate::run::console::Console;
@@ -131,11 +132,10 @@ fn command(options: &ValidateOptions, case: &Case) -> String {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), OutputError> {
-    let io = |doing| move |cause| OutputError::Io { path: path.to_path_buf(), doing, cause };
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(io("make the folder of"))?;
+        std::fs::create_dir_all(folder).map_err(OutputError::io(folder, "make the folder"))?;
     }
-    std::fs::write(path, text).map_err(io("write"))
+    write_whole(path, text.as_bytes())
 }
 
 /// Runs and measures a case, or tells the signal that stopped it.
