@@ -16,12 +16,10 @@ use crate::math::lanes::{Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::physics::outlet::wave::{WaveLanes, WavePair, WaveSetting, WaveSums};
+use crate::physics::wall::image;
 
 /// Rows that a thread takes at a time.
 const CHUNK: usize = 64;
-
-/// Nearest distance to a wall over the spacing that the image velocity of a wall particle sees.
-const LEAST_WALL_DISTANCE: f64 = 0.05;
 
 /// Most columns beside the coordinates: velocity, density, image distance.
 const MOST_COLUMNS: usize = 3 + 2;
@@ -138,8 +136,8 @@ impl<K: KernelShape, R: Real, const D: usize> WaveBlock<'_, K, R, D> {
             v_o[d] = L::splat(self.source.columns[d][row]);
             normal[d] = L::constant(self.setting.normal[d]);
         }
-        let d_o = self.wall_distance[row].to_f64().max(LEAST_WALL_DISTANCE * self.pair.spacing);
-        let inverse_distance = L::constant(1.0 / d_o);
+        let inverse_distance =
+            L::constant(image::inverse_distance(self.wall_distance[row].to_f64(), self.pair.spacing));
         let mass = L::constant(self.pair.mass);
         let columns = self.source.columns.len();
         let mut sums = WaveLanes::<L, D>::new();
@@ -204,7 +202,7 @@ mod tests {
         let Sample { pair, grid, particles, .. } = sample;
         let h = pair.smoothing_length;
         let f_scale = pair.kernel_scale() / (h * h);
-        let d_o = particles.wall_distance[row].to_f64().max(0.05 * SPACING);
+        let d_o = particles.wall_distance[row].to_f64().max(0.1 * SPACING);
         let mut sums = WaveLanes::<Array<f64, 1>, D>::new();
         let mut concentration = DVec3::ZERO;
         let point = std::array::from_fn(|d| particles.position[d][row]);

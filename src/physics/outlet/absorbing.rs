@@ -3,7 +3,7 @@
 //! ```text
 //! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    carried out by the flow, from the section mean of the last layers of fluid
 //! J3 = (p  − p_t) − ρ0 c0 (v  − u)    would come in from outside: 0
-//! p  = p_t + ½ J2,     du/dt = (v̄ − u)/τ
+//! p  = p_t + ½ J2,     du/dt = (w − u)/½τ,  dw/dt = (v̄ − w)/½τ
 //! ```
 //!
 //! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009), taken for the
@@ -11,7 +11,7 @@
 //! magnitude too large to be read as sound: ½ ρ0 c0 v' of a jet with v' = 0.1 m/s is 200 Pa at c0 = 4 m/s, its true
 //! pressure 5 Pa. A plane wave is all that a channel carries below its cut-on frequency c0/(2 width), and the mean
 //! over the section is exactly that part. The mean velocity u follows the flow over a time τ, so that the anchor p_t holds in the
-//! long run; a fixed pressure instead reflects every wave and, with a prescribed inlet velocity, makes a
+//! long run, and in two stages, so that a passing pulse leaves no step behind; a fixed pressure instead reflects every wave and, with a prescribed inlet velocity, makes a
 //! resonator of the channel.
 
 /// State and constants of one absorbing outlet.
@@ -20,6 +20,8 @@ pub struct Absorbing {
     /// Followed mean velocity u, m/s; None before the first step, which takes the flow's: a flow already in motion is
     /// no wave.
     pub mean_velocity: Option<f64>,
+    /// First stage w of the following, m/s.
+    pub first_stage: f64,
 }
 
 impl Absorbing {
@@ -33,10 +35,14 @@ impl Absorbing {
         time_step: f64,
     ) -> f64 {
         let impedance = setting.density * setting.sound_speed;
-        let followed = self.mean_velocity.unwrap_or(mean_velocity);
+        let followed = self.mean_velocity.unwrap_or_else(|| {
+            self.first_stage = mean_velocity;
+            mean_velocity
+        });
         let outgoing = mean_pressure - setting.target + impedance * (mean_velocity - followed);
-        let share = -(-time_step / setting.time).exp_m1();
-        self.mean_velocity = Some(followed + share * (mean_velocity - followed));
+        let share = -(-2.0 * time_step / setting.time).exp_m1();
+        self.mean_velocity = Some(followed + share * (self.first_stage - followed));
+        self.first_stage += share * (mean_velocity - self.first_stage);
         setting.target + 0.5 * outgoing
     }
 }
@@ -64,7 +70,7 @@ mod tests {
     #[test]
     fn an_outgoing_wave_sees_its_own_pressure() {
         // p' = ρ c v': then the outlet must have the wave's pressure, as if the channel went on.
-        let mut state = Absorbing { mean_velocity: Some(0.1) };
+        let mut state = Absorbing { mean_velocity: Some(0.1), first_stage: 0.1 };
         let p = state.advance(&SETTING, 5.0 + 1000.0 * 4.0 * 0.002, 0.102, 1e-9);
         assert!((p - (5.0 + 8.0)).abs() < 1e-9, "{p}");
     }

@@ -1,11 +1,15 @@
 //! Outlets: the door lists the rooms and holds the closed choices.
 //!
 //! - [`absorbing`]: an outlet pressure that lets plane sound waves leave
+//! - [`continuation`]: a zone that carries a wave of sound on
 //! - [`convection`]: how fast an outflow zone is carried away
+//! - [`oblique`]: an outlet pressure that lets sound leave at any angle
 //! - [`wave`]: the outgoing wave equation
 
 pub mod absorbing;
+pub mod continuation;
 pub mod convection;
+pub mod oblique;
 pub mod wave;
 
 use serde::{Deserialize, Serialize};
@@ -74,8 +78,8 @@ pub enum OutletPressure {
         /// Time constant, s.
         time: f64,
     },
-    /// Lets plane sound waves leave: the incoming characteristic of the section mean is held at `target` (Pa),
-    /// its mean velocity followed over `time` (s).
+    /// Lets sound leave: the incoming characteristic is held at `target` (Pa) and the mean velocity followed over
+    /// `time` (s).
     Absorbing {
         /// Mean pressure approached, Pa.
         #[serde(default)]
@@ -84,12 +88,25 @@ pub enum OutletPressure {
         /// domain along the outlet's normal.
         #[serde(default)]
         time: Option<f64>,
+        /// Which waves may leave.
+        #[serde(default)]
+        waves: Waves,
     },
+}
+
+/// Waves of sound that an absorbing outlet lets leave.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Waves {
+    /// Plane ones that run along the normal: those of the section's mean.
+    Plane,
+    /// Waves at any angle too.
+    #[default]
+    All,
 }
 
 impl Default for OutletPressure {
     fn default() -> Self {
-        OutletPressure::Absorbing { target: 0.0, time: None }
+        OutletPressure::Absorbing { target: 0.0, time: None, waves: Waves::All }
     }
 }
 

@@ -168,7 +168,7 @@ fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
         OutletPressure::Frozen => return,
         OutletPressure::Reference(target) => (target, 1.0),
         OutletPressure::Relaxed { target, time } => (target, time),
-        OutletPressure::Absorbing { target, time } => (target, time.unwrap_or(1.0)),
+        OutletPressure::Absorbing { target, time, .. } => (target, time.unwrap_or(1.0)),
     };
     finite(target, "the pressure of an outlet", file.head, check);
     if !(time.is_finite() && time > 0.0) {

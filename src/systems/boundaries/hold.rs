@@ -1,4 +1,4 @@
-//! Impermeable walls: no fluid particle stays behind one.
+//! Impermeable walls: no particle of the fluid or of an outflow zone stays behind one.
 //!
 //! Pressure keeps the particles off a flat wall. At the tip of a sharp corner the nearest wall particle stands 0.7 Δ
 //! inside, and a particle that rounds the corner cuts it: with six rows in a throat by up to 0.1 Δ. The surface does not
@@ -42,6 +42,8 @@ pub fn hold_at_walls<R: Real, const D: usize>(
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
+    // Drawn out beyond the far ends of the zones, which are no walls.
+    let walls = &scene.layout.confines;
     let near = R::from_f64(NEAR * scene.spacing);
     let ParticleArrays { zone, position, velocity, velocity_before, wall_distance, .. } = &mut *arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
@@ -53,7 +55,7 @@ pub fn hold_at_walls<R: Real, const D: usize>(
     );
     let work = |rows: Range<usize>, (position, mut now, mut before): Columns<R, D>| {
         for (at, row) in rows.enumerate() {
-            if zone[row] != Zone::Fluid || wall_distance[row] >= near {
+            if !matches!(zone[row], Zone::Fluid | Zone::Outflow) || wall_distance[row] >= near {
                 continue;
             }
             // A particle that has just crossed a periodic face is not outside: the next sort puts it in again.
@@ -62,12 +64,12 @@ pub fn hold_at_walls<R: Real, const D: usize>(
             for axis in 0..D {
                 point[axis] = inside[axis];
             }
-            if scene.container.signed_distance(point) <= 0.0 {
+            if walls.signed_distance(point) <= 0.0 {
                 continue;
             }
             let step = STEP * scene.spacing;
-            let outwards = scene.container.gradient(point, step, D);
-            let surface = scene.container.nearest_surface(point, step, D);
+            let outwards = walls.gradient(point, step, D);
+            let surface = walls.nearest_surface(point, step, D);
             let back = surface - outwards * (IN_FRONT * scene.spacing) - point;
             for axis in 0..D {
                 position[axis][at] += back[axis];
@@ -78,7 +80,9 @@ pub fn hold_at_walls<R: Real, const D: usize>(
                     velocity[axis][at] -= R::from_f64(into.max(0.0) * outwards[axis]);
                 }
             }
-            count.fetch_add(1, Ordering::Relaxed);
+            if zone[row] == Zone::Fluid {
+                count.fetch_add(1, Ordering::Relaxed);
+            }
         }
     };
     for_each_part(0..zone.len(), columns, &work);

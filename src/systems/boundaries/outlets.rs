@@ -2,7 +2,9 @@
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Local, Res, ResMut};
+use glam::DVec3;
 
+use super::absorb::AbsorbingZone;
 use super::rows::PatchRows;
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
@@ -11,10 +13,9 @@ use crate::particles::rows::set_real_vector;
 use crate::pass::points::{PointFit, PointFlow, PointFlows};
 use crate::pass::waves::{WaveFound, sum_waves};
 use crate::physics::outlet::OutletPressure;
-use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
 use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
 use crate::physics::outlet::wave::WaveSetting;
-use crate::scene::model::{Outlet, Scene};
+use crate::scene::model::Outlet;
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
@@ -28,8 +29,8 @@ pub struct OutletStates(pub Vec<OutletState>);
 /// Memory of one outlet, and what the present stage found there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutletState {
-    /// State of an absorbing pressure.
-    pub absorbing: Absorbing,
+    /// State of an absorbing zone.
+    pub absorbing: AbsorbingZone,
     /// Mean normal velocity of the fluid next to the outlet, m/s.
     pub fluid_velocity: f64,
     /// Mean pressure of the fluid next to the outlet, Pa.
@@ -37,10 +38,6 @@ pub struct OutletState {
     /// Convective velocity of each outflow row of the outlet, m/s.
     pub convective: Vec<f64>,
 }
-
-/// Passages of sound through the domain in which an absorbing pressure follows the mean flow, where a scene says nothing. Shorter, and
-/// the resonance of an inlet with a throat is hardly damped; longer, and the start takes longer to settle.
-const PASSAGES: f64 = 4.0;
 
 /// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would see no fluid.
 const LAYERS_INSIDE: f64 = 1.0;
@@ -75,23 +72,40 @@ pub fn apply_outlets<R: Real, const D: usize>(
             state.fluid_velocity = mean(before, |row| arrays.velocity_of(row).dot(normal));
             state.fluid_pressure = mean(before, |row| arrays.pressure[row].to_f64());
         }
-        set_pressure(scene, outlet, zone, clock.time_step, state, &mut arrays);
+        set_pressure(outlet, zone, clock.time_step, &mut arrays);
+        let absorbs = matches!(outlet.condition.pressure(), OutletPressure::Absorbing { .. });
         flows.points.clear();
+        let inside = |foot: DVec3| {
+            let point = foot - normal * (LAYERS_INSIDE * scene.spacing);
+            std::array::from_fn(|axis| point[axis])
+        };
         flows.points.extend(zone.iter().map(|&row| {
             let x = arrays.position_of(row as usize);
-            let foot = x - normal * (outlet.patch.along(x) + LAYERS_INSIDE * scene.spacing);
-            std::array::from_fn(|axis| foot[axis])
+            inside(x - normal * outlet.patch.along(x))
         }));
+        if absorbs {
+            let section = state.absorbing.section(scene, outlet);
+            flows.points.extend(section.offsets.iter().map(|&offset| inside(outlet.patch.at + offset)));
+        }
         let section = PointFit::Section { normal, across: outlet.patch.across };
         flows.find(section, &pair.0, &grid.0, &arrays, &mut sums.0);
-        let impedance = scene.fluid.density * scene.fluid.sound_speed;
+        let (feet, points) = flows.found.split_at(zone.len());
         let mean = PointFlow { velocity: state.fluid_velocity, pressure: state.fluid_pressure };
+        state.absorbing.advance(scene, outlet, points, mean, clock.time_step);
+        let impedance = scene.fluid.density * scene.fluid.sound_speed;
         state.convective.clear();
-        state.convective.extend(zone.iter().zip(&flows.found).map(|(&row, found)| {
+        for (&row, found) in zone.iter().zip(feet) {
+            let row = row as usize;
             let flow = found.unwrap_or(mean);
-            let own = arrays.pressure[row as usize].to_f64();
-            convective_velocity(flow.velocity, flow.pressure, own, impedance)
-        }));
+            let own = arrays.pressure[row].to_f64();
+            let (pressure, velocity) = if absorbs {
+                state.absorbing.at(scene, outlet, arrays.position_of(row), flow)
+            } else {
+                (own, convective_velocity(flow.velocity, flow.pressure, own, impedance))
+            };
+            arrays.pressure[row] = R::from_f64(pressure);
+            state.convective.push(velocity);
+        }
         // A pressure that a particle keeps from step to step must not lose its dynamic part again and again.
         let given = matches!(
             outlet.condition.pressure(),
@@ -109,11 +123,9 @@ pub fn apply_outlets<R: Real, const D: usize>(
 }
 
 fn set_pressure<R: Real, const D: usize>(
-    scene: &Scene,
     outlet: &Outlet,
     zone: &[u32],
     time_step: f64,
-    state: &mut OutletState,
     arrays: &mut ParticleArrays<R, D>,
 ) {
     match outlet.condition.pressure() {
@@ -130,20 +142,8 @@ fn set_pressure<R: Real, const D: usize>(
                 arrays.pressure[row as usize] = R::from_f64(pressure + share * (target - pressure));
             }
         }
-        OutletPressure::Absorbing { target, time } => {
-            let setting = AbsorbingSetting {
-                target,
-                time: time
-                    .unwrap_or(PASSAGES * scene.extent_along(outlet.patch.towards) / scene.fluid.sound_speed),
-                density: scene.fluid.density,
-                sound_speed: scene.fluid.sound_speed,
-            };
-            let pressure =
-                state.absorbing.advance(&setting, state.fluid_pressure, state.fluid_velocity, time_step);
-            for &row in zone {
-                arrays.pressure[row as usize] = R::from_f64(pressure);
-            }
-        }
+        // See `absorb`.
+        OutletPressure::Absorbing { .. } => {}
     }
 }
 

@@ -1,0 +1,140 @@
+//! The zone of an absorbing outlet: which pressure and which velocity a wave of sound has where in it.
+
+use glam::DVec3;
+
+use super::section::SectionPoints;
+use crate::pass::points::PointFlow;
+use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
+use crate::physics::outlet::continuation::Continuation;
+use crate::physics::outlet::convection::convective_velocity;
+use crate::physics::outlet::oblique::{Oblique, ObliqueSetting};
+use crate::physics::outlet::{OutletPressure, Waves};
+use crate::scene::model::{Outlet, Scene};
+
+/// Passages of sound through the domain in which an absorbing pressure follows the mean flow, where a scene says nothing. Shorter, and
+/// the resonance of an inlet with a throat is hardly damped; longer, and the start takes longer to settle.
+const PASSAGES: f64 = 4.0;
+
+/// Passages of sound along the section in which the velocity at its points is followed. A pulse at 45° comes back to
+/// 9 % with one, to 5 % with three and with ten; of a vortex more is read as sound, the longer it is.
+const CROSSINGS: f64 = 3.0;
+
+/// Layers between the plane and what is found there: the mean over a support whose outer part has no fluid is one
+/// from twice as far inside as its middle.
+pub const LAYERS_SEEN: f64 = 1.0;
+
+/// State of the zone of one absorbing outlet, and what the present step found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AbsorbingZone {
+    /// The plane wave.
+    pub plane: Absorbing,
+    /// The other waves.
+    pub oblique: Oblique,
+    /// What went into the zone before.
+    pub continuation: Continuation,
+    /// Points of the section; the scene gives them.
+    section: Option<SectionPoints>,
+    /// Pressure of the outlet at the points, Pa.
+    pressure: Vec<f64>,
+    /// Convective velocity at the points, m/s.
+    velocity: Vec<f64>,
+    /// Of the fluid at the points, less its mean: pressure (Pa) and normal velocity (m/s).
+    deviation: [Vec<f64>; 2],
+}
+
+impl AbsorbingZone {
+    /// The points at which the fluid must be known.
+    pub fn section(&mut self, scene: &Scene, outlet: &Outlet) -> &SectionPoints {
+        self.section.get_or_insert_with(|| SectionPoints::new(scene, &outlet.patch))
+    }
+
+    /// Takes up one step (s), from the flow at the points and its mean near the plane.
+    pub fn advance(
+        &mut self,
+        scene: &Scene,
+        outlet: &Outlet,
+        found: &[Option<PointFlow>],
+        mean: PointFlow,
+        time_step: f64,
+    ) {
+        let OutletPressure::Absorbing { target, time, waves } = outlet.condition.pressure() else {
+            return;
+        };
+        let (density, sound_speed) = (scene.fluid.density, scene.fluid.sound_speed);
+        let passages = PASSAGES * scene.extent_along(outlet.patch.towards) / sound_speed;
+        let setting = AbsorbingSetting { target, time: time.unwrap_or(passages), density, sound_speed };
+        let plane = self.plane.advance(&setting, mean.pressure, mean.velocity, time_step);
+        self.pressure.clear();
+        self.pressure.resize(found.len(), plane);
+        if waves == Waves::All {
+            self.add_oblique(scene, outlet, found, mean, time_step);
+        }
+        self.velocity.clear();
+        self.velocity.extend(found.iter().zip(&self.pressure).map(|(flow, &own)| {
+            let flow = flow.unwrap_or(mean);
+            convective_velocity(flow.velocity, flow.pressure, own, density * sound_speed)
+        }));
+        let layers = (outlet.patch.depth / scene.spacing + LAYERS_SEEN).ceil() as usize + 1;
+        let courant = sound_speed * time_step / scene.spacing;
+        self.continuation.advance(layers, &self.pressure, &self.velocity, courant);
+    }
+
+    /// Adds the pressure of the waves that are not plane.
+    fn add_oblique(
+        &mut self,
+        scene: &Scene,
+        outlet: &Outlet,
+        found: &[Option<PointFlow>],
+        mean: PointFlow,
+        time_step: f64,
+    ) {
+        let Some(section) = &self.section else {
+            return;
+        };
+        let width = 2.0 * outlet.patch.half_extent[0].max(outlet.patch.half_extent[1]);
+        let setting = ObliqueSetting {
+            time: CROSSINGS * width / scene.fluid.sound_speed,
+            density: scene.fluid.density,
+            sound_speed: scene.fluid.sound_speed,
+            spacing: section.spacing,
+        };
+        let fields = [|flow: PointFlow| flow.pressure, |flow: PointFlow| flow.velocity];
+        for (deviation, field) in self.deviation.iter_mut().zip(fields) {
+            deviation.clear();
+            deviation.extend(found.iter().map(|flow| field(flow.unwrap_or(mean))));
+            let middle = deviation.iter().sum::<f64>() / deviation.len() as f64;
+            deviation.iter_mut().for_each(|value| *value -= middle);
+        }
+        let [pressure, velocity] = &mut self.deviation;
+        self.oblique.advance(&setting, &section.neighbours, velocity, pressure, time_step);
+        for (all, oblique) in self.pressure.iter_mut().zip(pressure) {
+            *all += *oblique;
+        }
+    }
+
+    /// Pressure (Pa) and convective velocity (m/s) of a particle of the zone, from the flow at its foot on the plane.
+    pub fn at(&self, scene: &Scene, outlet: &Outlet, position: DVec3, foot: PointFlow) -> (f64, f64) {
+        let Some(section) = &self.section else {
+            return (0.0, foot.velocity);
+        };
+        let patch = &outlet.patch;
+        let offset = position - patch.at;
+        let present = |field: &[f64]| section.interpolate(patch, offset, field);
+        let depth = patch.along(position) / scene.spacing + LAYERS_SEEN;
+        let then = |field: &[f64]| {
+            let points = self.pressure.len();
+            let last = field.len() / points - 1;
+            let depth = depth.clamp(0.0, last as f64);
+            let before = depth as usize;
+            let behind = (before + 1).min(last);
+            let low = present(&field[before * points..][..points]);
+            let high = present(&field[behind * points..][..points]);
+            low + (depth - before as f64) * (high - low)
+        };
+        let impedance = scene.fluid.density * scene.fluid.sound_speed;
+        let velocity = convective_velocity(foot.velocity, foot.pressure, present(&self.pressure), impedance);
+        // The fit at the foot knows the profile better than the points do; they know how it was before.
+        let change = then(&self.continuation.velocity) - present(&self.velocity);
+        (then(&self.continuation.pressure), velocity + change)
+    }
+}
