@@ -168,7 +168,6 @@ impl StirredBox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::viscosity::Viscosity;
     use crate::scene::summary::summary;
 
     #[test]
@@ -180,7 +179,7 @@ mod tests {
                 Ok(scene) => scene,
                 Err(faults) => panic!("{name}: {faults}"),
             };
-            let stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+            let stress = scene.scheme.has_stress();
             assert_eq!(stress, name.contains("sps"));
             if let Case::Box(_) = case {
                 assert_eq!(scene.precision == Precision::F32, name.ends_with("f32"));

@@ -7,7 +7,6 @@
 //! The tests run the passes over numbers that count their operations, and find these figures.
 
 use crate::physics::sps::components;
-use crate::physics::viscosity::Viscosity;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::model::Scene;
 
@@ -53,15 +52,12 @@ pub const fn density_and_strain(dimensions: usize) -> usize {
 /// All of a step of a scene with Wendland's kernel, Fickian or local shifting and no artificial viscosity.
 pub fn per_pair(scene: &Scene) -> usize {
     let dimensions = scene.dimensions;
-    let is_damped = scene.scheme.noise_damping != NoiseDamping::Off;
-    let has_stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+    let is_damped = scene.scheme.wcsph().is_some_and(|scheme| scheme.noise_damping != NoiseDamping::Off);
+    let carries = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting.carries_velocity());
+    let has_stress = scene.scheme.has_stress();
     let has_walls = scene.layout.walled;
     let mut operations = rates(dimensions) + if has_walls { WALLS } else { 0 };
-    operations += if is_damped || scene.scheme.shifting.carries_velocity() {
-        density_and_strain(dimensions)
-    } else {
-        density(dimensions)
-    };
+    operations += if is_damped || carries { density_and_strain(dimensions) } else { density(dimensions) };
     if has_stress {
         operations += gradients(dimensions) + stress(dimensions);
         operations += if has_walls { WALLS_IN_GRADIENTS } else { 0 };
@@ -96,6 +92,7 @@ mod tests {
     use crate::pass::stress::find_stress;
     use crate::pass::sums::PairSums;
     use crate::physics::eos::Tait;
+    use crate::physics::viscosity::Viscosity;
 
     thread_local! {
         static DONE: Cell<usize> = const { Cell::new(0) };

@@ -65,7 +65,6 @@ pub fn apply_outlets<R: Real, const D: usize>(
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    let tait = scene.fluid.tait();
     states.0.resize_with(scene.outlets.len(), OutletState::default);
     for (index, outlet) in scene.outlets.iter().enumerate() {
         let normal = outlet.patch.towards;
@@ -103,7 +102,9 @@ pub fn apply_outlets<R: Real, const D: usize>(
             let pressure =
                 if given { backflow_pressure(pressure, velocity, scene.fluid.density) } else { pressure };
             arrays.pressure[row] = R::from_f64(pressure);
-            arrays.density[row] = R::from_f64(tait.density(pressure));
+            if let Some(density) = pair.0.density_at(pressure) {
+                arrays.density[row] = R::from_f64(density);
+            }
         }
     }
 }
