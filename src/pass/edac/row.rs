@@ -188,18 +188,17 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
 
             let mut factor = one;
             let mut image_distance = zero;
-            let mut imaged_xv = dot(x, v);
+            let mut xv = dot(x, v);
             if let Some(column) = layout.image_distance {
                 image_distance = entry.column(column);
                 factor = image::velocity_factor(image_distance.abs(), inverse_distance, self.cap);
-                imaged_xv = factor * imaged_xv;
             }
             let slips = image_distance.less(zero);
             if let Some(normal) = layout.normal {
-                let product = image::free_slip_product(factor, entry.vector(normal), x, v);
-                imaged_xv = L::select(slips, product, imaged_xv);
+                let product = image::free_slip_product(one, entry.vector(normal), x, v);
+                xv = L::select(slips, product, xv);
             }
-            divergence = (volume * slope).mul_add(imaged_xv, divergence);
+            divergence = (volume * slope).mul_add(xv, divergence);
 
             let mut p_b = entry.column(layout.pressure);
             if terms.mirrored && layout.image_distance.is_some() {
