@@ -17,12 +17,12 @@
 //!   particle's own, ρ_a v_a (w_a·Σ S ∇W)/2, comes from the same sum.
 //! * The printed viscous factor F r²/(r² + η²), η² = 0.01 h², is the option `printed`: F is finite at r = 0 without it.
 //! * ν and ν_edac are divided by what the viscous sum returns on the lattice (`math/lattice.rs`): the quintic spline at
-//!   h = 1.2 Δ returns 0.994 ν in 2D, and 0.985 ν with the printed factor.
+//!   h = 1.2 Δ returns 0.9994 ν in 2D, and 0.9917 ν with the printed factor.
 //! * The divergence sees a wall's own velocity, as that of Adami et al. (2012), not its image's: the image's factor 1 + d_b/d_a
 //!   is 30 for a particle that is 0.1 Δ from a wall, and the divergence drives the pressure here. With the factor the
 //!   fluid of `scenes/quickstart.ron` thinned by 20 % within a second at its smoke spacing.
 //! * The volumes are divided by the lattice sum S0, which Wendland's kernel needs: without it forces at h = 1.3 Δ are
-//!   2 % off. For the quintic spline at 1.2 Δ it is a matter of 1e-4.
+//!   2 % off. For the quintic spline at 1.2 Δ it is a matter of 6e-5.
 
 use serde::{Deserialize, Serialize};
 

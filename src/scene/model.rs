@@ -284,7 +284,7 @@ pub enum WhenEmpty {
 pub struct TimeSettings {
     /// End of the run, s.
     pub end: f64,
-    /// Courant factor, default 0.3.
+    /// Courant factor.
     pub cfl: f64,
     /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
     pub viscous: f64,

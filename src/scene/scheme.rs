@@ -46,14 +46,6 @@ pub struct EdacTvf {
 }
 
 impl Scheme {
-    /// Name, as in a scene.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Scheme::Wcsph(_) => "Wcsph",
-            Scheme::EdacTvf(_) => "EdacTvf",
-        }
-    }
-
     /// Smoothing kernel.
     pub fn kernel(&self) -> Kernel {
         match self {
