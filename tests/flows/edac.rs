@@ -93,14 +93,16 @@ fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
     ((off / exact).sqrt(), found / exact - 1.0)
 }
 
+/// Measured at 64 rows, Re = 100: velocity off by 2.5 %, energy by 1.5 %; with `Wcsph`, the same kernel and h 9.8 and −1.2 %.
 #[test]
-fn taylor_green_decays_as_with_wcsph() {
-    for spacing in ["\"1/32\"", "\"1/64\""] {
+fn taylor_green_decays_more_exactly_than_with_wcsph() {
+    for (spacing, of_energy, of_velocity) in [("\"1/32\"", 0.025, 0.12), ("\"1/64\"", 0.025, 0.04)] {
         let edac = taylor_green_errors("taylor_green_edac.ron", &[("spacing", spacing)]);
         let same = [("spacing", spacing), ("scheme", "Wcsph(kernel: QuinticSpline, smoothing_ratio: 1.2)")];
         let wcsph = taylor_green_errors("taylor_green.ron", &same);
-        println!("{spacing}: edac {edac:?} wcsph {wcsph:?}");
-        assert!(edac.1.abs() < 0.05 && edac.0 < 0.1, "{spacing}: {edac:?}, Wcsph {wcsph:?}");
+        println!("{spacing}: velocity and energy off by {edac:?}, with Wcsph by {wcsph:?}");
+        assert!(edac.1.abs() < of_energy && edac.0 < of_velocity, "{spacing}: {edac:?}");
+        assert!(edac.0 < 0.5 * wcsph.0, "{spacing}: {edac:?}, Wcsph {wcsph:?}");
     }
 }
 
@@ -127,7 +129,6 @@ fn poiseuille_starts_up_between_periodic_and_open_ends() {
     for time in [0.01, 0.03, 0.07, 0.15, 1.0] {
         let of_periodic = poiseuille_errors(&mut periodic, time);
         let of_open = poiseuille_errors(&mut open, time);
-        println!("{time}: periodic {of_periodic:?} open {of_open:?}");
         assert!(of_periodic.0 < 0.005 && of_periodic.1 < 5e-4, "{time} s, periodic: {of_periodic:?}");
         assert!(of_open.0 < 0.005 && of_open.1 < 5e-3, "{time} s, open: {of_open:?}");
     }
@@ -140,11 +141,26 @@ fn a_channel_with_a_constriction_carries_its_inflow() {
     let begin = simulation.monitor_row();
     simulation.run_until(1.5).expect("a channel flow");
     let row = simulation.monitor_row();
-    println!("{begin:?}\n{row:?}");
     assert_eq!(row.through_walls, 0);
     assert!(simulation.ledger().balances());
     let left = row.count[0] as f64 / begin.count[0] as f64;
     assert!((0.9..1.1).contains(&left), "{left} of the fluid are left");
+}
+
+/// What the outlet throws back of a pulse of sound that meets it head on, largest |J3| over largest |J2| at a point: measured
+/// PULSE.
+#[test]
+fn a_pulse_of_sound_leaves() {
+    let mut simulation = shipped_flow("acoustic_pulse.ron", &[("scheme", "EdacTvf()")]);
+    let (mut out, mut back) = (0.0_f64, 0.0_f64);
+    while simulation.clock().time < 0.4 {
+        advance(&mut simulation, 4);
+        let sample = simulation.sample(&[DVec3::new(3.2, 0.0, 0.0)])[0].expect("fluid");
+        let swing = 1000.0 * 10.0 * (sample.velocity.x - 0.2);
+        out = out.max((sample.pressure + swing).abs());
+        back = back.max((sample.pressure - swing).abs());
+    }
+    assert!(back < 0.1 * out, "{} comes back", back / out);
 }
 
 /// Pressures and velocities that a caller writes count, and what he leaves goes on as it was.

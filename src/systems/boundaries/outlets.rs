@@ -10,10 +10,10 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
 use crate::pass::points::{PointFit, PointFlow, PointFlows};
 use crate::pass::waves::{WaveFound, sum_waves};
-use crate::physics::outlet::OutletPressure;
 use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
 use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
 use crate::physics::outlet::wave::WaveSetting;
+use crate::physics::outlet::{Frame, OutletPressure};
 use crate::scene::model::{Outlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
@@ -102,8 +102,16 @@ pub fn apply_outlets<R: Real, const D: usize>(
             let pressure =
                 if given { backflow_pressure(pressure, velocity, scene.fluid.density) } else { pressure };
             arrays.pressure[row] = R::from_f64(pressure);
-            if let Some(density) = pair.0.density_at(pressure) {
-                arrays.density[row] = R::from_f64(density);
+            match pair.0.density_at(pressure) {
+                Some(density) => arrays.density[row] = R::from_f64(density),
+                // The divergence drives an evolved pressure: it must see the velocity with which the zone moves, not that with
+                // which its particles crossed the plane, or the outlet throws back a quarter of a pulse of sound.
+                None if outlet.condition.frame() == Frame::Moving => {
+                    let own = arrays.velocity_of(row);
+                    let moved = own + normal * (velocity - own.dot(normal));
+                    set_real_vector(&mut arrays.velocity, row, moved);
+                }
+                None => {}
             }
         }
     }
