@@ -11,10 +11,13 @@ use crate::particles::arrays::ParticleArrays;
 pub use crate::particles::sample::Sample;
 use crate::particles::zone::Zone;
 use crate::pass::sampling::Sampler;
-use crate::scene::model::{ParticleSeed, Precision, Scene};
+use crate::scene::model::{ParticleSeed, Precision, Scene, Scheme};
 use crate::scene::spawn;
 use crate::systems::clock::Clock;
-use crate::systems::core_plugins::{BoundaryPlugin, NeighboursPlugin, ObservePlugin, WcsphPlugin};
+use crate::systems::core_plugins::{
+    BoundaryPlugin, EdacTvfPlugin, NeighboursPlugin, ObservePlugin, WcsphPlugin,
+};
+use crate::systems::edac::sum_volumes;
 use crate::systems::failure::Failure;
 use crate::systems::home::{self, FreshHome};
 use crate::systems::ledger::Ledger;
@@ -100,9 +103,13 @@ impl Simulation {
         world.insert_resource(Pair(pair));
         let (mut step, mut stage) = (step_schedule(), stage_schedule());
         let mut parts = Parts { world: &mut world, step: &mut step, stage: &mut stage };
+        let scheme: &dyn Plugin = match scene.scheme {
+            Scheme::Wcsph(_) => &WcsphPlugin::<R, D>(typed),
+            Scheme::EdacTvf(_) => &EdacTvfPlugin::<R, D>(typed),
+        };
         let own: [&dyn Plugin; 4] = [
             &NeighboursPlugin::<R, D>(typed),
-            &WcsphPlugin::<R, D>(typed),
+            scheme,
             &BoundaryPlugin::<R, D>(typed),
             &ObservePlugin::<R, D>(typed),
         ];
@@ -119,13 +126,16 @@ impl Simulation {
         drop(seeds);
         Self {
             world,
-            scene,
             typed: Typed {
                 scatter: home::scatter::<R, D>,
-                refresh: refresh::<R, D>,
+                refresh: match scene.scheme {
+                    Scheme::Wcsph(_) => refresh::<R, D>,
+                    Scheme::EdacTvf(_) => refresh_volumes::<R, D>,
+                },
                 monitor_row: monitor::monitor_row::<R, D>,
                 sample: sample::<R, D>,
             },
+            scene,
         }
     }
 
@@ -239,6 +249,18 @@ fn refresh<R: Real, const D: usize>(world: &mut World) {
     ] {
         // A system of this crate with resources that `build` inserts cannot fail to run.
         run(world).expect("sort and density find their resources");
+    }
+}
+
+/// The same where the pressure evolves: it is what the last step left.
+fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
+    home::gather::<R, D>(world);
+    for run in [
+        |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
+        |world: &mut World| world.run_system_cached(sum_volumes::<R, D>),
+    ] {
+        // As above.
+        run(world).expect("sort and volumes find their resources");
     }
 }
 

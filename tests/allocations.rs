@@ -45,6 +45,11 @@ fn a_warm_step_allocates_nothing() {
     check("taylor_green", vortices, &[("spacing", "0.04"), ("scheme.viscosity", "Sps()")], 50, 0);
     let poiseuille = include_str!("../scenes/poiseuille_periodic.ron");
     check("poiseuille_periodic", poiseuille, &[("spacing", "4.0e-5")], 50, 0);
+    let evolved = include_str!("../scenes/taylor_green_edac.ron");
+    check("taylor_green_edac", evolved, &[("spacing", "0.04")], 50, 0);
+    check("taylor_green_edac", evolved, &[("spacing", "0.04"), ("precision", "F32")], 50, 0);
+    let evolved = include_str!("../scenes/poiseuille_edac.ron");
+    check("poiseuille_edac", evolved, &[("spacing", "4.0e-5"), ("body_force", "(0.0, 0.0)")], 50, 0);
     // Particles change zone in these. A list of rows may still become longer than it ever was, and doubles its room.
     check("constricted_r2", include_str!("../scenes/constricted_r2.ron"), &[("spacing", "2.22e-3")], 500, 2);
     check("duct3d", include_str!("../scenes/duct3d.ron"), &[("spacing", "0.03")], 300, 2);

@@ -1,7 +1,8 @@
 //! What is timed: stirred periodic boxes, and channels with walls, inlet and outlet.
 //!
 //! The boxes have Wendland's kernel, laminar viscosity or sub-particle stress, and Fickian shifting: in 2D h = 1.33 Δ
-//! (20 neighbours), in 3D h = 2.02 Δ (some 256).
+//! (20 neighbours), in 3D h = 2.02 Δ (some 256). Those called `quintic` have the quintic spline at h = 1.2 Δ instead (some 40 and
+//! 190 neighbours), those called `edac` that and the scheme `EdacTvf`.
 
 use crate::scene;
 use crate::scene::faults::SceneFaults;
@@ -35,8 +36,21 @@ pub struct StirredBox {
     pub count: usize,
     /// Scalar of the pair sums.
     pub precision: Precision,
-    /// Sub-particle stress in place of laminar viscosity.
-    pub stress: bool,
+    /// Kernel and scheme.
+    pub terms: BoxTerms,
+}
+
+/// Kernel and scheme of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoxTerms {
+    /// `Wcsph` with Wendland's kernel and laminar viscosity.
+    Laminar,
+    /// The same with sub-particle stress.
+    Stress,
+    /// `Wcsph` with the quintic spline and laminar viscosity.
+    Quintic,
+    /// `EdacTvf` with the quintic spline.
+    Evolved,
 }
 
 /// How a case is timed.
@@ -51,7 +65,8 @@ pub struct Plan {
 }
 
 /// 160 000 particles in 2D.
-const PLANE: StirredBox = StirredBox { dimensions: 2, count: 400, precision: Precision::F32, stress: false };
+const PLANE: StirredBox =
+    StirredBox { dimensions: 2, count: 400, precision: Precision::F32, terms: BoxTerms::Laminar };
 /// 262 144 particles in 3D.
 const SPACE: StirredBox = StirredBox { dimensions: 3, count: 64, ..PLANE };
 /// 19 683 particles in 3D: whether the cost of a particle depends on how many there are.
@@ -65,22 +80,28 @@ const fn double(single: StirredBox) -> Case {
     Case::Box(StirredBox { precision: Precision::F64, ..single })
 }
 
-const fn stressed(laminar: StirredBox) -> StirredBox {
-    StirredBox { stress: true, ..laminar }
+const fn with(terms: BoxTerms, laminar: StirredBox) -> StirredBox {
+    StirredBox { terms, ..laminar }
 }
 
 impl Case {
     /// All cases with their names, in the order in which they are timed, the small ones first: see [`memory`](super::memory).
-    pub const ALL: [(&'static str, Case); 13] = [
+    pub const ALL: [(&'static str, Case); 19] = [
         ("channel", Case::Channel),
         ("channel_cylinder", Case::Cylinder),
         ("2d-f32", Case::Box(PLANE)),
         ("2d-f64", double(PLANE)),
+        ("2d-quintic-f32", Case::Box(with(BoxTerms::Quintic, PLANE))),
+        ("2d-edac-f32", Case::Box(with(BoxTerms::Evolved, PLANE))),
+        ("2d-edac-f64", double(with(BoxTerms::Evolved, PLANE))),
         ("3d-small-f32", Case::Box(SMALL)),
         ("3d-f32", Case::Box(SPACE)),
         ("3d-f64", double(SPACE)),
-        ("3d-sps-f32", Case::Box(stressed(SPACE))),
-        ("3d-sps-f64", double(stressed(SPACE))),
+        ("3d-sps-f32", Case::Box(with(BoxTerms::Stress, SPACE))),
+        ("3d-sps-f64", double(with(BoxTerms::Stress, SPACE))),
+        ("3d-quintic-f32", Case::Box(with(BoxTerms::Quintic, SPACE))),
+        ("3d-edac-f32", Case::Box(with(BoxTerms::Evolved, SPACE))),
+        ("3d-edac-f64", double(with(BoxTerms::Evolved, SPACE))),
         ("duct", Case::Duct),
         ("3d-large-f32", Case::Box(LARGE)),
         ("3d-large-f64", double(LARGE)),
@@ -149,13 +170,18 @@ impl StirredBox {
                 2.02,
             )
         };
-        let viscosity = if self.stress { "Sps()" } else { "Laminar()" };
+        let scheme = match self.terms {
+            BoxTerms::Laminar => format!("Wcsph(smoothing_ratio: {ratio})"),
+            BoxTerms::Stress => format!("Wcsph(smoothing_ratio: {ratio}, viscosity: Sps())"),
+            BoxTerms::Quintic => "Wcsph(kernel: QuinticSpline, smoothing_ratio: 1.2)".to_owned(),
+            BoxTerms::Evolved => "EdacTvf(smoothing_ratio: 1.2)".to_owned(),
+        };
         let text = format!(
             r#"Scene(
             title: "Stirred box", dimensions: {dimensions}, precision: {precision:?}, spacing: 0.01, smoke: 0.02,
             constants: {{ "k": "4*pi/{edge}" }},
             fluid: (density: 1000.0, viscosity: 1.0e-6, sound_speed: 10.0),
-            scheme: Wcsph(smoothing_ratio: {ratio}, viscosity: {viscosity}),
+            scheme: {scheme},
             domain: Box(min: ({zeros}), max: ({edges})), periodic: [{axes}], walls: None,
             initial: (velocity: ({velocity})),
             time: (end: 1.0), output: (every: 1.0),
@@ -168,7 +194,6 @@ impl StirredBox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::viscosity::Viscosity;
     use crate::scene::summary::summary;
 
     #[test]
@@ -180,7 +205,7 @@ mod tests {
                 Ok(scene) => scene,
                 Err(faults) => panic!("{name}: {faults}"),
             };
-            let stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+            let stress = scene.scheme.has_stress();
             assert_eq!(stress, name.contains("sps"));
             if let Case::Box(_) = case {
                 assert_eq!(scene.precision == Precision::F32, name.ends_with("f32"));

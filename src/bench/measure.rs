@@ -207,7 +207,7 @@ mod tests {
     use rayon::ThreadPoolBuilder;
 
     use super::*;
-    use crate::bench::cases::StirredBox;
+    use crate::bench::cases::{BoxTerms, StirredBox};
 
     /// Small boxes on one thread and on two: what must hold on any machine, however busy.
     fn check(stirred: StirredBox) {
@@ -233,8 +233,9 @@ mod tests {
 
     #[test]
     fn small_boxes_have_finite_figures() {
-        let plane = StirredBox { dimensions: 2, count: 32, precision: Precision::F64, stress: false };
+        let plane =
+            StirredBox { dimensions: 2, count: 32, precision: Precision::F64, terms: BoxTerms::Laminar };
         check(plane);
-        check(StirredBox { dimensions: 3, count: 12, precision: Precision::F32, stress: true });
+        check(StirredBox { dimensions: 3, count: 12, precision: Precision::F32, terms: BoxTerms::Stress });
     }
 }

@@ -1,15 +1,15 @@
 //! Floating-point operations of an ordered pair in one step, counted from the loops as they are written.
 //!
 //! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and choices nothing. 1/√x is a root and a
-//! division, however many instructions a set takes for it. Wendland's kernel. Work on candidates beyond the support,
+//! division, however many instructions a set takes for it. Figures of a loop are those with Wendland's kernel. Work on candidates beyond the support,
 //! packing and the ends of the rows are left out: the share of the peak that follows is that of useful work.
 //!
 //! The tests run the passes over numbers that count their operations, and find these figures.
 
+use crate::math::kernel::Kernel;
 use crate::physics::sps::components;
-use crate::physics::viscosity::Viscosity;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
-use crate::scene::model::Scene;
+use crate::scene::model::{Scene, Scheme};
 
 /// Of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 3, w(q) 7, the sum 1.
 pub const fn density(dimensions: usize) -> usize {
@@ -50,20 +50,51 @@ pub const fn density_and_strain(dimensions: usize) -> usize {
     3 * dimensions * dimensions + 9 * dimensions + 18
 }
 
-/// All of a step of a scene with Wendland's kernel, Fickian or local shifting and no artificial viscosity.
+/// Of the plain loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, the shared division with what it yields 6, weight
+/// 4, x·v and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and damping 4, pressure 1, the neighbour's
+/// stress 3, acceleration 6 D, background 2 D.
+pub const fn evolved_rates(dimensions: usize) -> usize {
+    16 * dimensions + 30
+}
+
+/// What walls add to them: the image factor 2, its use in the viscous term 1.
+pub const WALLS_IN_EVOLVED: usize = 3;
+
+/// What a value of a kernel takes more than one of Wendland's: 7.
+pub const fn value_beyond_wendland(kernel: Kernel) -> usize {
+    match kernel {
+        Kernel::WendlandC2 => 0,
+        Kernel::QuinticSpline => 9,
+    }
+}
+
+/// What a slope of a kernel takes more than one of Wendland's: 5.
+pub const fn slope_beyond_wendland(kernel: Kernel) -> usize {
+    match kernel {
+        Kernel::WendlandC2 => 0,
+        Kernel::QuinticSpline => 10,
+    }
+}
+
+/// All of a step of a scene with Fickian or local shifting, or an evolved pressure, and no artificial viscosity.
 pub fn per_pair(scene: &Scene) -> usize {
     let dimensions = scene.dimensions;
-    let is_damped = scene.scheme.noise_damping != NoiseDamping::Off;
-    let has_stress = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+    let kernel = scene.scheme.kernel();
+    let slope = slope_beyond_wendland(kernel);
+    let of_kernel = value_beyond_wendland(kernel) + slope;
+    if let Scheme::EdacTvf(_) = scene.scheme {
+        let walls = if scene.layout.walled { WALLS_IN_EVOLVED } else { 0 };
+        return density(dimensions) + evolved_rates(dimensions) + of_kernel + walls;
+    }
+    let is_damped = scene.scheme.wcsph().is_some_and(|scheme| scheme.noise_damping != NoiseDamping::Off);
+    let carries = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting.carries_velocity());
+    let has_stress = scene.scheme.has_stress();
     let has_walls = scene.layout.walled;
-    let mut operations = rates(dimensions) + if has_walls { WALLS } else { 0 };
-    operations += if is_damped || scene.scheme.shifting.carries_velocity() {
-        density_and_strain(dimensions)
-    } else {
-        density(dimensions)
-    };
+    let mut operations = of_kernel + rates(dimensions) + if has_walls { WALLS } else { 0 };
+    operations +=
+        if is_damped || carries { density_and_strain(dimensions) + slope } else { density(dimensions) };
     if has_stress {
-        operations += gradients(dimensions) + stress(dimensions);
+        operations += gradients(dimensions) + stress(dimensions) + slope;
         operations += if has_walls { WALLS_IN_GRADIENTS } else { 0 };
     }
     if is_damped {
@@ -82,20 +113,22 @@ mod tests {
 
     use super::*;
     use crate::math::grid::CellGrid;
-    use crate::math::kernel::Kernel;
     use crate::math::lanes::{Array, InstructionSet, Vectorised};
     use crate::math::real::Real;
     use crate::particles::arrays::{ParticleArrays, SpareColumns};
     use crate::particles::rows::Row;
     use crate::particles::zone::Zone;
     use crate::pass::density::sum_density;
+    use crate::pass::edac;
     use crate::pass::gradients::sum_gradients;
     use crate::pass::rates::{VelocityLevel, sum_rates};
-    use crate::pass::settings::{PairSettings, WallPartSettings};
+    use crate::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
     use crate::pass::strain::sum_density_and_strain;
     use crate::pass::stress::find_stress;
     use crate::pass::sums::PairSums;
+    use crate::physics::edac::Edac;
     use crate::physics::eos::Tait;
+    use crate::physics::viscosity::Viscosity;
 
     thread_local! {
         static DONE: Cell<usize> = const { Cell::new(0) };
@@ -184,7 +217,10 @@ mod tests {
     fn of_all<const D: usize>(pair: &PairSettings, particles: usize, passes: Passes<D>) -> usize {
         let upper = [0.9 * pair.cell_size(); D];
         let mut grid = CellGrid::new([0.0; D], upper, [false; D], pair.support(), pair.cell_size());
-        let mut arrays = ParticleArrays::<Counted, D>::default();
+        let mut arrays = ParticleArrays::<Counted, D> {
+            evolves_pressure: matches!(pair.pressure, PressureLaw::Evolved(_)),
+            ..Default::default()
+        };
         for id in 0..particles as u32 {
             let mut row = Row { id, density: 1000.0, wall_distance: f64::INFINITY, ..Default::default() };
             for d in 0..D {
@@ -259,6 +295,22 @@ mod tests {
             sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
         });
         assert_eq!(of_strain, density_and_strain(D), "density with strain in {D}D");
+        let evolved = PairSettings { pressure: PressureLaw::Evolved(Edac::default()), ..plain.clone() };
+        let evolved_of = |pair: &PairSettings| {
+            of_pair::<D>(pair, |pair, grid, arrays, sums| {
+                edac::sum_rates(pair, &Edac::default(), grid, arrays, sums);
+            })
+        };
+        assert_eq!(of_pair::<D>(&evolved, sum_density), density(D), "volumes in {D}D");
+        assert_eq!(evolved_of(&evolved), evolved_rates(D), "evolved rates in {D}D");
+        let with_walls = evolved_rates(D) + WALLS_IN_EVOLVED;
+        assert_eq!(evolved_of(&walled(&evolved)), with_walls, "evolved rates with walls in {D}D");
+        let quintic = |pair: &PairSettings| PairSettings { kernel: Kernel::QuinticSpline, ..pair.clone() };
+        let value = value_beyond_wendland(Kernel::QuinticSpline);
+        let slope = slope_beyond_wendland(Kernel::QuinticSpline);
+        assert_eq!(of_pair::<D>(&quintic(&plain), sum_density), density(D) + value);
+        assert_eq!(rates_of(&quintic(&plain)), rates(D) + slope);
+        assert_eq!(evolved_of(&quintic(&evolved)), evolved_rates(D) + slope);
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub struct ParticleArrays<R: Real, const D: usize> {
     pub position: [Vec<f64>; D],
     /// Velocity at the present time, m/s. For a wall: the velocity of its surface.
     pub velocity: [Vec<R>; D],
-    /// Velocity one step earlier, m/s (Verlet).
+    /// Velocity one step earlier (Verlet), half a step earlier where the pressure evolves, m/s.
     pub velocity_before: [Vec<R>; D],
     /// Rate of change of velocity, m/s²: written by a step between its sort and its kick, of no meaning at other times.
     pub acceleration: [Vec<R>; D],
@@ -35,6 +35,12 @@ pub struct ParticleArrays<R: Real, const D: usize> {
     pub density: Vec<R>,
     /// Pressure, Pa.
     pub pressure: Vec<R>,
+    /// Whether the pressure evolves by an equation of its own: then the two next columns are in use, else empty.
+    pub evolves_pressure: bool,
+    /// Evolved pressure half a step earlier, Pa.
+    pub pressure_before: Vec<R>,
+    /// What the transport velocity has beyond the velocity, m/s.
+    pub drift: [Vec<R>; D],
     /// Wall: distance d_w of the particle behind its surface, m. Others: distance to the nearest wall surface, m
     /// (`R::from_f64(f64::INFINITY)` when none is in the support).
     pub wall_distance: Vec<R>,
@@ -55,6 +61,9 @@ impl<R: Real, const D: usize> Default for ParticleArrays<R, D> {
             acceleration: std::array::from_fn(|_| Vec::new()),
             density: Vec::new(),
             pressure: Vec::new(),
+            evolves_pressure: false,
+            pressure_before: Vec::new(),
+            drift: std::array::from_fn(|_| Vec::new()),
             wall_distance: Vec::new(),
             wall_normal: std::array::from_fn(|_| Vec::new()),
         }
@@ -97,6 +106,11 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         }
         for column in [&mut self.density, &mut self.pressure, &mut self.wall_distance] {
             permute(column, order, &mut spare.reals);
+        }
+        if self.evolves_pressure {
+            for column in self.drift.iter_mut().chain([&mut self.pressure_before]) {
+                permute(column, order, &mut spare.reals);
+            }
         }
     }
 }
@@ -145,6 +159,9 @@ mod tests {
             acceleration: [count(0), count(0)],
             density: count(7),
             pressure: count(8),
+            evolves_pressure: true,
+            pressure_before: count(12),
+            drift: [count(13), count(14)],
             wall_distance: count(9),
             wall_normal: [count(10), count(11)],
         };
@@ -166,6 +183,9 @@ mod tests {
             &arrays.wall_distance,
             &arrays.wall_normal[0],
             &arrays.wall_normal[1],
+            &arrays.pressure_before,
+            &arrays.drift[0],
+            &arrays.drift[1],
         ];
         for (column, from) in columns.into_iter().zip(1..) {
             let base = f64::from(10 * from);

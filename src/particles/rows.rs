@@ -29,6 +29,10 @@ pub struct Row {
     pub density: f64,
     /// Pressure, Pa.
     pub pressure: f64,
+    /// Evolved pressure half a step earlier, Pa; 0 where the pressure does not evolve.
+    pub pressure_before: f64,
+    /// What the transport velocity has beyond the velocity, m/s; 0 where the pressure does not evolve.
+    pub drift: DVec3,
     /// Wall: distance behind the surface, m.
     pub wall_distance: f64,
     /// Wall: unit normal into the fluid.
@@ -97,6 +101,12 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         self.density.push(R::from_f64(row.density));
         self.pressure.push(R::from_f64(row.pressure));
         self.wall_distance.push(R::from_f64(row.wall_distance));
+        if self.evolves_pressure {
+            self.pressure_before.push(R::from_f64(row.pressure_before));
+            for axis in 0..D {
+                self.drift[axis].push(R::from_f64(row.drift[axis]));
+            }
+        }
     }
 
     /// Makes room for that many rows more, and no further.
@@ -114,6 +124,11 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         for column in [&mut self.density, &mut self.pressure, &mut self.wall_distance] {
             column.reserve_exact(rows);
         }
+        if self.evolves_pressure {
+            for column in self.drift.iter_mut().chain([&mut self.pressure_before]) {
+                column.reserve_exact(rows);
+            }
+        }
     }
 
     /// A whole row.
@@ -128,6 +143,8 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             velocity_before: real_vector(&self.velocity_before, row),
             density: self.density[row].to_f64(),
             pressure: self.pressure[row].to_f64(),
+            pressure_before: if self.evolves_pressure { self.pressure_before[row].to_f64() } else { 0.0 },
+            drift: if self.evolves_pressure { real_vector(&self.drift, row) } else { DVec3::ZERO },
             wall_distance: self.wall_distance[row].to_f64(),
             wall_normal: if self.wall_normal[0].is_empty() {
                 DVec3::ZERO
@@ -153,6 +170,8 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         self.density.clear();
         self.pressure.clear();
         self.wall_distance.clear();
+        self.pressure_before.clear();
+        self.drift.iter_mut().for_each(Vec::clear);
     }
 }
 
@@ -162,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_row_comes_back_as_it_was_pushed() {
-        let mut arrays = ParticleArrays::<f64, 2>::default();
+        let mut arrays = ParticleArrays::<f64, 2> { evolves_pressure: true, ..Default::default() };
         let row = Row {
             id: 7,
             zone: Zone::Outflow,
@@ -173,6 +192,8 @@ mod tests {
             velocity_before: DVec3::new(5.0, 6.0, 0.0),
             density: 1000.0,
             pressure: -3.0,
+            pressure_before: -4.0,
+            drift: DVec3::new(0.5, -0.5, 0.0),
             wall_distance: 0.25,
             wall_normal: DVec3::ZERO,
         };

@@ -19,9 +19,9 @@ use crate::math::real::Real;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///
-/// What a leapfrog needs beside them, the velocity one step earlier, is kept for every particle whose velocity the caller left as
-/// it was. One whose velocity he changed, or that is new, takes a plain step next: the leapfrog would start from its velocity
-/// one step earlier and lose the change.
+/// What the integrator needs beside them, velocity and evolved pressure of an earlier time and the drift, is kept for every
+/// particle whose velocity, and where it evolves pressure, the caller left as it was. One where he changed them, or that is
+/// new, takes a plain step next: the integrator would start from the earlier time and lose the change.
 pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
     let left = Left::take(arrays);
     arrays.clear();
@@ -39,17 +39,24 @@ pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleA
             _ => (Zone::Fluid, 0),
         };
         let surface = surface.copied().unwrap_or_default();
-        let (velocity_before, fresh) = left.of(id.0, velocity.0).unwrap_or((velocity.0, true));
+        let past = left.of(id.0, velocity.0, thermodynamics.pressure).unwrap_or(Past {
+            velocity: velocity.0,
+            pressure: thermodynamics.pressure,
+            drift: DVec3::ZERO,
+            fresh: true,
+        });
         arrays.push(&Row {
             id: id.0,
             zone,
             patch,
-            fresh,
+            fresh: past.fresh,
             position: position.0,
             velocity: velocity.0,
-            velocity_before,
+            velocity_before: past.velocity,
             density: thermodynamics.density,
             pressure: thermodynamics.pressure,
+            pressure_before: past.pressure,
+            drift: past.drift,
             wall_distance: surface.distance,
             wall_normal: surface.normal,
         });
@@ -62,6 +69,18 @@ struct Left<R, const D: usize> {
     fresh: Vec<bool>,
     present: [Vec<R>; D],
     before: [Vec<R>; D],
+    /// Pressures, present and earlier, and drifts; empty where the pressure does not evolve.
+    pressure: Vec<R>,
+    pressure_before: Vec<R>,
+    drift: [Vec<R>; D],
+}
+
+/// What the integrator knows of a particle's past.
+struct Past {
+    velocity: DVec3,
+    pressure: f64,
+    drift: DVec3,
+    fresh: bool,
 }
 
 impl<R: Real, const D: usize> Left<R, D> {
@@ -72,14 +91,24 @@ impl<R: Real, const D: usize> Left<R, D> {
             fresh: std::mem::take(&mut arrays.fresh),
             present: columns(&mut arrays.velocity),
             before: columns(&mut arrays.velocity_before),
+            pressure: if arrays.evolves_pressure { std::mem::take(&mut arrays.pressure) } else { Vec::new() },
+            pressure_before: std::mem::take(&mut arrays.pressure_before),
+            drift: columns(&mut arrays.drift),
         }
     }
 
-    /// Velocity one step earlier, m/s, and whether the next step is a plain one, of a particle that still has its velocity.
-    fn of(&self, id: u32, velocity: DVec3) -> Option<(DVec3, bool)> {
+    /// The past of a particle that still has its velocity (m/s) and, where it evolves, its pressure (Pa).
+    fn of(&self, id: u32, velocity: DVec3, pressure: f64) -> Option<Past> {
         let row = *self.row_of.get(id as usize).filter(|&&row| row != u32::MAX)? as usize;
         let same = (0..D).all(|axis| self.present[axis][row] == R::from_f64(velocity[axis]));
-        same.then(|| (real_vector(&self.before, row), self.fresh[row]))
+        let evolves = !self.pressure.is_empty();
+        let same = same && (!evolves || self.pressure[row] == R::from_f64(pressure));
+        same.then(|| Past {
+            velocity: real_vector(&self.before, row),
+            pressure: if evolves { self.pressure_before[row].to_f64() } else { pressure },
+            drift: if evolves { real_vector(&self.drift, row) } else { DVec3::ZERO },
+            fresh: self.fresh[row],
+        })
     }
 }
 

@@ -1,10 +1,14 @@
-//! Density of the fluid by summation, and its pressure by Tait, in one sweep.
+//! Density by summation, and where it follows from it the pressure by Tait, in one sweep.
+//!
+//! Under Tait's equation the fluid's alone: a condition sets the pressure of walls and zones, and the density follows. Where the
+//! pressure evolves, a condition's pressure says nothing of the volumes: inflow and outflow are summed too, and walls have
+//! the reference density, which is the sum over their lattice: their own would be cut off behind the last layer.
 
 use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::pack::{Only, Pack, Source};
-use super::settings::PairSettings;
+use super::settings::{PairSettings, PressureLaw};
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
@@ -17,7 +21,8 @@ use crate::physics::density;
 /// Least r²/h² under a root: a particle meets itself, and 1/√0 would spoil its own share of the sum.
 pub(super) const LEAST_Q2: f64 = 1e-30;
 
-/// Sums the density of the fluid rows over all rows, themselves included, and sets their pressure.
+/// Sums the density of the rows that the settings name over all rows, themselves included, and sets the pressure of the fluid
+/// where it is Tait's.
 pub fn sum_density<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -87,12 +92,12 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_,
         let first = grid.rows(self.cells.start).start;
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
-            if !self.zone[rows.clone()].contains(&Zone::Fluid) {
+            if !self.zone[rows.clone()].iter().any(|&zone| self.pair.sums_density(zone)) {
                 continue;
             }
             self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
-                if self.zone[row] == Zone::Fluid {
+                if self.pair.sums_density(self.zone[row]) {
                     let point = self.pack.relative(self.source, row);
                     self.density[row - first] = kernel_sum::<K, L, D>(self.pack, point);
                 }
@@ -103,16 +108,20 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_,
     }
 }
 
-/// Makes densities and pressures of the kernel sums of fluid rows. Apart from the sums: one row's chain of dependent
+/// Makes densities and pressures of the kernel sums of rows. Apart from the sums: one row's chain of dependent
 /// operations would hold up the next row's sum.
 pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut [R], pressure: &mut [R]) {
     let scale = pair.kernel_scale();
     for ((density, pressure), zone) in density.iter_mut().zip(pressure).zip(zone) {
-        if *zone == Zone::Fluid {
+        if pair.sums_density(*zone) {
             let sum = density.to_f64() * scale;
             let rho = density::from_kernel_sum(sum, pair.mass, pair.lattice.density);
             *density = R::from_f64(rho);
-            *pressure = R::from_f64(pair.tait.pressure(rho));
+            if pair.pressure == PressureLaw::Tait {
+                *pressure = R::from_f64(pair.tait.pressure(rho));
+            }
+        } else if *zone == Zone::Wall && pair.pressure != PressureLaw::Tait {
+            *density = R::from_f64(pair.tait.reference_density);
         }
     }
 }

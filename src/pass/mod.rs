@@ -2,7 +2,7 @@
 //!
 //! | pass | rows it writes | what |
 //! |---|---|---|
-//! | [`density`] | fluid | density by summation, pressure by Tait |
+//! | [`density`] | fluid (inflow, outflow) | density by summation, pressure by Tait |
 //! | [`wall_distance`] | fluid, inflow, outflow | distance to the nearest wall surface |
 //! | [`walls`] | walls | pressure and density extrapolated from the fluid |
 //! | [`gradients`] | fluid, inflow, outflow | velocity gradient, corrected where the support is cut |
@@ -12,6 +12,7 @@
 //! | [`waves`] | outflow | what the wave equation of an outlet sums over its neighbours |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
+//! | [`edac`] | fluid | the same where the pressure evolves, with the pressure's own rate and the drift |
 //!
 //! A pass goes over blocks of cells in parallel; for each cell it packs the neighbourhood once ([`pack`]) and runs
 //! every row of the cell over it. A row's sums depend on its cell's pack alone, so they are the same bits for any
@@ -19,6 +20,7 @@
 
 pub mod blocks;
 pub mod density;
+pub mod edac;
 pub mod gradients;
 pub mod neighbours;
 pub mod pack;

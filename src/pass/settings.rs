@@ -3,6 +3,8 @@
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::lattice::LatticeSums;
+use crate::particles::zone::Zone;
+use crate::physics::edac::Edac;
 use crate::physics::eos::Tait;
 use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
@@ -25,6 +27,8 @@ pub struct PairSettings {
     pub lattice: LatticeSums,
     /// Equation of state.
     pub tait: Tait,
+    /// Where the pressure of the fluid comes from.
+    pub pressure: PressureLaw,
     /// Kinematic viscosity ν, m²/s.
     pub viscosity: f64,
     /// Viscous term.
@@ -45,6 +49,16 @@ pub struct PairSettings {
     pub wall_parts: Vec<WallPartSettings>,
     /// Instruction set of the passes.
     pub lanes: InstructionSet,
+}
+
+/// Where the pressure of the fluid comes from, and with it the scheme of the sums.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum PressureLaw {
+    /// From the summed density, by Tait's equation.
+    #[default]
+    Tait,
+    /// It evolves by an equation of its own.
+    Evolved(Edac),
 }
 
 /// A wall part as the pair passes see it. Rows of a part that is not listed are no-slip and at rest.
@@ -68,6 +82,7 @@ impl PairSettings {
             mass: tait.reference_density * spacing.powi(dimensions as i32),
             lattice: LatticeSums::new(kernel, smoothing_ratio, dimensions),
             tait,
+            pressure: PressureLaw::default(),
             viscosity: 0.0,
             viscous_term: Viscosity::default(),
             noise_damping: 0.0,
@@ -111,6 +126,9 @@ impl PairSettings {
 
     /// ν as it enters the Lo–Shao sum: divided by the lattice coefficient where the scene says so, m²/s.
     pub fn pair_viscosity(&self) -> f64 {
+        if let PressureLaw::Evolved(edac) = self.pressure {
+            return self.viscosity / self.edac_coefficient(&edac);
+        }
         match self.viscous_term {
             Viscosity::Laminar { lattice_normalised: true, printed } => {
                 let coefficient =
@@ -120,6 +138,33 @@ impl PairSettings {
             Viscosity::Sps { lattice_normalised: true, .. } => self.viscosity / self.lattice.viscosity,
             Viscosity::Artificial { .. } => 0.0,
             Viscosity::Laminar { .. } | Viscosity::Sps { .. } => self.viscosity,
+        }
+    }
+
+    /// What the viscous sums of an evolved pressure are divided by, dimensionless.
+    pub fn edac_coefficient(&self, edac: &Edac) -> f64 {
+        match (edac.lattice_normalised, edac.printed) {
+            (true, true) => self.lattice.viscosity_printed,
+            (true, false) => self.lattice.viscosity,
+            (false, _) => 1.0,
+        }
+    }
+
+    /// Density of a wall, inflow or outflow particle of a given pressure, kg/m³; None where it does not follow from
+    /// the pressure.
+    pub fn density_at(&self, pressure: f64) -> Option<f64> {
+        match self.pressure {
+            PressureLaw::Tait => Some(self.tait.density(pressure)),
+            PressureLaw::Evolved(_) => None,
+        }
+    }
+
+    /// Whether the density of a zone's particles is summed.
+    pub fn sums_density(&self, zone: Zone) -> bool {
+        match (self.pressure, zone) {
+            (_, Zone::Fluid) => true,
+            (PressureLaw::Evolved(_), Zone::Inflow | Zone::Outflow) => true,
+            (_, Zone::Inflow | Zone::Outflow | Zone::Wall | Zone::Reservoir) => false,
         }
     }
 

@@ -15,8 +15,11 @@ use crate::particles::zone::Zone;
 /// Sums per row and buffers of the passes. Rows are those of the particle arrays; only fluid rows are written.
 #[derive(Debug)]
 pub struct PairSums<R, const D: usize> {
-    /// Shifting vector. Fickian: ∇C = Σ V_b ∇W, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless.
+    /// Shifting vector. Fickian: ∇C = Σ V_b ∇W, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves:
+    /// the acceleration by the background pressure, m/s², of fluid rows, and ∇C of outflow rows.
     pub shift: [Vec<R>; D],
+    /// dp/dt where the pressure evolves, Pa/s; else empty.
+    pub pressure_rate: Vec<R>,
     /// ∇·v = Σ V_b (v_b − v_a)·∇W with image velocities, 1/s.
     pub divergence: Vec<R>,
     /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j, 1/s, of the flow's rows; empty until it is asked for.
@@ -57,6 +60,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
     fn default() -> Self {
         Self {
             shift: std::array::from_fn(|_| Vec::new()),
+            pressure_rate: Vec::new(),
             divergence: Vec::new(),
             gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             neighbour_gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),

@@ -1,7 +1,7 @@
 //! Pressure of the wall particles, extrapolated from the fluid.
 //!
 //! ```text
-//! p_w = Σ_b [p_b + ρ_b (g − a_wall)·x_wb] W_wb / Σ_b W_wb,   ρ_w by the inverse of Tait
+//! p_w = Σ_b [p_b + ρ_b (g − a_wall)·x_wb] W_wb / Σ_b W_wb,   ρ_w by the inverse of Tait, where the fluid's pressure is Tait's
 //! ```
 //!
 //! Adami et al. (2012), Eq. 27, over fluid, inflow and outflow. A wall particle without such a neighbour has the
@@ -53,7 +53,9 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     columns.into_par_iter().with_min_len(CHUNK).enumerate().for_each(|(row, (pressure, density))| {
         if zone[row] == Zone::Wall {
             *pressure = found[row];
-            *density = R::from_f64(pair.tait.density(found[row].to_f64()));
+            if let Some(rho) = pair.density_at(found[row].to_f64()) {
+                *density = R::from_f64(rho);
+            }
         }
     });
 }

@@ -1,6 +1,7 @@
 //! Floor 1: one method, one room. Pure functions of a particle or of a pair of lanes.
 
 pub mod density;
+pub mod edac;
 pub mod eos;
 pub mod inlet;
 pub mod integrator;

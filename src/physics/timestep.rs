@@ -9,6 +9,9 @@
 //! lacks: C_ν is it, 0.125 as for any explicit scheme. It knows nothing of walls, though: the image velocities of a no-slip wall
 //! damp a particle next to it several times as fast as the fluid around it would, so λ_a, the rate at which the viscous sum damps a particle,
 //! is taken from the sum itself. The leapfrog damps by 1 − 2 λ Δt in two steps (`integrator/verlet.rs`): C_λ = 0.4 keeps that positive.
+//!
+//! Where the pressure evolves the signal is c_s + max |v|, C = 0.25 and the acceleration at least that of the body force, as in the
+//! scheme's description; λ_a is that of the pressure's damping where it is the larger.
 
 /// C_λ: a step is at most this over the largest damping rate.
 const DAMPING: f64 = 0.4;

@@ -22,8 +22,8 @@ pub fn counts(by_zone: [u64; 5]) -> String {
 
 /// Spacing, smoothing length and kernel.
 pub fn resolution(scene: &Scene) -> String {
-    let h = scene.scheme.smoothing_ratio * scene.spacing;
-    format!("Δ = {} m, h = {} m ({:?})", figure(scene.spacing), figure(h), scene.scheme.kernel)
+    let h = scene.scheme.smoothing_ratio() * scene.spacing;
+    format!("Δ = {} m, h = {} m ({:?})", figure(scene.spacing), figure(h), scene.scheme.kernel())
 }
 
 /// Wall time by stage in the order of the step, with its part of the whole.

@@ -10,7 +10,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 
 use super::geometry::Shape;
 use super::lattice::Lattice;
-use super::model::{Fill, Patch, Scene, Wcsph};
+use super::model::{Fill, Patch, Scene, Scheme};
 use crate::particles::zone::Zone;
 
 /// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane count as fluid.
@@ -47,8 +47,8 @@ pub fn wall_thickness(scene: &Scene) -> f64 {
 }
 
 /// The same in spacings.
-pub fn layers(scheme: &Wcsph) -> f64 {
-    scheme.kernel.support_ratio() * scheme.smoothing_ratio + 0.5
+pub fn layers(scheme: &Scheme) -> f64 {
+    scheme.kernel().support_ratio() * scheme.smoothing_ratio() + 0.5
 }
 
 /// Decides what a point is.

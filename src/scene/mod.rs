@@ -10,7 +10,7 @@
 //! * [`constants`]: its named numbers
 //! * [`expression`], [`geometry`]: fields and shapes
 //! * [`build`]: every check of values
-//! * [`model`]: the checked scene
+//! * [`model`], [`scheme`]: the checked scene
 //! * [`lattice`], [`fill`], [`rows`], [`walls`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`summary`]: its figures
@@ -30,6 +30,7 @@ pub mod model;
 pub mod notation;
 pub mod rows;
 pub mod schema;
+pub mod scheme;
 pub mod spawn;
 pub mod summary;
 pub mod walls;

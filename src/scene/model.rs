@@ -8,13 +8,10 @@ use glam::DVec3;
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
-use crate::math::kernel::Kernel;
+pub use super::scheme::{EdacTvf, Scheme, Wcsph};
 use crate::physics::eos::Tait;
 use crate::physics::inlet::InletPressure;
 use crate::physics::outlet::OutletCondition;
-use crate::physics::shifting::Shifting;
-use crate::physics::viscosity::Viscosity;
-use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::physics::wall::{Slip, WallModel};
 
 /// A complete, checked scene.
@@ -37,7 +34,7 @@ pub struct Scene {
     /// The fluid.
     pub fluid: FluidProperties,
     /// Numerical scheme.
-    pub scheme: Wcsph,
+    pub scheme: Scheme,
     /// Body force per mass, m/s².
     pub body_force: BodyForce,
     /// The domain: what the fluid fills, zones not included.
@@ -107,25 +104,6 @@ impl FluidProperties {
     pub fn tait(&self) -> Tait {
         Tait { reference_density: self.density, sound_speed: self.sound_speed }
     }
-}
-
-/// Parameters of the scheme of Alvarado-Rodríguez et al. (2017).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wcsph {
-    /// Smoothing kernel.
-    pub kernel: Kernel,
-    /// h/Δ, > 0.
-    pub smoothing_ratio: f64,
-    /// Viscous term.
-    pub viscosity: Viscosity,
-    /// Damping of single particles' noise.
-    pub noise_damping: NoiseDamping,
-    /// Particle shifting.
-    pub shifting: Shifting,
-    /// p_b − p_a in place of p_a + p_b where p_a < 0.
-    pub tensile_control: bool,
-    /// A plain step replaces the leapfrog every so many steps, ≥ 1.
-    pub plain_step_every: u32,
 }
 
 /// Force per mass on the fluid, m/s².
@@ -306,7 +284,7 @@ pub enum WhenEmpty {
 pub struct TimeSettings {
     /// End of the run, s.
     pub end: f64,
-    /// Courant factor, default 0.3.
+    /// Courant factor.
     pub cfl: f64,
     /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
     pub viscous: f64,

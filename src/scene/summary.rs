@@ -48,7 +48,7 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
     }
     let speed = scene.reference_velocity;
     let viscosity = scene.fluid.viscosity;
-    let smoothing = scene.scheme.smoothing_ratio * scene.spacing;
+    let smoothing = scene.scheme.smoothing_ratio() * scene.spacing;
     // The signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
     let courant_step = scene.time.cfl * smoothing / (scene.fluid.sound_speed + speed);
     let viscous_step = scene.time.viscous * smoothing * smoothing / viscosity;

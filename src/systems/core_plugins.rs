@@ -9,6 +9,7 @@ use super::boundaries::outlets::{OutletStates, apply_outlets, outlet_rates};
 use super::boundaries::rows::PatchRows;
 use super::boundaries::walls::apply_walls;
 use super::clock::Clock;
+use super::edac::{even_outlets, kick_and_drift, sum_edac_rates, sum_volumes};
 use super::failure::{Failure, check_state};
 use super::forces::{AddedForces, add_forces};
 use super::home::{FreshHome, gather};
@@ -28,6 +29,9 @@ pub struct NeighboursPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
 
 /// The scheme of Alvarado-Rodríguez et al. (2017): density, gradients, rates, forces, Verlet, shifting.
 pub struct WcsphPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
+
+/// The scheme of Negi et al. (2020): volumes, rates, forces, kick–drift–kick with the transport velocity.
+pub struct EdacTvfPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
 
 /// Inflow, outflow and wall particles, and the change of zones.
 pub struct BoundaryPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
@@ -70,6 +74,23 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
     }
 }
 
+impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
+    fn build(&self, parts: &mut Parts<'_>) {
+        parts.world.init_resource::<Clock>();
+        parts.world.init_resource::<RatesFound>();
+        parts.world.init_resource::<AddedForces>();
+        parts.world.insert_resource(Sums::<R, D>(Default::default()));
+        parts.world.insert_resource(ParticleArrays::<R, D> { evolves_pressure: true, ..Default::default() });
+        parts.stage.add_systems((
+            sum_volumes::<R, D>.in_set(StageSystems::Density),
+            sum_edac_rates::<R, D>.in_set(StageSystems::Rates),
+            add_forces::<R, D>.in_set(StageSystems::Forces),
+            kick_and_drift::<R, D>.in_set(StageSystems::Kick),
+        ));
+        parts.step.add_systems(even_outlets::<R, D>.in_set(StepSystems::Shift));
+    }
+}
+
 impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
         parts.world.init_resource::<OutletStates>();
@@ -81,8 +102,16 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
                 .chain()
                 .in_set(StageSystems::Boundary),
         );
-        parts.stage.add_systems(outlet_rates::<R, D>.in_set(StageSystems::Rates).after(sum_rates::<R, D>));
-        parts.step.add_systems(hold_at_walls::<R, D>.in_set(StepSystems::Shift).after(shift::<R, D>));
+        // Of the two schemes' systems one is there; the other is no bound.
+        parts.stage.add_systems(
+            outlet_rates::<R, D>
+                .in_set(StageSystems::Rates)
+                .after(sum_rates::<R, D>)
+                .after(sum_edac_rates::<R, D>),
+        );
+        parts.step.add_systems(
+            hold_at_walls::<R, D>.in_set(StepSystems::Shift).after(shift::<R, D>).after(even_outlets::<R, D>),
+        );
         parts.step.add_systems(transition::<R, D>.in_set(StepSystems::Transition));
     }
 }

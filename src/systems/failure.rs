@@ -12,6 +12,7 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::blocks::join_parts;
+use crate::scene::model::Scheme;
 
 /// The first reason to stop that a step found.
 #[derive(Resource, Clone, Debug, Default)]
@@ -114,12 +115,20 @@ pub fn check_state<R: Real, const D: usize>(
     let Some(row) = join_parts(0..arrays.len(), &find, &smaller_number) else { return };
     let speed = arrays.velocity_of(row).length();
     let density = arrays.density[row].to_f64();
+    let density_cure = match scene.0.scheme {
+        Scheme::Wcsph(_) => {
+            "check that no wall or zone is missing, raise `fluid.sound_speed`, or keep `tensile_control` and shifting on"
+        }
+        Scheme::EdacTvf(_) => {
+            "check that no wall or zone is missing, raise `scheme.background`, or start less even: see scenes/taylor_green_edac.ron"
+        }
+    };
     if speed <= speed_limit {
         failure.record(
             &arrays,
             row,
             format!("density `{density:.4}` kg/m³, reference `{}` kg/m³ ± 50 %", fluid.density),
-            "check that no wall or zone is missing, raise `fluid.sound_speed`, or keep `tensile_control` and shifting on",
+            density_cure,
         );
     } else {
         failure.record(

@@ -32,6 +32,7 @@ pub fn kick<R: Real, const D: usize>(
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
+    let Some(parameters) = scene.scheme.wcsph() else { return };
     let limits = TimeStepLimits {
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
@@ -42,7 +43,7 @@ pub fn kick<R: Real, const D: usize>(
     let time_step =
         limits.time_step(largest_acceleration(arrays), found.largest_signal, found.largest_damping);
     let scheme = Verlet { time_step, time_step_before: clock.time_step, plain: since_plain.0 == 0 };
-    since_plain.0 = (since_plain.0 + 1) % scene.scheme.plain_step_every;
+    since_plain.0 = (since_plain.0 + 1) % parameters.plain_step_every;
     kick_fluid(&scheme, arrays);
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
         move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, arrays);
@@ -57,7 +58,7 @@ pub fn kick<R: Real, const D: usize>(
 }
 
 /// Largest |dv/dt| of fluid particles, m/s². A maximum does not depend on the order in which it is taken.
-fn largest_acceleration<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>) -> f64 {
+pub(super) fn largest_acceleration<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>) -> f64 {
     let squared = arrays
         .zone
         .par_iter()

@@ -3,25 +3,27 @@
 //! - [`boundaries`]: inflow, outflow and wall particles
 //! - [`clock`]: time, step and step size
 //! - [`core_plugins`]: which system runs in which set
+//! - [`edac`]: the systems of the scheme `EdacTvf`
 //! - [`failure`]: what makes a run stop
 //! - [`forces`]: the body force, and forces that a user adds
 //! - [`home`]: which home of the state is fresh
-//! - [`integrate`]: the kick
+//! - [`integrate`]: the kick of the scheme `Wcsph`
 //! - [`ledger`]: the particle ledger
 //! - [`monitor`]: integral figures of the flow
 //! - [`neighbours`]: the cell grid and the sorted arrays
 //! - [`pair`]: the settings of the pair sums
 //! - [`plugin`]: what a simulation is made of
-//! - [`rates`]: the systems that call the hot passes
+//! - [`rates`]: the systems that call the hot passes, of the scheme `Wcsph`
 //! - [`schedule`]: the two schedules and their sets
 //! - [`setup`]: from a scene to a world
-//! - [`shift`]: particle shifting
+//! - [`shift`]: particle shifting, of the scheme `Wcsph`
 //! - [`stopwatch`]: wall-clock time by set
 //! - [`transitions`]: particles change zone
 
 pub mod boundaries;
 pub mod clock;
 pub mod core_plugins;
+pub mod edac;
 pub mod failure;
 pub mod forces;
 pub mod home;

@@ -2,9 +2,10 @@
 
 use bevy_ecs::resource::Resource;
 
-use crate::pass::settings::{PairSettings, WallPartSettings};
+use crate::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
+use crate::physics::shifting::Shifting;
 use crate::physics::wall::{Slip, WallModel};
-use crate::scene::model::{BodyForce, Scene};
+use crate::scene::model::{BodyForce, Scene, Scheme};
 
 /// Settings of the pair sums in use.
 #[derive(Resource, Clone, Debug)]
@@ -15,17 +16,27 @@ pub fn pair_settings(scene: &Scene) -> PairSettings {
     let scheme = &scene.scheme;
     let WallModel::Image { velocity_cap, pressure } = scene.walls.model;
     let mut pair = PairSettings::new(
-        scheme.kernel,
+        scheme.kernel(),
         scene.dimensions,
         scene.spacing,
-        scheme.smoothing_ratio,
+        scheme.smoothing_ratio(),
         scene.fluid.tait(),
     );
     pair.viscosity = scene.fluid.viscosity;
-    pair.viscous_term = scheme.viscosity;
-    pair.noise_damping = scheme.noise_damping.alpha();
-    pair.shifting = scheme.shifting;
-    pair.tensile_control = scheme.tensile_control;
+    match scheme {
+        Scheme::Wcsph(scheme) => {
+            pair.viscous_term = scheme.viscosity;
+            pair.noise_damping = scheme.noise_damping.alpha();
+            pair.shifting = scheme.shifting;
+            pair.tensile_control = scheme.tensile_control;
+        }
+        Scheme::EdacTvf(scheme) => {
+            pair.pressure = PressureLaw::Evolved(scheme.terms);
+            // The transport velocity takes the place of shifting, p̄ that of the tensile control.
+            pair.shifting = Shifting::Off;
+            pair.tensile_control = false;
+        }
+    }
     pair.velocity_cap = velocity_cap;
     pair.wall_pressure = pressure;
     if let BodyForce::Constant(force) = scene.body_force {

@@ -13,7 +13,6 @@ use crate::pass::gradients;
 use crate::pass::rates::{self, VelocityLevel};
 use crate::pass::sums::PairSums;
 use crate::pass::{strain, stress};
-use crate::physics::viscosity::Viscosity;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::model::Wcsph;
 
@@ -60,7 +59,7 @@ pub fn sum_density<R: Real, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
-    if needs_strain(&scene.0.scheme) {
+    if scene.0.scheme.wcsph().is_some_and(needs_strain) {
         strain::sum_density_and_strain(&pair.0, &grid.0, &mut arrays, level(*since_plain), &mut sums.0);
     } else {
         density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
@@ -76,7 +75,7 @@ pub fn sum_gradients<R: Real, const D: usize>(
     arrays: Res<ParticleArrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
 ) {
-    if !matches!(scene.0.scheme.viscosity, Viscosity::Sps { .. }) {
+    if !scene.0.scheme.has_stress() {
         return;
     }
     gradients::sum_gradients(&pair.0, &grid.0, &arrays, level(*since_plain), &mut sums.0);

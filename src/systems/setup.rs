@@ -9,7 +9,6 @@ use crate::particles::components::{
 };
 use crate::particles::zone::Zone;
 use crate::physics::eos::Tait;
-use crate::physics::viscosity::Viscosity;
 use crate::scene::model::{ParticleSeed, Scene};
 use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::entity::Entity;
@@ -36,11 +35,11 @@ pub struct Resolution {
 impl Resolution {
     /// Lengths and mass of a scene.
     pub fn of(scene: &Scene) -> Self {
-        let smoothing_length = scene.scheme.smoothing_ratio * scene.spacing;
+        let smoothing_length = scene.scheme.smoothing_ratio() * scene.spacing;
         Self {
             spacing: scene.spacing,
             smoothing_length,
-            support: scene.scheme.kernel.support_ratio() * smoothing_length,
+            support: scene.scheme.kernel().support_ratio() * smoothing_length,
             mass: scene.fluid.density * scene.spacing.powi(scene.dimensions as i32),
         }
     }
@@ -60,7 +59,7 @@ pub struct InflowCapacity(pub Vec<u64>);
 
 /// Spawns the particles of a scene and inserts seats, stored particles, what inflow zones hold, and the ledger.
 pub fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
-    let turbulent = matches!(scene.scheme.viscosity, Viscosity::Sps { .. });
+    let turbulent = scene.scheme.has_stress();
     for insert in [
         World::init_resource::<Seats>,
         World::init_resource::<Stored>,

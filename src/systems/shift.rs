@@ -24,10 +24,10 @@ pub fn shift<R: Real, const D: usize>(
     sums: Res<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
-    let shifting = scene.0.scheme.shifting;
-    if shifting == Shifting::Off {
+    let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| scheme.shifting != Shifting::Off) else {
         return;
-    }
+    };
+    let shifting = scheme.shifting;
     let step = ShiftStep {
         smoothing_length: resolution.smoothing_length,
         spacing: resolution.spacing,

@@ -42,7 +42,6 @@ use crate::particles::rows::{Row, set_real_vector};
 use crate::particles::zone::Zone;
 use crate::pass::blocks::{for_each_part, with_lists};
 use crate::pass::neighbours::Neighbours;
-use crate::physics::viscosity::Viscosity;
 use crate::scene::model::{Patch, Scene, WhenEmpty};
 
 /// Two particles nearer than this over the spacing would clump: nothing is put there.
@@ -380,7 +379,7 @@ fn take_stored(world: &mut World, scene: &Scene) -> Option<u32> {
     }
     let id = world.resource::<Seats>().0.len() as u32;
     let mut entity = world.spawn((stored(scene, id, DVec3::ZERO), Tracer::default(), Reservoir));
-    if matches!(scene.scheme.viscosity, Viscosity::Sps { .. }) {
+    if scene.scheme.has_stress() {
         entity.insert(SpsStress::default());
     }
     let entity = entity.id();

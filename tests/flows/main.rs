@@ -3,9 +3,11 @@
 //! * [`periodic`]: conservation, decay and stability without walls
 //! * [`rest`]: what must not move, and water under gravity
 //! * [`channel`]: flows along plane walls, against their exact solutions
+//! * [`edac`]: the scheme with an evolved pressure
 //! * [`shipped`]: the shipped scenes at their smoke spacings, step by step
 
 mod channel;
+mod edac;
 mod periodic;
 mod rest;
 mod shipped;

@@ -80,7 +80,7 @@ impl RatesSummary {
 }
 
 /// The larger of two numbers, or the one that is none: `f64::max` would hide it.
-fn larger(a: f64, b: f64) -> f64 {
+pub(super) fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 

@@ -1,7 +1,7 @@
 //! Scene file → scene: every check of values, all faults in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`settings`]: one section of the file each
+//! 2. [`shapes`], [`boundaries`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
 //! 3. [`whole`]: what only the parts together show, once each of them is sound
 
 use std::path::Path;
@@ -18,6 +18,7 @@ pub mod boundaries;
 pub mod checker;
 pub mod layout;
 pub mod patches;
+pub mod scheme;
 pub mod section;
 pub mod settings;
 pub mod shapes;
@@ -57,7 +58,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
     let dimensions = settings::dimensions(file, check);
     check.dimensions = dimensions;
     let spacing = check.positive(&file.spacing, "m");
-    let scheme = settings::scheme(&file.scheme, dimensions, check);
+    let scheme = scheme::scheme(&file.scheme, dimensions, check);
     check.meet(file.domain.span);
     let domain = shapes::shape(&file.domain.value, check);
     let mut sound = check.blemishes() == before;
@@ -84,7 +85,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         pressure: check.formula_or_zero(file.initial.pressure.as_ref()),
         tag: check.formula_or_zero(file.initial.tag.as_ref()),
     };
-    let time = settings::time(&file.time, check);
+    let time = settings::time(&file.time, &scheme, check);
     let output = settings::output(&file.output, time.end, check);
     let (walls, wall_regions) = walls::walls(file.walls.as_ref(), check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), sound, check);
@@ -92,7 +93,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         domain: &domain,
         periodic: &periodic,
         spacing,
-        support: scheme.kernel.support_ratio() * scheme.smoothing_ratio * spacing,
+        support: scheme.kernel().support_ratio() * scheme.smoothing_ratio() * spacing,
         dimensions,
         sound,
     };

@@ -1,16 +1,13 @@
-//! Dimensions, scheme, time, output, probes and references.
+//! Dimensions, time, output, probes and references.
 
 use glam::DVec3;
 
 use super::checker::Checker;
-use crate::math::kernel::Kernel;
-use crate::physics::shifting::Shifting;
-use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
 use crate::scene::fill;
-use crate::scene::model::{BodyForce, OutputSettings, Probe, ProbeKind, Scene, TimeSettings, Wcsph};
-use crate::scene::schema::{OutputFile, ProbeKindFile, SceneFile, SchemeFile, TimeFile};
+use crate::scene::model::{BodyForce, OutputSettings, Probe, ProbeKind, Scene, Scheme, TimeSettings};
+use crate::scene::schema::{OutputFile, ProbeKindFile, SceneFile, TimeFile};
 use crate::scene::summary;
 
 /// 2 or 3.
@@ -29,97 +26,6 @@ pub fn dimensions(file: &SceneFile, check: &mut Checker<'_>) -> usize {
     }
 }
 
-/// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
-fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
-    match (kernel, dimensions) {
-        (Kernel::WendlandC2, 2) => 1.5,
-        (Kernel::WendlandC2, _) => 1.7,
-        (Kernel::QuinticSpline, _) => 1.2,
-    }
-}
-
-/// The scheme, defaults put in.
-pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> Wcsph {
-    let SchemeFile::Wcsph {
-        kernel,
-        smoothing_ratio,
-        viscosity,
-        noise_damping,
-        shifting,
-        tensile_control,
-        plain_step_every,
-    } = file;
-    let kernel = kernel.unwrap_or(Kernel::WendlandC2);
-    let ratio = match smoothing_ratio {
-        Some(number) if !(0.8..=4.0).contains(&number.value) => {
-            check.report(
-                Fault::new(
-                    "`smoothing_ratio` is out of bounds",
-                    number.span,
-                    format!("is `{}`, must be from `0.8` to `4`", number.value),
-                )
-                .help("h/Δ: `1.2` to `2.2` is usual"),
-            );
-            1.5
-        }
-        Some(number) => number.value,
-        None => default_ratio(kernel, dimensions),
-    };
-    let every = match plain_step_every {
-        Some(number) if !(1..=u64::from(u32::MAX)).contains(&number.value) => {
-            check.report(Fault::new(
-                "`plain_step_every` must be at least 1",
-                number.span,
-                format!("is `{}`", number.value),
-            ));
-            1
-        }
-        Some(number) => number.value as u32,
-        None => 50,
-    };
-    if let Some(shifting) = shifting
-        && !(0.0..=Shifting::LARGEST_STRENGTH).contains(&shifting.value.strength())
-    {
-        check.report(
-            Fault::new(
-                "the strength of the shifting is out of bounds",
-                shifting.span,
-                format!(
-                    "is `{}`, must be from `0` to `{}`",
-                    shifting.value.strength(),
-                    Shifting::LARGEST_STRENGTH
-                ),
-            )
-            .help("`Fickian(coefficient: 4)`, `Local(coefficient: 32)` and `Vacondio(beta: 0.04)` are usual"),
-        );
-    }
-    if let Some(damping) = noise_damping
-        && !(0.0..=NoiseDamping::LARGEST_ALPHA).contains(&damping.value.alpha())
-    {
-        check.report(
-            Fault::new(
-                "`alpha` of the noise damping is out of bounds",
-                damping.span,
-                format!(
-                    "is `{}`, must be from `0` to `{}`",
-                    damping.value.alpha(),
-                    NoiseDamping::LARGEST_ALPHA
-                ),
-            )
-            .help("`0.05` to `0.3` is usual"),
-        );
-    }
-    Wcsph {
-        kernel,
-        smoothing_ratio: ratio,
-        viscosity: viscosity.as_ref().map(|v| v.value).unwrap_or_default(),
-        noise_damping: noise_damping.as_ref().map(|damping| damping.value).unwrap_or_default(),
-        shifting: shifting.as_ref().map(|s| s.value).unwrap_or_default(),
-        tensile_control: tensile_control.unwrap_or(true),
-        plain_step_every: every,
-    }
-}
-
 /// A body force, constant if it can be.
 pub fn body_force(components: [Expression; 3]) -> BodyForce {
     match components.each_ref().map(Expression::constant) {
@@ -129,10 +35,14 @@ pub fn body_force(components: [Expression; 3]) -> BodyForce {
 }
 
 /// End and time step, defaults put in.
-pub fn time(file: &TimeFile, check: &mut Checker<'_>) -> TimeSettings {
+pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSettings {
+    let usual = match scheme {
+        Scheme::Wcsph(_) => 0.3,
+        Scheme::EdacTvf(_) => 0.25,
+    };
     TimeSettings {
         end: check.positive(&file.end, "s"),
-        cfl: file.cfl.as_ref().map_or(0.3, |cfl| check.fraction(cfl, 1.0)),
+        cfl: file.cfl.as_ref().map_or(usual, |cfl| check.fraction(cfl, 1.0)),
         viscous: file.viscous.as_ref().map_or(0.125, |viscous| check.fraction(viscous, 0.5)),
     }
 }

@@ -7,7 +7,7 @@ use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
 use crate::scene::fill::{self, Place};
 use crate::scene::geometry::Shape;
-use crate::scene::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Wcsph};
+use crate::scene::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
 use crate::scene::notation::tree::Span;
 use crate::scene::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
 use crate::scene::summary::{self, BYTES_PER_PARTICLE};
@@ -38,7 +38,7 @@ pub fn check(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
 /// More particles than memory or particle numbers allow, judged by the domain alone.
 pub fn too_many(
     (domain, dimensions): (&Shape, usize),
-    scheme: &Wcsph,
+    scheme: &Scheme,
     spacing: f64,
     file: &SceneFile,
     memory: Option<f64>,

@@ -160,6 +160,30 @@ pub enum SchemeFile {
         #[serde(default)]
         plain_step_every: Option<Spanned<u64>>,
     },
+    /// Evolved pressure and transport velocity of Negi et al. (2020).
+    EdacTvf {
+        /// Smoothing kernel, default `QuinticSpline`.
+        #[serde(default)]
+        kernel: Option<Kernel>,
+        /// h/Δ, default by kernel and dimensions.
+        #[serde(default)]
+        smoothing_ratio: Option<Number>,
+        /// α of the damping of the pressure, ν_edac = α h c0/8, default 0.5.
+        #[serde(default)]
+        alpha: Option<Number>,
+        /// Background pressure over ρ0 c0², default 1.
+        #[serde(default)]
+        background: Option<Number>,
+        /// Whether the mean pressure of the neighbours is subtracted, default true.
+        #[serde(default)]
+        average_pressure: Option<bool>,
+        /// Divide ν and ν_edac by their lattice coefficient, default true.
+        #[serde(default)]
+        lattice_normalised: Option<bool>,
+        /// With the printed η² = 0.01 h² in the denominator of the viscous sums, default false.
+        #[serde(default)]
+        printed: Option<bool>,
+    },
 }
 
 impl Default for SchemeFile {
@@ -228,7 +252,7 @@ pub struct ReservoirFile {
 pub struct TimeFile {
     /// End of the run, s.
     pub end: Number,
-    /// Courant factor, default 0.3.
+    /// Courant factor, default 0.3, of `EdacTvf` 0.25.
     #[serde(default)]
     pub cfl: Option<Number>,
     /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.

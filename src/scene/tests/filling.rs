@@ -54,7 +54,7 @@ fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f
 fn check_uniform(scene: &Scene) {
     let seeds = seeds(scene);
     let scheme = &scene.scheme;
-    let support = scheme.kernel.support_ratio() * scheme.smoothing_ratio * scene.spacing;
+    let support = scheme.kernel().support_ratio() * scheme.smoothing_ratio() * scene.spacing;
     let fluid: Vec<usize> = (0..seeds.len()).filter(|i| seeds[*i].zone == Zone::Fluid).collect();
     let expected = neighbourhood(scene, &seeds, fluid[fluid.len() / 2], support);
     let step = (fluid.len() / 1500).max(1);

@@ -55,7 +55,7 @@ fn a_field_that_the_file_leaves_out_is_put_in() {
         ("scheme.shifting", "Off"),
         ("spacing", "1.9e-3"),
     ]);
-    assert!(!scene.scheme.tensile_control);
+    assert!(scene.scheme.wcsph().is_some_and(|scheme| !scheme.tensile_control));
     assert!((scene.outlets[0].patch.depth - 11.0 * 1.9e-3).abs() < 1e-12);
     assert!(scene.text.contains("precision: F32"));
     // The text as run is itself a scene.

@@ -26,7 +26,6 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
 use crate::pass::points::{PointFit, PointFlows};
 use crate::physics::inlet::InletPressure;
-use crate::physics::viscosity::Viscosity;
 use crate::scene::model::{Inlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::forces::body_force;
@@ -57,7 +56,6 @@ pub fn apply_inlets<R: Real, const D: usize>(
 ) {
     let scene = &*scene.0;
     let nu = scene.fluid.viscosity;
-    let tait = scene.fluid.tait();
     let lag = LAG * scene.spacing / scene.fluid.sound_speed;
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
         let share = match inlet.pressure {
@@ -93,7 +91,9 @@ pub fn apply_inlets<R: Real, const D: usize>(
                 before + share * (pressure - before)
             };
             arrays.pressure[row] = R::from_f64(pressure);
-            arrays.density[row] = R::from_f64(tait.density(pressure));
+            if let Some(density) = pair.0.density_at(pressure) {
+                arrays.density[row] = R::from_f64(density);
+            }
         }
     }
 }
@@ -107,10 +107,7 @@ fn mirrored(inlet: &Inlet, point: DVec3) -> DVec3 {
 fn rise(scene: &Scene, inlet: &Inlet, point: DVec3, time: f64) -> f64 {
     // Short against any ramp, and against any profile that the particles can follow.
     let (moment, step) = (1e-4 * scene.spacing / scene.fluid.sound_speed, 0.25 * scene.spacing);
-    let viscosity = match scene.scheme.viscosity {
-        Viscosity::Artificial { .. } => 0.0,
-        Viscosity::Laminar { .. } | Viscosity::Sps { .. } => scene.fluid.viscosity,
-    };
+    let viscosity = if scene.scheme.is_viscous() { scene.fluid.viscosity } else { 0.0 };
     let inertia = inlet.inertia(viscosity, point, time, step, moment);
     let gradient = (body_force(&scene.body_force, point, time) - inertia) * scene.fluid.density;
     gradient.dot(mirrored(inlet, point) - point)

@@ -12,9 +12,9 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
 use crate::pass::points::{PointFit, PointFlow, PointFlows};
 use crate::pass::waves::{WaveFound, sum_waves};
-use crate::physics::outlet::OutletPressure;
 use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
 use crate::physics::outlet::wave::WaveSetting;
+use crate::physics::outlet::{Frame, OutletPressure};
 use crate::scene::model::Outlet;
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
@@ -62,7 +62,6 @@ pub fn apply_outlets<R: Real, const D: usize>(
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    let tait = scene.fluid.tait();
     states.0.resize_with(scene.outlets.len(), OutletState::default);
     for (index, outlet) in scene.outlets.iter().enumerate() {
         let normal = outlet.patch.towards;
@@ -117,7 +116,17 @@ pub fn apply_outlets<R: Real, const D: usize>(
             let pressure =
                 if given { backflow_pressure(pressure, velocity, scene.fluid.density) } else { pressure };
             arrays.pressure[row] = R::from_f64(pressure);
-            arrays.density[row] = R::from_f64(tait.density(pressure));
+            match pair.0.density_at(pressure) {
+                Some(density) => arrays.density[row] = R::from_f64(density),
+                // The divergence drives an evolved pressure: it must see the velocity with which the zone moves, not that with
+                // which its particles crossed the plane, or the outlet throws back a quarter of a pulse of sound.
+                None if outlet.condition.frame() == Frame::Moving => {
+                    let own = arrays.velocity_of(row);
+                    let moved = own + normal * (velocity - own.dot(normal));
+                    set_real_vector(&mut arrays.velocity, row, moved);
+                }
+                None => {}
+            }
         }
     }
 }

@@ -23,6 +23,27 @@ fn numbers_out_of_bounds_are_faults() {
 }
 
 #[test]
+fn a_scheme_has_its_own_parameters_within_their_bounds() {
+    let wcsph = "Wcsph(smoothing_ratio: 1.5, viscosity: Laminar(), shifting: Fickian())";
+    for (field, value) in [
+        ("shifting", "Fickian()"),
+        ("viscosity", "Sps()"),
+        ("tensile_control", "true"),
+        ("plain_step_every", "50"),
+        ("noise_damping", "Off"),
+    ] {
+        let edac = format!("EdacTvf({field}: {value})");
+        let report = check(wcsph, &edac, &format!("unknown field `{field}`"), field);
+        assert!(report.contains("allowed: `kernel`, `smoothing_ratio`, `alpha`, `background`"), "{report}");
+    }
+    check(wcsph, "Wcsph(alpha: 0.5)", "unknown field `alpha`", "alpha");
+    check(wcsph, "EdacTvf(alpha: -0.5)", "`alpha` of the scheme is out of bounds", "-0.5");
+    check(wcsph, "EdacTvf(background: 11)", "`background` of the scheme is out of bounds", "11");
+    check(wcsph, "EdacTvf(smoothing_ratio: 15)", "`smoothing_ratio` is out of bounds", "15");
+    check(wcsph, "EdacTfv()", "`EdacTfv` is not a choice for `scheme`", "EdacTfv");
+}
+
+#[test]
 fn expression_faults_point_into_the_text() {
     let report = check("\"v0 * y\"", "\"v0 * velo\"", "unknown name `velo`", "velo");
     assert!(report.contains("at Some((14, 88))"), "{report}");

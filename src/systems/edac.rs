@@ -1,0 +1,216 @@
+//! The scheme of Negi et al. (2020) in the sets of a step: density, rates, kick; the evenness of outflow zones.
+
+use std::ops::Range;
+
+use bevy_ecs::system::{Res, ResMut};
+
+use super::boundaries::motion::{move_inflow, move_outflow};
+use super::boundaries::outlets::OutletStates;
+use super::boundaries::rows::PatchRows;
+use super::clock::Clock;
+use super::integrate::largest_acceleration;
+use super::neighbours::Grid;
+use super::pair::Pair;
+use super::rates::{RatesFound, Sums};
+use super::setup::{Resolution, SceneInUse};
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+use crate::pass::blocks::for_each_part;
+use crate::pass::density;
+use crate::pass::edac;
+use crate::physics::edac::Edac;
+use crate::physics::integrator::kick_drift::KickDrift;
+use crate::physics::timestep::TimeStepLimits;
+use crate::scene::model::{BodyForce, Patch, Scene, Scheme};
+
+/// The terms of the scheme.
+fn terms(scene: &Scene) -> Option<&Edac> {
+    match &scene.scheme {
+        Scheme::EdacTvf(scheme) => Some(&scheme.terms),
+        Scheme::Wcsph(_) => None,
+    }
+}
+
+/// Density of all that flows by summation.
+///
+/// The far end of a zone cuts the support, and with it the sum: particles there have the reference density, or the
+/// volumes of a zone would grow to twice their size and push the next into the fluid.
+pub fn sum_volumes<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    rows: Res<PatchRows>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+    let scene = &*scene.0;
+    let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, -1.0)).zip(&rows.inflow);
+    let outlets = scene.outlets.iter().map(|outlet| (&outlet.patch, 1.0)).zip(&rows.outflow);
+    let whole = |patch: &Patch| patch.depth - pair.0.support();
+    for ((patch, outwards), rows) in inlets.chain(outlets) {
+        for &row in rows {
+            if outwards * patch.along(arrays.position_of(row as usize)) > whole(patch) {
+                arrays.density[row as usize] = R::from_f64(scene.fluid.density);
+            }
+        }
+    }
+}
+
+/// Pair forces, rate of pressure, acceleration by the background pressure, and the extremes that limit the step.
+pub fn sum_edac_rates<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut found: ResMut<RatesFound>,
+) {
+    let Some(terms) = terms(&scene.0) else { return };
+    let summary = edac::sum_rates(&pair.0, terms, &grid.0, &mut arrays, &mut sums.0);
+    *found = RatesFound {
+        largest_signal: scene.0.fluid.sound_speed + summary.speed,
+        largest_speed: summary.speed,
+        largest_divergence: summary.divergence,
+        largest_damping: summary.damping,
+        largest_viscosity: scene.0.fluid.viscosity,
+    };
+}
+
+/// Chooses the time step and advances velocity, pressure and position.
+pub fn kick_and_drift<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    resolution: Res<Resolution>,
+    found: Res<RatesFound>,
+    rows: Res<PatchRows>,
+    outlets: Res<OutletStates>,
+    sums: Res<Sums<R, D>>,
+    mut clock: ResMut<Clock>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let scene = &*scene.0;
+    let limits = TimeStepLimits {
+        cfl: scene.time.cfl,
+        viscous: scene.time.viscous,
+        smoothing_length: resolution.smoothing_length,
+        viscosity: found.largest_viscosity,
+    };
+    let gravity = match &scene.body_force {
+        BodyForce::Constant(force) => force.length(),
+        // It is in the accelerations.
+        BodyForce::Expression(_) => 0.0,
+    };
+    let arrays = &mut *arrays;
+    let time_step = limits.time_step(
+        largest_acceleration(arrays).max(gravity),
+        found.largest_signal,
+        found.largest_damping,
+    );
+    advance_fluid(
+        KickDrift { time_step, time_step_before: clock.time_step },
+        arrays,
+        &sums.0.shift,
+        &sums.0.pressure_rate,
+    );
+    for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
+        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, arrays);
+    }
+    for (index, (outlet, rows)) in scene.outlets.iter().zip(&rows.outflow).enumerate() {
+        move_outflow(outlet, &outlets.0[index], rows, time_step, arrays);
+    }
+    arrays.fresh.fill(false);
+    clock.time += time_step;
+    clock.time_step = time_step;
+    clock.step += 1;
+}
+
+/// Velocity, pressure, drift and position of the fluid; what does not flow freely has no drift.
+fn advance_fluid<R: Real, const D: usize>(
+    scheme: KickDrift,
+    arrays: &mut ParticleArrays<R, D>,
+    background: &[Vec<R>; D],
+    pressure_rate: &[R],
+) {
+    let ParticleArrays {
+        zone,
+        fresh,
+        position,
+        velocity,
+        velocity_before,
+        acceleration,
+        pressure,
+        pressure_before,
+        drift,
+        ..
+    } = arrays;
+    let (zone, fresh, acceleration) = (&*zone, &*fresh, &*acceleration);
+    let time_step = R::from_f64(scheme.time_step);
+    let work =
+        |rows: Range<usize>,
+         (position, (velocity, half, mut drift), [pressure, pressure_half]): Columns<R, D>| {
+            for (at, row) in rows.enumerate() {
+                if zone[row] != Zone::Fluid {
+                    for drift in &mut drift {
+                        drift[at] = R::default();
+                    }
+                    continue;
+                }
+                for axis in 0..D {
+                    let rate = acceleration[axis][row];
+                    let middle = scheme.half(fresh[row], velocity[axis][at], half[axis][at], rate);
+                    half[axis][at] = middle;
+                    velocity[axis][at] = scheme.guess(middle, rate);
+                    drift[axis][at] = time_step * background[axis][row];
+                    let (v, w) = (middle.to_f64(), drift[axis][at].to_f64());
+                    position[axis][at] = scheme.position(position[axis][at], v, w);
+                }
+                let rate = pressure_rate[row];
+                let middle = scheme.half(fresh[row], pressure[at], pressure_half[at], rate);
+                pressure_half[at] = middle;
+                pressure[at] = scheme.guess(middle, rate);
+            }
+        };
+    let columns = (
+        position.each_mut().map(Vec::as_mut_slice),
+        (
+            velocity.each_mut().map(Vec::as_mut_slice),
+            velocity_before.each_mut().map(Vec::as_mut_slice),
+            drift.each_mut().map(Vec::as_mut_slice),
+        ),
+        [pressure.as_mut_slice(), pressure_before.as_mut_slice()],
+    );
+    for_each_part(0..zone.len(), columns, &work);
+}
+
+/// Positions; velocities, those half a step earlier and drifts; pressures and those half a step earlier of a part's rows.
+type Columns<'a, R, const D: usize> =
+    ([&'a mut [f64]; D], ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; D]), [&'a mut [R]; 2]);
+
+/// Keeps the outflow zones even as the background pressure does the fluid: δx = −2 Δt² (p_b/ρ0) ∇C, for
+/// Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0 where the particles are even.
+pub fn even_outlets<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    clock: Res<Clock>,
+    resolution: Res<Resolution>,
+    rows: Res<PatchRows>,
+    sums: Res<Sums<R, D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let Some(terms) = terms(&scene.0) else { return };
+    let sound = scene.0.fluid.sound_speed * clock.time_step;
+    let strength = -2.0 * terms.background * sound * sound;
+    let longest = LONGEST * resolution.spacing;
+    for &row in rows.outflow.iter().flatten() {
+        let row = row as usize;
+        let concentration = sums.0.shift.each_ref().map(|column| column[row].to_f64());
+        let length = strength.abs() * concentration.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let share = if length > longest { longest / length } else { 1.0 };
+        for axis in 0..D {
+            arrays.position[axis][row] += share * strength * concentration[axis];
+        }
+    }
+}
+
+/// Longest way in one step by which a zone is evened, over Δ.
+const LONGEST: f64 = 0.1;
