@@ -10,7 +10,7 @@ use plotters::series::{DashedLineSeries, LineSeries};
 use plotters::style::{BLACK, Color, RGBColor, WHITE};
 
 use super::schema::{CurveFile, PlotFile};
-use super::value::profile::profiles;
+use super::value::profile::{distance_over_time, profiles};
 use super::value::reference::{self, coordinate};
 use super::value::{Context, series};
 use super::verdict::number;
@@ -64,7 +64,7 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
     match curve {
         CurveFile::Profile { run, probe, field, when, axis, reference, label } => {
             let probe = context.run(&run.value)?.probe(&probe.value)?;
-            let found = profiles(probe, *field, &when.value)?;
+            let found = profiles(&probe, field, &when.value)?;
             let profile = found.first().ok_or("no samples")?;
             let along = probe.places.iter().map(|&place| coordinate(place, *axis));
             let points = along.clone().zip(profile.values.iter().copied()).collect();
@@ -80,6 +80,15 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
         CurveFile::Series { run, table, column, label } => {
             let (times, values) = series::column(context.run(&run.value)?, &table.value, &column.value)?;
             let points = times.into_iter().zip(values).filter(|point| point.1.is_finite()).collect();
+            Ok(Curve { label: label.clone(), points, reference: Vec::new() })
+        }
+        CurveFile::Distance { run, probe, field, reference, norm, scale, label } => {
+            let probe = context.run(&run.value)?.probe(&probe.value)?;
+            let function = reference::function(reference, context.case)?.ok_or("no reference")?;
+            let scale = scale.map_or(1.0, |scale| scale.value);
+            let found = distance_over_time(&probe, field, &function, *norm)?;
+            let points = found.into_iter().map(|(time, value)| (time, value / scale));
+            let points = points.filter(|point| point.1.is_finite()).collect();
             Ok(Curve { label: label.clone(), points, reference: Vec::new() })
         }
     }

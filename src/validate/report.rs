@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::schema::FigureFile;
-use super::verdict::{Verdict, number, signs};
+use super::value::reading::Reading;
+use super::verdict::{Verdict, figures, number, signs};
 use crate::run::words::{duration, grouped};
 
 /// A figure with its value.
@@ -13,7 +14,7 @@ pub struct Measured {
     /// Its place among the case's figures.
     pub index: usize,
     /// The value, or why there is none.
-    pub value: Result<f64, String>,
+    pub value: Result<Reading, String>,
     /// How it stands.
     pub verdict: Verdict,
 }
@@ -42,13 +43,13 @@ pub struct RunLine {
 }
 
 /// What a case came to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// Its runs.
     pub runs: Vec<RunLine>,
     /// Its figures, those of runs that this tier leaves out not among them.
     pub figures: Vec<Measured>,
-    /// Plots that were drawn: file and title.
+    /// Plots and pictures that were drawn: file and title.
     pub plots: Vec<(String, String)>,
 }
 
@@ -62,7 +63,11 @@ impl Outcome {
 
 fn value_text(measured: &Measured) -> String {
     match &measured.value {
-        Ok(value) => number(*value),
+        Ok(reading) => {
+            let bound = if reading.at_least { "≥ " } else { "" };
+            let error = reading.error.map_or(String::new(), |error| format!(" ± {}", figures(error, 2)));
+            format!("{bound}{}{error}", number(reading.value))
+        }
         Err(reason) => format!("– ({reason})"),
     }
 }
@@ -97,9 +102,10 @@ pub fn page(case: &Case, outcome: &Outcome, command: &str) -> String {
         let figure = &file.figures[measured.index];
         let band = |band: &Option<_>| band.as_ref().map_or(String::new(), signs);
         let printed = figure.printed.map_or(String::new(), |printed| number(printed.value));
+        // A bar would end the cell.
         text += &format!(
             "| {} | {} | {} | {} | {printed} | {} |\n",
-            figure.what,
+            figure.what.replace('|', "\\|"),
             value_text(measured),
             band(&figure.must),
             band(&figure.goal),
@@ -138,6 +144,9 @@ struct FigureEntry<'a> {
     figure: &'a str,
     what: &'a str,
     value: Option<f64>,
+    error: Option<f64>,
+    at_least: bool,
+    members: &'a [f64],
     reason: Option<&'a str>,
     must: Option<String>,
     goal: Option<String>,
@@ -152,11 +161,15 @@ pub fn json(outcomes: &[(Case, Outcome)]) -> String {
         .flat_map(|(case, outcome)| {
             outcome.figures.iter().map(move |measured| {
                 let figure = &case.file.figures[measured.index];
+                let reading = measured.value.as_ref().ok();
                 FigureEntry {
                     case: &case.name,
                     figure: &figure.name.value,
                     what: &figure.what,
-                    value: measured.value.as_ref().ok().copied(),
+                    value: reading.map(|reading| reading.value),
+                    error: reading.and_then(|reading| reading.error),
+                    at_least: reading.is_some_and(|reading| reading.at_least),
+                    members: reading.map_or(&[], |reading| &reading.members),
                     reason: measured.value.as_ref().err().map(String::as_str),
                     must: figure.must.as_ref().map(signs),
                     goal: figure.goal.as_ref().map(signs),
