@@ -1,6 +1,6 @@
 //! What is wrong with a case: names that are given twice or not at all, formulas that do not read, scenes with faults.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::case::Case;
 use super::picture;
@@ -19,7 +19,7 @@ const UNIT: f64 = 1e-3;
 /// All faults of a case that reads.
 pub fn faults(case: &Case) -> Vec<Fault> {
     let file = &case.file;
-    let mut check = Check { case, faults: Vec::new() };
+    let mut check = Check { case, probes: HashMap::new(), faults: Vec::new() };
     check.unique("run", file.runs.iter().map(|run| &run.name));
     check.unique("figure", file.figures.iter().map(|figure| &figure.name));
     let drawings = file.plots.iter().map(|plot| &plot.name);
@@ -41,6 +41,8 @@ pub fn faults(case: &Case) -> Vec<Fault> {
 
 struct Check<'a> {
     case: &'a Case,
+    /// Names of the probes of each run's scene, of those that read.
+    probes: HashMap<&'a str, Vec<String>>,
     faults: Vec<Fault>,
 }
 
@@ -59,9 +61,16 @@ impl<'a> Check<'a> {
     }
 
     /// The scene of a run and of its members.
-    fn scenes(&mut self, run: &RunFile) {
+    fn scenes(&mut self, run: &'a RunFile) {
         for (member, set) in run.members(super::Tier::Full).iter().enumerate() {
-            let Err(faults) = self.case.member_scene(run, set) else { continue };
+            let faults = match self.case.member_scene(run, set) {
+                Ok(scene) => {
+                    let names = scene.output.probes.into_iter().map(|probe| probe.name);
+                    self.probes.entry(&run.name.value).or_insert_with(|| names.collect());
+                    continue;
+                }
+                Err(faults) => faults,
+            };
             let first = faults.faults().first().map_or(String::new(), ToString::to_string);
             let at = run.again.as_ref().filter(|_| member > 0).map_or(&run.scene, |again| &again.set);
             let name = run.member_name(member);
@@ -82,11 +91,13 @@ impl<'a> Check<'a> {
     }
 
     fn probe(&mut self, run: &Text, probe: &Text) {
-        let Some(Ok(scene)) = self.run(run).map(|run| self.case.scene(run)) else { return };
-        let names: Vec<&str> = scene.output.probes.iter().map(|probe| probe.name.as_str()).collect();
+        if self.run(run).is_none() {
+            return;
+        }
+        let Some(names) = self.probes.get(run.value.as_str()) else { return };
         if !names.iter().any(|name| fields::fits(&probe.value, name)) {
             let title = format!("run `{}` has no probe `{}`", run.value, probe.value);
-            let help = advice(&probe.value, names);
+            let help = advice(&probe.value, names.iter().map(String::as_str));
             self.faults.push(Fault::new(title, probe.span, "here").help(help));
         }
     }

@@ -171,7 +171,7 @@ fn run_case(case: &Case, options: &ValidateOptions) -> Result<Result<Outcome, Si
         }
     }
     measure(case, &wanted, &results, &mut outcome, options);
-    draw(case, &wanted, &results, &mut outcome, options)?;
+    draw(case, &results, &mut outcome, options);
     options.console.say("");
     Ok(Ok(outcome))
 }
@@ -224,6 +224,7 @@ fn run_line(
         threads: summary.threads,
         lanes: summary.lanes.clone(),
         failure,
+        may_fail: run.may_fail,
     }
 }
 
@@ -238,10 +239,12 @@ fn measure(
     let mut known = case.constants.clone();
     let mut readings = BTreeMap::new();
     let mut left_out: Vec<&str> = Vec::new();
+    let is_present = |run: &&&RunFile| !run.may_fail || runs.contains_key(&run.name.value);
+    let present: Vec<&RunFile> = wanted.iter().filter(is_present).copied().collect();
     options.console.say(&report::console_head());
     for (index, figure) in case.file.figures.iter().enumerate() {
         let name = &figure.name.value;
-        if is_left_out(&figure.value, wanted, options.tier, &left_out, &readings) {
+        if is_left_out(&figure.value, &present, options.tier, &left_out, &readings) {
             left_out.push(name);
             continue;
         }
@@ -266,15 +269,15 @@ fn error_of(figure: &str) -> String {
     format!("{figure}_error")
 }
 
-/// Whether a figure looks at runs, members or figures that this tier leaves out.
+/// Whether a figure looks at figures that were left out, or at runs or members that are not there and need not be.
 fn is_left_out(
     value: &ValueFile,
-    wanted: &[&RunFile],
+    present: &[&RunFile],
     tier: Tier,
     left_out: &[&str],
     readings: &BTreeMap<String, Reading>,
 ) -> bool {
-    let run_of = |name: &str| wanted.iter().find(|run| run.name.value == name);
+    let run_of = |name: &str| present.iter().find(|run| run.name.value == name);
     match value {
         ValueFile::Order { figures, .. } => {
             figures.iter().any(|name| left_out.contains(&name.value.as_str()))
@@ -296,19 +299,16 @@ fn is_left_out(
     }
 }
 
-/// Draws the plots and pictures whose runs are of this tier; one that cannot be drawn is said and left out.
+/// Draws the plots and pictures whose runs have results; one that cannot be drawn is said and left out.
 fn draw(
     case: &Case,
-    wanted: &[&RunFile],
     runs: &BTreeMap<String, Vec<RunResults>>,
     outcome: &mut Outcome,
     options: &ValidateOptions,
-) -> Result<(), OutputError> {
-    let is_wanted = |name: &str| wanted.iter().any(|run| run.name.value == name);
+) {
     let context = Context { case, runs, known: &case.constants, readings: &BTreeMap::new() };
-    for plot in
-        case.file.plots.iter().filter(|plot| plot.curves.iter().all(|curve| is_wanted(&curve.run().value)))
-    {
+    let has_results = |curve: &schema::CurveFile| runs.contains_key(&curve.run().value);
+    for plot in case.file.plots.iter().filter(|plot| plot.curves.iter().any(has_results)) {
         let name = format!("{}_{}.svg", case.name, plot.name.value);
         match plot::draw(plot, context, &options.folder.join(&name)) {
             Ok(()) => outcome.plots.push((name, plot.title.clone())),
@@ -325,5 +325,4 @@ fn draw(
             }
         }
     }
-    Ok(())
 }

@@ -7,6 +7,7 @@ use super::verdict::number;
 use crate::output::error::OutputError;
 use crate::output::picture::{RenderOptions, Slice, render};
 use crate::output::results::Results;
+use crate::scene::schema::Number;
 
 /// Width of a picture where the case gives none, pixels: half a page, and some tens of kilobytes.
 const WIDTH: u32 = 900;
@@ -38,10 +39,7 @@ pub fn draw(
 /// # Errors
 /// That there is no such field.
 pub fn options(file: &PictureFile) -> Result<RenderOptions, String> {
-    let slice = |(axis, at): &(AxisFile, _)| {
-        let at: &crate::scene::schema::Number = at;
-        Slice { axis: *axis as usize, at: Some(at.value) }
-    };
+    let slice = |(axis, at): &(AxisFile, Number)| Slice { axis: *axis as usize, at: Some(at.value) };
     Ok(RenderOptions {
         field: file.field.value.parse()?,
         range: file.range.map(|(low, high)| (low.value, high.value)),

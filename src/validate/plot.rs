@@ -42,12 +42,13 @@ struct Curve {
     reference: Vec<(f64, f64)>,
 }
 
-/// Draws a plot to an SVG file.
+/// Draws the curves of a plot whose runs have results to an SVG file.
 ///
 /// # Errors
 /// What is missing, or that the file cannot be written.
 pub fn draw(plot: &PlotFile, context: Context<'_>, path: &Path) -> Result<(), String> {
-    let mut curves = plot.curves.iter().map(|curve| gather(curve, context)).collect::<Result<Vec<_>, _>>()?;
+    let present = plot.curves.iter().filter(|curve| context.runs.contains_key(&curve.run().value));
+    let mut curves = present.map(|curve| gather(curve, context)).collect::<Result<Vec<_>, _>>()?;
     if plot.logarithmic {
         // A magnitude of nothing has no logarithm.
         for curve in &mut curves {
@@ -62,18 +63,23 @@ pub fn draw(plot: &PlotFile, context: Context<'_>, path: &Path) -> Result<(), St
 
 fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
     match curve {
-        CurveFile::Profile { run, probe, field, when, axis, reference, label } => {
+        CurveFile::Profile { run, probe, field, when, axis, upright, reference, label } => {
             let probe = context.run(&run.value)?.probe(&probe.value)?;
             let found = profiles(&probe, field, &when.value)?;
             let profile = found.first().ok_or("no samples")?;
             let along = probe.places.iter().map(|&place| coordinate(place, *axis));
-            let points = along.clone().zip(profile.values.iter().copied()).collect();
+            let laid = |(at, value): (f64, f64)| match upright {
+                Some((station, scale)) => (station.value + scale.value * value, at),
+                None => (at, value),
+            };
+            let points = along.clone().zip(profile.values.iter().copied()).map(laid).collect();
             let function = match reference {
                 Some(reference) => reference::function(reference, context.case)?,
                 None => None,
             };
             let line = function.map_or_else(Vec::new, |function| {
-                along.zip(&probe.places).map(|(at, &place)| (at, function(place, profile.time))).collect()
+                let values = probe.places.iter().map(|&place| function(place, profile.time));
+                along.zip(values).map(laid).collect()
             });
             Ok(Curve { label: label.clone(), points, reference: line })
         }
@@ -135,12 +141,16 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
         .y_label_formatter(&label)
         .light_line_style(WHITE.mix(0.0))
         .draw()?;
-    for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
-        let style = colour.stroke_width(4);
-        chart
-            .draw_series(LineSeries::new(curve.points.iter().copied(), style))?
-            .label(&curve.label)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
+    // Curves of one label have one colour and one line in the legend.
+    let mut labels: Vec<&str> = Vec::new();
+    for curve in curves {
+        let known = labels.iter().position(|label| *label == curve.label);
+        let style = COLOURS[known.unwrap_or(labels.len()) % COLOURS.len()].stroke_width(4);
+        let drawn = chart.draw_series(LineSeries::new(curve.points.iter().copied(), style))?;
+        if known.is_none() {
+            labels.push(&curve.label);
+            drawn.label(&curve.label).legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
+        }
     }
     // On top: where both agree the dashes show it.
     let style = BLACK.stroke_width(2);

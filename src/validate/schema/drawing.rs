@@ -39,8 +39,12 @@ pub enum CurveFile {
         field: FieldFile,
         /// When; one time or one mean.
         when: Spanned<WhenFile>,
-        /// Abscissa.
+        /// Coordinate along the line: the abscissa.
         axis: AxisFile,
+        /// The profile upright at a station: the coordinate is the ordinate, and the abscissa is the first number plus the
+        /// second times the value.
+        #[serde(default)]
+        upright: Option<(Number, Number)>,
         /// What should be there.
         #[serde(default)]
         reference: Option<Box<ReferenceFile>>,

@@ -55,6 +55,9 @@ pub enum ValueFile {
         over: (Number, Number),
         /// What is taken of it.
         take: TakeFile,
+        /// What it is divided by, default 1.
+        #[serde(default)]
+        scale: Option<Number>,
     },
     /// Exponential growth, 1/s, of the amplitude of a wave along a line probe, while it is between two bounds.
     Growth {

@@ -27,6 +27,7 @@ use crate::output::monitor;
 use crate::output::probes::history::ProbeHistory;
 use crate::output::summary::Summary;
 use crate::scene::expression::Constants;
+use crate::scene::schema::Number;
 use ensemble::Comparison;
 use reading::Reading;
 
@@ -133,7 +134,7 @@ pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Reading, Stri
                 Some(other) => comparison.apart(members, context.members(other)?)?,
                 None => comparison.within(members)?,
             };
-            let scale = scale.map_or(1.0, |scale| scale.value);
+            let scale = factor(scale);
             Reading { value: found.value / scale, error: found.error.map(|error| error / scale), ..found }
         }
         ValueFile::Order { figures, spacings } => {
@@ -154,25 +155,28 @@ pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Reading, Stri
     if found.value.is_finite() { Ok(found) } else { Err(format!("is {}", found.value)) }
 }
 
+/// What a value is divided by.
+fn factor(scale: &Option<Number>) -> f64 {
+    scale.map_or(1.0, |scale| scale.value)
+}
+
 /// What one member of a run has for a value.
 fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature::Feature, String> {
     let found = match value {
         ValueFile::Profile { probe, field, when, reference, norm, scale, .. } => {
-            let scale = scale.map_or(1.0, |scale| scale.value);
             let function = reference::function(reference, case)?.ok_or("no reference")?;
             let distances = profile::distances(&*run.probe(&probe.value)?, field, &when.value, &function)?;
-            profile::norm(&distances, *norm) / scale
+            profile::norm(&distances, *norm) / factor(scale)
         }
         ValueFile::Feature { probe, field, when, take, scale, .. } => {
             let probe = run.probe(&probe.value)?;
             let profiles = profile::profiles(&probe, field, &when.value)?;
             let found = feature::feature(&probe.places, &profiles, take)?;
-            let scale = scale.map_or(1.0, |scale| scale.value);
-            return Ok(feature::Feature { value: found.value / scale, ..found });
+            return Ok(feature::Feature { value: found.value / factor(scale), ..found });
         }
-        ValueFile::Series { table, column, over, take, .. } => {
+        ValueFile::Series { table, column, over, take, scale, .. } => {
             let (times, values) = series::column(run, &table.value, &column.value)?;
-            series::take(&times, &values, (over.0.value, over.1.value), *take)?
+            series::take(&times, &values, (over.0.value, over.1.value), *take)? / factor(scale)
         }
         ValueFile::Growth { probe, field, waves, between, .. } => {
             let probe = run.probe(&probe.value)?;
