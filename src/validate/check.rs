@@ -7,6 +7,7 @@ use super::picture;
 use super::schema::{
     CurveFile, FeatureFile, FieldFile, PictureFile, ReferenceFile, RunFile, ValueFile, WhenFile,
 };
+use super::value::reading::error_of;
 use super::value::{MONITOR, fields};
 use crate::scene::expression::Constants;
 use crate::scene::faults::{Fault, advice};
@@ -28,7 +29,7 @@ pub fn faults(case: &Case) -> Vec<Fault> {
     let mut known: Vec<String> = Vec::new();
     for figure in &file.figures {
         check.value(&figure.value, &known);
-        known.extend([figure.name.value.clone(), super::error_of(&figure.name.value)]);
+        known.extend([figure.name.value.clone(), error_of(&figure.name.value)]);
         if let Some(reason) = Constants::refuses(&figure.name.value) {
             let name = &figure.name;
             check.fault(name, format!("`{}` cannot be the name of a figure: {reason}", name.value));

@@ -28,7 +28,7 @@ use miette::Diagnostic;
 use case::Case;
 use report::{Measured, Outcome, RunLine};
 use schema::{ReferenceFile, RunFile, Tier, ValueFile};
-use value::reading::{Reading, names};
+use value::reading::{Reading, error_of, names};
 use value::{Context, RunResults, evaluate, runs_of};
 use verdict::Verdict;
 
@@ -262,11 +262,6 @@ fn measure(
         options.console.say(&report::console_line(figure, &measured));
         outcome.figures.push(measured);
     }
-}
-
-/// The name under which a formula knows the standard error of a figure.
-fn error_of(figure: &str) -> String {
-    format!("{figure}_error")
 }
 
 /// Whether a figure looks at figures that were left out, or at runs or members that are not there and need not be.

@@ -67,7 +67,8 @@ fn value_text(measured: &Measured) -> String {
     match &measured.value {
         Ok(reading) => {
             let bound = if reading.at_least { "≥ " } else { "" };
-            let error = reading.error.map_or(String::new(), |error| format!(" ± {}", figures(error, 2)));
+            let error = reading.error.filter(|error| *error > 0.0);
+            let error = error.map_or(String::new(), |error| format!(" ± {}", figures(error, 2)));
             format!("{bound}{}{error}", number(reading.value))
         }
         Err(reason) => format!("– ({reason})"),

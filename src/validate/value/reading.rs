@@ -54,6 +54,11 @@ pub fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (count - 1.0).max(1.0)).sqrt())
 }
 
+/// The name under which a formula knows the standard error of a figure.
+pub fn error_of(figure: &str) -> String {
+    format!("{figure}_error")
+}
+
 /// The names in a formula.
 pub fn names(formula: &str) -> impl Iterator<Item = &str> {
     formula
@@ -79,6 +84,9 @@ pub fn formula(
     words.dedup();
     let used: Vec<(&str, &Reading)> =
         words.into_iter().filter_map(|word| Some((word, readings.get(word)?))).collect();
+    // What is put in relation to an error has none worth telling.
+    let of_an_error = |(name, _): &(&str, &Reading)| text.contains(&error_of(name));
+    let used: Vec<(&str, &Reading)> = if used.iter().any(of_an_error) { Vec::new() } else { used };
     let at_least = used.iter().any(|(_, reading)| reading.at_least);
     let spread: Vec<(&str, &Reading)> =
         used.into_iter().filter(|(_, reading)| reading.error.is_some()).collect();
@@ -144,7 +152,11 @@ mod tests {
         let found = formula("a - b", &known(&readings), &readings).expect("a value");
         assert!((found.value - 5.0).abs() < 1e-12);
         assert!((found.error.expect("an error") - 0.5).abs() < 1e-12);
-        assert!(formula("a - c", &known(&readings), &readings).is_err());
+        let mut known = known(&readings);
+        known.define("a_error", 0.3);
+        let found = formula("a/a_error", &known, &readings).expect("a value");
+        assert!((found.value - 70.0 / 3.0).abs() < 1e-12 && found.error.is_none());
+        assert!(formula("a - c", &known, &readings).is_err());
     }
 
     #[test]
