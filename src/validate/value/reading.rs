@@ -82,11 +82,13 @@ pub fn formula(
     let mut words: Vec<&str> = names(text).collect();
     words.sort_unstable();
     words.dedup();
+    // What is put in relation to an error has none worth telling.
+    let is_error = |word: &&str| readings.keys().any(|figure| error_of(figure) == **word);
+    if words.iter().any(is_error) {
+        return Ok(Reading::plain(value));
+    }
     let used: Vec<(&str, &Reading)> =
         words.into_iter().filter_map(|word| Some((word, readings.get(word)?))).collect();
-    // What is put in relation to an error has none worth telling.
-    let of_an_error = |(name, _): &(&str, &Reading)| text.contains(&error_of(name));
-    let used: Vec<(&str, &Reading)> = if used.iter().any(of_an_error) { Vec::new() } else { used };
     let at_least = used.iter().any(|(_, reading)| reading.at_least);
     let spread: Vec<(&str, &Reading)> =
         used.into_iter().filter(|(_, reading)| reading.error.is_some()).collect();
