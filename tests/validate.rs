@@ -136,6 +136,28 @@ fn a_flow_that_blows_up_is_a_miss_with_its_reason() {
 }
 
 #[test]
+fn a_blow_up_that_may_be_is_told_and_no_miss() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let path = case(folder.path(), 0.25);
+    let scene = SCENE.replace("velocity: (0.25, 0.0)", r#"velocity: ("1e4*(x < 0.05)", 0.0)"#);
+    fs::write(folder.path().join("stream.ron"), scene).expect("written");
+    let text_of_case = fs::read_to_string(&path).expect("the case");
+    // The twins get a speed of their own and do not blow up.
+    let twins = r#"(name: "twins", scene: "stream.ron", "#;
+    let calm = r#"set: [("initial.velocity", "(0.25, 0.0)")], "#;
+    let text_of_case = text_of_case.replace(twins, &format!("{twins}{calm}"));
+    let stream = r#"(name: "stream", scene: "stream.ron", "#;
+    fs::write(&path, text_of_case.replace(stream, &format!("{stream}may_fail: true, "))).expect("written");
+    let output = validate(&["--quick", "--case", &path], &out);
+    let said = text(&output.stdout);
+    assert!(!said.contains("has no results") && said.contains("mean speed of the twins"), "{said}");
+    assert!(!said.contains("flow, kg/(s m)"), "what looks at the run is left out:\n{said}");
+    assert!(fs::read_to_string(out.join("uniform.md")).expect("a page").contains("| failed: "));
+    assert_eq!(output.status.code(), Some(0), "{said}");
+}
+
+#[test]
 fn faults_of_a_case_end_before_anything_runs() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
