@@ -61,6 +61,16 @@ pub enum Stop {
         /// What a user can do about it.
         cure: &'static str,
     },
+    /// An inlet that is filled once has nothing left.
+    #[error("{inlet} is drained at step {step}, t = {time:.6} s")]
+    Drained {
+        /// Step.
+        step: u64,
+        /// Time, s.
+        time: f64,
+        /// Name of the inlet.
+        inlet: String,
+    },
     /// An inlet found the reservoir empty and the scene says to stop.
     #[error("the reservoir is empty at step {step}, t = {time:.6} s")]
     ReservoirEmpty {
@@ -167,6 +177,10 @@ impl Simulation {
                 ),
                 cure: fault.cure,
             });
+        }
+        if let Some(inlet) = failure.drained {
+            let inlet = self.scene.inlets[usize::from(inlet)].patch.name.clone();
+            return Err(Stop::Drained { step: clock.step, time: clock.time, inlet });
         }
         if failure.reservoir_empty {
             return Err(Stop::ReservoirEmpty { step: clock.step, time: clock.time });

@@ -292,3 +292,20 @@ fn an_empty_reservoir_stops_a_run_that_must_not_grow() {
     census(&mut simulation);
     assert_eq!(simulation.ledger().grown, 0);
 }
+
+#[test]
+fn an_inlet_that_is_filled_once_is_drained_as_by_a_piston() {
+    // 16 layers, a support of three: the run goes on while more than that is left.
+    let once = [("inlets.0.feed", "Once"), ("inlets.0.depth", "0.16"), ("reservoir.particles", "0")];
+    let mut simulation = flow(&once);
+    let stop = (0..2 * THROUGH).find_map(|_| simulation.step().err()).expect("a stop");
+    let time = simulation.clock().time;
+    assert!(matches!(&stop, Stop::Drained { inlet, .. } if inlet == "inlet 0"), "{stop}");
+    let drained = (0.16 - 0.03) / SPEED;
+    assert!((time - drained).abs() < SPACING / SPEED, "{time} s, {drained} s");
+    let particles = census(&mut simulation);
+    assert!(particles.iter().all(|particle| particle.passages == 0), "nothing has entered");
+    let ledger = simulation.ledger();
+    assert_eq!((ledger.grown, ledger.initial), (0, particles.len() as u64));
+    assert!(ledger.count(Zone::Inflow) <= 3 * ROWS as u64, "{}", ledger.count(Zone::Inflow));
+}

@@ -132,7 +132,7 @@ impl Voyage {
                 return Ok(halt);
             }
             if let Err(stop) = self.simulation.step() {
-                if matches!(stop, Stop::ReservoirEmpty { .. }) {
+                if matches!(stop, Stop::ReservoirEmpty { .. } | Stop::Drained { .. }) {
                     self.write_last()?;
                 }
                 return Ok(Halt::Flow(stop));
@@ -250,6 +250,9 @@ impl Voyage {
     fn wreck(self, stop: Stop) -> RunError {
         let (status, cure) = match &stop {
             Stop::BlowUp { cure, .. } => (Status::BlownUp, (*cure).to_owned()),
+            Stop::Drained { .. } => {
+                (Status::Failed, "lengthen its `depth`, lower `time.end`, or let it be `Fed`".to_owned())
+            }
             Stop::ReservoirEmpty { .. } => (
                 Status::Failed,
                 "raise `reservoir.initial`, or let it grow with `when_empty: Grow`".to_owned(),

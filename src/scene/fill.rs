@@ -3,7 +3,7 @@
 //! A point is inside when it and all points Δ/4 around it are: a wall that misses the middle between two
 //! rows by less than Δ/4 still has one row on each side. Inside points beyond a patch's plane belong to its
 //! zone, up to its depth; points outside, up to the support and half a spacing away, are wall, except
-//! behind the far end of a zone.
+//! behind the far end of a zone. With `jitter` fluid points then leave the lattice; zones and walls stay even.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -91,11 +91,11 @@ impl<'a> Filler<'a> {
             }
         });
         let counts = ranges.each_ref().map(|range| (range.end - range.start).max(0) as usize);
-        let point = |index: usize| {
+        let cell = |index: usize| -> [i64; 3] {
             let along = [index / counts[2] / counts[1], index / counts[2] % counts[1], index % counts[2]];
-            let cell = std::array::from_fn(|axis| ranges[axis].start + along[axis] as i64);
-            lattice.point(cell, dimensions)
+            std::array::from_fn(|axis| ranges[axis].start + along[axis] as i64)
         };
+        let point = |index: usize| lattice.point(cell(index), dimensions);
         // What each point is, in one piece of memory, then the places in another: many small ones would stay with the
         // allocator when the flow has long begun.
         let mut roles = Vec::new();
@@ -106,7 +106,28 @@ impl<'a> Filler<'a> {
         let mut places = Vec::with_capacity(roles.iter().flatten().count());
         let found = roles.iter().enumerate().filter_map(|(index, role)| role.map(|role| (index, role)));
         places.extend(found.map(|(index, (zone, patch))| Place { position: point(index), zone, patch }));
+        if lattice.jitter > 0.0 {
+            let cells =
+                roles.iter().enumerate().filter(|(_, role)| role.is_some()).map(|(index, _)| cell(index));
+            for (place, cell) in places.iter_mut().zip(cells).filter(|(place, _)| place.zone == Zone::Fluid) {
+                place.position = self.jittered(place.position, lattice.offset(cell, dimensions));
+            }
+        }
         places
+    }
+
+    /// A fluid particle's place off the lattice; as it was where it would leave the fluid.
+    fn jittered(&self, point: DVec3, offset: DVec3) -> DVec3 {
+        let mut moved = point + offset;
+        for (axis, bounds) in self.scene.periodic.iter().enumerate() {
+            if let Some((low, high)) = bounds {
+                moved[axis] = low + (moved[axis] - low).rem_euclid(high - low);
+            }
+        }
+        match self.classify(moved) {
+            Some(Place { zone: Zone::Fluid, .. }) => moved,
+            _ => point,
+        }
     }
 
     fn classify(&self, point: DVec3) -> Option<Place> {

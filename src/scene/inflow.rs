@@ -82,7 +82,7 @@ fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: i
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::inlet::InletPressure;
+    use crate::physics::inlet::{Feed, InletPressure};
     use crate::scene::expression::{Constants, Expression};
     use crate::scene::model::Patch;
 
@@ -99,6 +99,7 @@ mod tests {
             },
             velocity,
             pressure: InletPressure::Extrapolated,
+            feed: Feed::Fed,
         }
     }
 

@@ -29,6 +29,8 @@ pub struct Lattice {
     pub spacing: DVec3,
     /// How plane walls lie in it.
     pub fits: Vec<WallFit>,
+    /// Largest distance of fluid particles from their place along each axis, in spacings.
+    pub jitter: f64,
 }
 
 /// How a plane wall lies in the lattice.
@@ -54,6 +56,19 @@ impl Lattice {
         point
     }
 
+    /// Where the particle of a cell is jittered to, m from its centre: even random numbers that depend on the cell alone.
+    pub fn offset(&self, cell: [i64; 3], dimensions: usize) -> DVec3 {
+        let mut offset = DVec3::ZERO;
+        let mut state = cell.into_iter().fold(0, |state, index| mixed(state ^ index as u64));
+        for axis in 0..dimensions {
+            state = mixed(state);
+            // 53 bits are the digits of a number from 0 to 1.
+            let even = (state >> 11) as f64 / (1_u64 << 53) as f64;
+            offset[axis] = self.jitter * (2.0 * even - 1.0) * self.spacing[axis];
+        }
+        offset
+    }
+
     /// Indices of the first cell and one past the last that a box touches, along an axis.
     pub fn range(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<i64> {
         let index = |x: f64| (x - self.origin[axis]) / self.spacing[axis];
@@ -70,8 +85,12 @@ impl Lattice {
         dimensions: usize,
     ) -> Self {
         let walls = plane_walls(domain, patches, periodic, spacing, dimensions);
-        let mut lattice =
-            Self { origin: domain.bounds().0.with_z(0.0), spacing: DVec3::splat(spacing), fits: Vec::new() };
+        let mut lattice = Self {
+            origin: domain.bounds().0.with_z(0.0),
+            spacing: DVec3::splat(spacing),
+            fits: Vec::new(),
+            jitter: 0.0,
+        };
         for axis in 0..dimensions {
             lattice.origin[axis] = match (periodic[axis], anchor) {
                 (Some((low, high)), _) => {
@@ -95,6 +114,14 @@ impl Lattice {
             .collect();
         lattice
     }
+}
+
+/// A number whose bits depend on all bits of another: SplitMix64 of Steele et al. (2014).
+fn mixed(number: u64) -> u64 {
+    let z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
 }
 
 /// The shift at which walls lie between cells as well as they can, m; None without walls or if they cancel out.

@@ -10,7 +10,7 @@ use super::geometry::Shape;
 use super::lattice::Lattice;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
 use crate::physics::eos::Tait;
-use crate::physics::inlet::InletPressure;
+use crate::physics::inlet::{Feed, InletPressure};
 use crate::physics::outlet::OutletCondition;
 use crate::physics::wall::{Slip, WallModel};
 
@@ -209,6 +209,8 @@ pub struct Inlet {
     pub velocity: InletVelocity,
     /// Pressure of inflow particles.
     pub pressure: InletPressure,
+    /// What follows them.
+    pub feed: Feed,
 }
 
 /// Velocity of inflow particles.

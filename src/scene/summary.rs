@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::geometry::Shape;
-use super::model::{BodyForce, InletVelocity, ParticleSeed, Scene};
+use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use crate::particles::zone::Zone;
+use crate::physics::inlet::Feed;
 
 /// Memory of a particle in components, arrays, cell list and output, B: a generous round figure (docs/performance.md).
 pub const BYTES_PER_PARTICLE: f64 = 500.0;
@@ -97,47 +98,63 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
              a spacing that divides the widths fits better"
         ));
     }
+    if scene.scheme.wcsph().is_some() && scene.initial.pressure.constant() != Some(0.0) {
+        notes.push(
+            "`initial.pressure` does not reach the fluid: its density is summed before the first step and its pressure \
+             follows from it; a pressure that acts from the start is a matter of spacings or of a body force"
+                .to_owned(),
+        );
+    }
+    for inlet in scene.inlets.iter().filter(|inlet| inlet.feed == Feed::Once) {
+        let lasts = inlet.patch.depth / inlet_speed(inlet, scene);
+        if lasts < scene.time.end {
+            notes.push(format!(
+                "{} is filled once and its fastest stream drained after {lasts:.3} s, the run ends at {} s: it stops there",
+                inlet.patch.name, scene.time.end
+            ));
+        }
+    }
     notes.push("there is no free surface: every side of the domain is wall, opening or periodic".to_owned());
     notes
 }
 
 /// Largest speed that inlets, walls and initial fields prescribe, sampled, m/s.
 pub fn largest_given_speed(scene: &Scene) -> f64 {
-    let mut largest = 0.0_f64;
-    let times = (0..=20).map(|k| scene.time.end * f64::from(k) / 20.0);
-    let times: Vec<f64> = times.collect();
-    for inlet in &scene.inlets {
-        let patch = &inlet.patch;
-        let places: Vec<DVec3> = (-10..=10)
-            .flat_map(|i| {
-                let offset = f64::from(i) / 10.0;
-                (0..2).map(move |axis| patch.at + offset * patch.half_extent[axis] * patch.across[axis])
-            })
-            .collect();
-        let given = match &inlet.velocity {
-            InletVelocity::TimeTable(rows) => rows.iter().map(|row| row.1.abs()).fold(0.0, f64::max),
-            InletVelocity::ProfileTable { speeds, .. } => {
-                speeds.iter().flatten().map(|speed| speed.abs()).fold(0.0, f64::max)
-            }
-            InletVelocity::PoiseuilleStartup { half_width, body_force } => {
-                steady_poiseuille(*body_force, *half_width, scene.fluid.viscosity)
-            }
-            InletVelocity::Normal(speed) => places
-                .iter()
-                .flat_map(|p| times.iter().map(move |t| speed.value(p.x, p.y, p.z, *t).abs()))
-                .fold(0.0, f64::max),
-            InletVelocity::Components(components) => places
-                .iter()
-                .flat_map(|p| {
-                    times.iter().map(move |t| {
-                        DVec3::from(components.each_ref().map(|c| c.value(p.x, p.y, p.z, *t))).length()
-                    })
+    let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
+    inlets.max(initial_speed(scene)).max(forced_speed(scene))
+}
+
+/// Largest speed that an inlet prescribes, sampled, m/s.
+fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
+    let times: Vec<f64> = (0..=20).map(|k| scene.time.end * f64::from(k) / 20.0).collect();
+    let patch = &inlet.patch;
+    let places: Vec<DVec3> = (-10..=10)
+        .flat_map(|i| {
+            let offset = f64::from(i) / 10.0;
+            (0..2).map(move |axis| patch.at + offset * patch.half_extent[axis] * patch.across[axis])
+        })
+        .collect();
+    match &inlet.velocity {
+        InletVelocity::TimeTable(rows) => rows.iter().map(|row| row.1.abs()).fold(0.0, f64::max),
+        InletVelocity::ProfileTable { speeds, .. } => {
+            speeds.iter().flatten().map(|speed| speed.abs()).fold(0.0, f64::max)
+        }
+        InletVelocity::PoiseuilleStartup { half_width, body_force } => {
+            steady_poiseuille(*body_force, *half_width, scene.fluid.viscosity)
+        }
+        InletVelocity::Normal(speed) => places
+            .iter()
+            .flat_map(|p| times.iter().map(move |t| speed.value(p.x, p.y, p.z, *t).abs()))
+            .fold(0.0, f64::max),
+        InletVelocity::Components(components) => places
+            .iter()
+            .flat_map(|p| {
+                times.iter().map(move |t| {
+                    DVec3::from(components.each_ref().map(|c| c.value(p.x, p.y, p.z, *t))).length()
                 })
-                .fold(0.0, f64::max),
-        };
-        largest = largest.max(given);
+            })
+            .fold(0.0, f64::max),
     }
-    largest.max(initial_speed(scene)).max(forced_speed(scene))
 }
 
 /// Peak of plane Poiseuille flow, g H²/2ν, m/s.

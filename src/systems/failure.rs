@@ -21,6 +21,8 @@ pub struct Failure {
     pub fault: Option<Fault>,
     /// An inlet found the reservoir empty and the scene says to stop.
     pub reservoir_empty: bool,
+    /// Index of an inlet that is filled once and has nothing left.
+    pub drained: Option<u16>,
 }
 
 /// A particle in an impossible state.

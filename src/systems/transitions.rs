@@ -13,7 +13,8 @@
 //! trembles on a plane would fill its zone anew at each return (test `trembling_on_a_plane_adds_nothing`), so for one
 //! that came back a stored one enters only where none stands within half a spacing, and at an inlet only if its zone
 //! has lost particles at its upstream end. For all others one enters always, whoever slides past: each refusal would
-//! leave a hole in its row for ever. A slantwise inlet keeps its rows as long as its zone, whatever crosses.
+//! leave a hole in its row for ever. A slantwise inlet keeps its rows as long as its zone, whatever crosses; at one that
+//! is filled once nothing enters, and the run stops when it is drained.
 
 use std::ops::Range;
 
@@ -24,7 +25,7 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
-use super::boundaries::entrance::{InflowRow, is_slantwise};
+use super::boundaries::entrance::{InflowRow, is_drained, is_slantwise};
 use super::boundaries::inlets::inlet_velocity;
 use super::boundaries::rows::PatchRows;
 use super::clock::Clock;
@@ -42,7 +43,8 @@ use crate::particles::rows::{Row, set_real_vector};
 use crate::particles::zone::Zone;
 use crate::pass::blocks::{for_each_part, with_lists};
 use crate::pass::neighbours::Neighbours;
-use crate::scene::model::{Patch, Scene, WhenEmpty};
+use crate::physics::inlet::Feed;
+use crate::scene::model::{Inlet, Patch, Scene, WhenEmpty};
 
 /// Two particles nearer than this over the spacing would clump: nothing is put there.
 const ROOM: f64 = 0.5;
@@ -204,9 +206,14 @@ fn apply<R: Real, const D: usize>(
     match (from, change.zone) {
         (Zone::Inflow, Zone::Fluid) => {
             ledger.entered[patch] += 1;
-            let inlet = &scene.inlets[patch].patch;
+            let Inlet { patch: inlet, feed, .. } = &scene.inlets[patch];
             let (velocity, zone, patch) = (arrays.velocity_of(row), Zone::Inflow, change.patch);
-            if is_slantwise(inlet) {
+            if *feed == Feed::Once {
+                let places = world.resource::<PatchRows>().inflow_places(arrays, patch);
+                if is_drained(inlet, scene, point, places.filter(|at| *at != point)) {
+                    world.resource_mut::<Failure>().drained = Some(patch);
+                }
+            } else if is_slantwise(inlet) {
                 // The row that crossed is no longer in its zone.
                 arrays.zone[row] = Zone::Fluid;
                 let behind = InflowRow::of(inlet, point, scene.spacing);
@@ -273,10 +280,9 @@ fn last_of_row<R: Real, const D: usize>(
     inlet: u16,
     along: impl Fn(DVec3) -> Option<f64>,
 ) -> Option<f64> {
-    let rows = &world.resource::<PatchRows>().inflow[usize::from(inlet)];
-    let present = rows.iter().map(|&row| row as usize).filter(|&row| arrays.zone[row] == Zone::Inflow);
     let coming = entries.iter().filter(|entry| entry.zone == Zone::Inflow && entry.patch == inlet);
-    let places = present.map(|row| arrays.position_of(row)).chain(coming.map(|entry| entry.place));
+    let places =
+        world.resource::<PatchRows>().inflow_places(arrays, inlet).chain(coming.map(|entry| entry.place));
     places.filter_map(along).min_by(f64::total_cmp)
 }
 

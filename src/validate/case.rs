@@ -1,16 +1,15 @@
 //! Cases: shipped with the program or read from a file, checked before anything runs.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
-use super::schema::{CaseFile, CurveFile, ReferenceFile, RunFile, ValueFile};
+use super::check;
+use super::schema::{CaseFile, RunFile, Tier};
 use crate::scene::expression::Constants;
 use crate::scene::faults::{Fault, SceneFaults, advice};
 use crate::scene::model::Scene;
 use crate::scene::notation::{reader, typed};
-use crate::scene::schema::{FormulaText, Text};
 use crate::scene::{self, constants};
 
 /// The cases with their tables, part of the program.
@@ -78,7 +77,7 @@ impl Case {
             return Err(SceneFaults::new(&shown, text, faults));
         };
         let case = Self { name: name.to_owned(), file, constants, folder };
-        let faults = case.check();
+        let faults = check::faults(&case);
         if faults.is_empty() { Ok(case) } else { Err(SceneFaults::new(&shown, text, faults)) }
     }
 
@@ -87,15 +86,21 @@ impl Case {
     /// # Errors
     /// All faults of the scene.
     pub fn scene(&self, run: &RunFile) -> Result<Scene, SceneFaults> {
-        let sets: Vec<(String, String)> =
-            run.set.iter().map(|(path, value)| (path.value.clone(), value.value.clone())).collect();
+        self.member_scene(run, &run.members(Tier::Quick)[0])
+    }
+
+    /// The scene of a run, with the values of one of its members put in.
+    ///
+    /// # Errors
+    /// All faults of the scene.
+    pub fn member_scene(&self, run: &RunFile, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
         let name = &run.scene.value;
         if let Some(folder) = self.folder.as_ref().filter(|_| name.ends_with(".ron")) {
-            return scene::load(&folder.join(name), &sets);
+            return scene::load(&folder.join(name), sets);
         }
         let file = SCENES.get_file(format!("{name}.ron"));
         match file.and_then(|file| file.contents_utf8()) {
-            Some(text) => scene::load_str(name, text, &sets),
+            Some(text) => scene::load_str(name, text, sets),
             None => {
                 let known = SCENES.files().filter_map(|file| file.path().file_stem()?.to_str());
                 let fault = Fault::placeless(format!("there is no scene `{name}`"))
@@ -119,142 +124,6 @@ impl Case {
                 .and_then(|file| file.contents_utf8())
                 .map(str::to_owned)
                 .ok_or_else(|| format!("there is no table `{name}`")),
-        }
-    }
-
-    /// Names that are given twice or not at all, formulas that do not read, scenes with faults.
-    fn check(&self) -> Vec<Fault> {
-        let mut check = Check { case: self, faults: Vec::new() };
-        check.unique("run", self.file.runs.iter().map(|run| &run.name));
-        check.unique("figure", self.file.figures.iter().map(|figure| &figure.name));
-        check.unique("plot", self.file.plots.iter().map(|plot| &plot.name));
-        for run in &self.file.runs {
-            if let Err(faults) = self.scene(run) {
-                let first = faults.faults().first().map_or(String::new(), ToString::to_string);
-                check.fault(
-                    &run.scene,
-                    format!("the scene of run `{}` does not read: {first}", run.name.value),
-                );
-            }
-        }
-        let mut known: Vec<&str> = Vec::new();
-        for figure in &self.file.figures {
-            check.value(&figure.value, &known);
-            known.push(&figure.name.value);
-            if let Some(reason) = Constants::refuses(&figure.name.value) {
-                check.fault(
-                    &figure.name,
-                    format!("`{}` cannot be the name of a figure: {reason}", figure.name.value),
-                );
-            }
-        }
-        for curve in self.file.plots.iter().flat_map(|plot| &plot.curves) {
-            match curve {
-                CurveFile::Profile { run, probe, reference, .. } => {
-                    check.probe(run, probe);
-                    reference.iter().for_each(|reference| check.reference(reference));
-                }
-                CurveFile::Series { run, table, .. } => check.table_of(run, table),
-            }
-        }
-        check.faults
-    }
-}
-
-struct Check<'a> {
-    case: &'a Case,
-    faults: Vec<Fault>,
-}
-
-impl<'a> Check<'a> {
-    fn fault(&mut self, at: &Text, title: String) {
-        self.faults.push(Fault::new(title, at.span, "here"));
-    }
-
-    fn unique(&mut self, what: &str, names: impl Iterator<Item = &'a Text>) {
-        let mut seen = HashSet::new();
-        for name in names {
-            if !seen.insert(&name.value) {
-                self.fault(name, format!("two of the case's {what}s are called `{}`", name.value));
-            }
-        }
-    }
-
-    fn run(&mut self, name: &Text) -> Option<&'a RunFile> {
-        let runs = &self.case.file.runs;
-        let found = runs.iter().find(|run| run.name.value == name.value);
-        if found.is_none() {
-            let help = advice(&name.value, runs.iter().map(|run| run.name.value.as_str()));
-            let title = format!("there is no run `{}`", name.value);
-            self.faults.push(Fault::new(title, name.span, "here").help(help));
-        }
-        found
-    }
-
-    fn probe(&mut self, run: &Text, probe: &Text) {
-        let Some(Ok(scene)) = self.run(run).map(|run| self.case.scene(run)) else { return };
-        let names: Vec<&str> = scene.output.probes.iter().map(|probe| probe.name.as_str()).collect();
-        if !names.contains(&probe.value.as_str()) {
-            let title = format!("run `{}` has no probe `{}`", run.value, probe.value);
-            let help = advice(&probe.value, names);
-            self.faults.push(Fault::new(title, probe.span, "here").help(help));
-        }
-    }
-
-    fn table_of(&mut self, run: &Text, table: &Text) {
-        if table.value != super::value::MONITOR {
-            self.probe(run, table);
-        } else {
-            let _faults_are_noted = self.run(run);
-        }
-    }
-
-    fn reference(&mut self, reference: &ReferenceFile) {
-        match reference {
-            ReferenceFile::Formula(formula) => {
-                if let FormulaText::Text(text) = &formula.value
-                    && let Err(fault) = self.case.constants.field(text)
-                {
-                    self.faults.push(fault.into_fault(formula.span, None));
-                }
-            }
-            ReferenceFile::Run(run) => {
-                let _faults_are_noted = self.run(run);
-            }
-            ReferenceFile::Table { file, .. } => {
-                if let Err(reason) = self.case.table(&file.value) {
-                    self.fault(file, reason);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    fn value(&mut self, value: &ValueFile, known: &[&str]) {
-        match value {
-            ValueFile::Profile { run, probe, reference, .. } => {
-                self.probe(run, probe);
-                self.reference(reference);
-            }
-            ValueFile::Series { run, table, .. } => self.table_of(run, table),
-            ValueFile::Growth { run, probe, .. } | ValueFile::Reflection { run, probe, .. } => {
-                self.probe(run, probe);
-            }
-            ValueFile::Order { figures, spacings } => {
-                for figure in figures.iter().filter(|figure| !known.contains(&figure.value.as_str())) {
-                    self.fault(figure, format!("there is no figure `{}` before this one", figure.value));
-                }
-                if let Some(first) = figures.first().filter(|_| figures.len() != spacings.len()) {
-                    self.fault(first, "an order needs as many spacings as figures".to_owned());
-                }
-            }
-            ValueFile::Formula(text) => {
-                let mut constants = self.case.constants.clone();
-                known.iter().for_each(|name| constants.define(name, 1.0));
-                if let Err(fault) = constants.number(&text.value) {
-                    self.faults.push(fault.into_fault(text.span, None));
-                }
-            }
         }
     }
 }
@@ -300,5 +169,47 @@ mod tests {
             assert!(titles.iter().any(|title| title.contains(words)), "nothing about {words} in {titles:#?}");
         }
         assert_eq!(titles.len(), 8, "{titles:#?}");
+    }
+
+    #[test]
+    fn faults_of_ensembles_features_and_pictures_are_named() {
+        let text = r#"Case(
+            title: "", source: "", setting: "",
+            runs: [
+                (name: "a", scene: "poiseuille", again: (set: "constants.nothing", to: ["1"])),
+                (name: "b", scene: "poiseuille"),
+            ],
+            figures: [
+                (name: "first", what: "", value: Profile(
+                    run: "b", probe: "nowhere*", field: u, when: At(0.1), reference: Members, norm: Largest)),
+                (name: "second", what: "", value: Feature(
+                    run: "b", probe: "acr*", field: Along((1.0, 1.0)), when: Every(0.0, 1.0), take: PlaceOfLargest)),
+                (name: "third", what: "", value: Feature(
+                    run: "b", probe: "across", field: speed, when: At(0.1), take: Width(1.5))),
+                (name: "fourth", what: "", value: Formula("second/second_error")),
+            ],
+            plots: [(name: "p", title: "", across: "", upward: "", curves: [
+                Distance(run: "b", probe: "across", field: v, reference: Run("a"), norm: Largest, label: "b"),
+            ])],
+            pictures: [(name: "p", title: "", run: "b", field: "sped", times: [1.0], range: (2.0, 1.0), width: 10)],
+        )"#;
+        let faults = Case::read("bad", text, None).expect_err("faults");
+        let titles: Vec<String> = faults.faults().iter().map(ToString::to_string).collect();
+        for words in [
+            "run `a.2` does not read",
+            "no probe `nowhere*`",
+            "no other members",
+            "no unit vector",
+            "asked of many profiles",
+            "share of a width",
+            "held against another run",
+            "drawings are called `p`",
+            "`sped` is not a field",
+            "does not rise",
+            "width of a picture",
+        ] {
+            assert!(titles.iter().any(|title| title.contains(words)), "nothing about {words} in {titles:#?}");
+        }
+        assert_eq!(titles.len(), 11, "{titles:#?}");
     }
 }

@@ -4,14 +4,16 @@
 //! case file ─ case (checked) ─▶ runs of shipped scenes ─ value ─▶ figures ─ verdict ─▶ console, pages, plots, report.json
 //! ```
 //!
-//! Rooms: `schema` (what may stand in a case file), `case` (reading and checking), `value/` (ways to measure), `exact/`
-//! (solutions in closed form), `verdict` (bands), `plot` and `report` (what is left of it).
+//! Rooms: `schema/` (what may stand in a case file), `case` (reading), `check` (its faults), `value/` (ways to measure),
+//! `exact/` (solutions in closed form), `verdict` (bands), `plot`, `picture` and `report` (what is left of it).
 //!
 //! To add a case: `assets/validation/NAME.ron`. Runs are scenes of `scenes/`, references formulas, exact solutions, tables
 //! beside the case or other runs: no code.
 
 pub mod case;
+mod check;
 pub mod exact;
+mod picture;
 pub mod plot;
 pub mod report;
 pub mod schema;
@@ -25,7 +27,8 @@ use miette::Diagnostic;
 
 use case::Case;
 use report::{Measured, Outcome, RunLine};
-use schema::{RunFile, Tier, ValueFile};
+use schema::{ReferenceFile, RunFile, Tier, ValueFile};
+use value::reading::{Reading, error_of, names};
 use value::{Context, RunResults, evaluate, runs_of};
 use verdict::Verdict;
 
@@ -38,6 +41,7 @@ use crate::run::signals::Signal;
 use crate::run::words::duration;
 use crate::run::{self, Ending, RunOptions};
 use crate::scene::faults::SceneFaults;
+use crate::scene::model::Scene;
 
 /// Name of the report for programs.
 const REPORT: &str = "report.json";
@@ -142,41 +146,42 @@ fn write(path: &Path, text: &str) -> Result<(), OutputError> {
 fn run_case(case: &Case, options: &ValidateOptions) -> Result<Result<Outcome, Signal>, ValidateError> {
     let file = &case.file;
     let wanted: Vec<&RunFile> = file.runs.iter().filter(|run| run.tier <= options.tier).collect();
-    let mut outcome = Outcome { runs: Vec::new(), figures: Vec::new(), plots: Vec::new() };
+    let mut outcome = Outcome::default();
     if wanted.is_empty() {
         return Ok(Ok(outcome));
     }
     options.console.say(&format!("{}: {}", case.name, file.title));
-    let mut results = BTreeMap::new();
+    let mut results: BTreeMap<String, Vec<RunResults>> = BTreeMap::new();
     for run in &wanted {
-        let folder = options.folder.join(&case.name).join(&run.name.value);
-        let failure = match sail(case, run, &folder, options)? {
-            Ok(failure) => failure,
-            Err(signal) => return Ok(Err(signal)),
-        };
-        let found = RunResults::read(&folder)?;
-        let line = run_line(run, &found.summary, failure);
-        let took = line.failure.clone().unwrap_or_else(|| duration(line.wall_time));
-        options.console.say(&format!("  run {:<20} {took}", run.name.value));
-        if line.failure.is_none() {
-            results.insert(run.name.value.clone(), found);
+        for (member, set) in run.members(options.tier).iter().enumerate() {
+            let name = run.member_name(member);
+            let folder = options.folder.join(&case.name).join(&name);
+            let failure = match sail(case.member_scene(run, set)?, &folder, options)? {
+                Ok(failure) => failure,
+                Err(signal) => return Ok(Err(signal)),
+            };
+            let found = RunResults::read(&folder)?;
+            let line = run_line(name, run, set, &found.summary, failure);
+            let took = line.failure.clone().unwrap_or_else(|| duration(line.wall_time));
+            options.console.say(&format!("  run {:<20} {took}", line.name));
+            if line.failure.is_none() {
+                results.entry(run.name.value.clone()).or_default().push(found);
+            }
+            outcome.runs.push(line);
         }
-        outcome.runs.push(line);
     }
-    measure(case, &wanted, &results, &mut outcome, options.console);
-    draw(case, &wanted, &results, &mut outcome, options)?;
+    measure(case, &wanted, &results, &mut outcome, options);
+    draw(case, &results, &mut outcome, options);
     options.console.say("");
     Ok(Ok(outcome))
 }
 
 /// Sails one run, or takes an earlier one; why it has no results, or the signal that stopped it.
 fn sail(
-    case: &Case,
-    run: &RunFile,
+    scene: Scene,
     folder: &Path,
     options: &ValidateOptions,
 ) -> Result<Result<Option<String>, Signal>, ValidateError> {
-    let scene = case.scene(run)?;
     if options.reuse
         && let Ok(summary) = Summary::read(folder)
         && summary.status == Status::Completed
@@ -201,18 +206,25 @@ fn sail(
     }
 }
 
-fn run_line(run: &RunFile, summary: &Summary, failure: Option<String>) -> RunLine {
+fn run_line(
+    name: String,
+    run: &RunFile,
+    set: &[(String, String)],
+    summary: &Summary,
+    failure: Option<String>,
+) -> RunLine {
     let ledger = &summary.ledger;
     RunLine {
-        name: run.name.value.clone(),
+        name,
         scene: run.scene.value.clone(),
-        set: run.set.iter().map(|(path, value)| (path.value.clone(), value.value.clone())).collect(),
+        set: set.to_vec(),
         particles: ledger.fluid + ledger.wall + ledger.inflow + ledger.outflow,
         steps: summary.steps,
         wall_time: summary.wall_time,
         threads: summary.threads,
         lanes: summary.lanes.clone(),
         failure,
+        may_fail: run.may_fail,
     }
 }
 
@@ -220,66 +232,92 @@ fn run_line(run: &RunFile, summary: &Summary, failure: Option<String>) -> RunLin
 fn measure(
     case: &Case,
     wanted: &[&RunFile],
-    runs: &BTreeMap<String, RunResults>,
+    runs: &BTreeMap<String, Vec<RunResults>>,
     outcome: &mut Outcome,
-    console: Console,
+    options: &ValidateOptions,
 ) {
     let mut known = case.constants.clone();
+    let mut readings = BTreeMap::new();
     let mut left_out: Vec<&str> = Vec::new();
-    console.say(&report::console_head());
+    let is_present = |run: &&&RunFile| !run.may_fail || runs.contains_key(&run.name.value);
+    let present: Vec<&RunFile> = wanted.iter().filter(is_present).copied().collect();
+    options.console.say(&report::console_head());
     for (index, figure) in case.file.figures.iter().enumerate() {
-        let is_run = |name: &str| wanted.iter().any(|run| run.name.value == name);
-        let needs_left_out = match &figure.value {
-            ValueFile::Order { figures, .. } => {
-                figures.iter().any(|name| left_out.contains(&name.value.as_str()))
-            }
-            ValueFile::Formula(text) => left_out.iter().any(|name| names(&text.value, name)),
-            value => !runs_of(value).into_iter().all(is_run),
-        };
-        if needs_left_out {
-            left_out.push(&figure.name.value);
+        let name = &figure.name.value;
+        if is_left_out(&figure.value, &present, options.tier, &left_out, &readings) {
+            left_out.push(name);
             continue;
         }
-        let value = evaluate(&figure.value, Context { case, runs, known: &known });
-        if let Ok(value) = value {
-            known.define(&figure.name.value, value);
+        let value = evaluate(&figure.value, Context { case, runs, known: &known, readings: &readings });
+        if let Ok(reading) = &value {
+            known.define(name, reading.value);
+            if let Some(error) = reading.error {
+                known.define(&error_of(name), error);
+            }
+            readings.insert(name.clone(), reading.clone());
         }
-        let verdict = Verdict::on(value.as_ref().ok().copied(), figure.must.as_ref(), figure.goal.as_ref());
+        let found = value.as_ref().ok().map(|reading| reading.value);
+        let verdict = Verdict::on(found, figure.must.as_ref(), figure.goal.as_ref());
         let measured = Measured { index, value, verdict };
-        console.say(&report::console_line(figure, &measured));
+        options.console.say(&report::console_line(figure, &measured));
         outcome.figures.push(measured);
     }
 }
 
-/// Whether a formula speaks of a name.
-fn names(formula: &str, name: &str) -> bool {
-    formula.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == name)
+/// Whether a figure looks at figures that were left out, or at runs or members that are not there and need not be.
+fn is_left_out(
+    value: &ValueFile,
+    present: &[&RunFile],
+    tier: Tier,
+    left_out: &[&str],
+    readings: &BTreeMap<String, Reading>,
+) -> bool {
+    let run_of = |name: &str| present.iter().find(|run| run.name.value == name);
+    match value {
+        ValueFile::Order { figures, .. } => {
+            figures.iter().any(|name| left_out.contains(&name.value.as_str()))
+        }
+        ValueFile::Formula(text) => names(&text.value).any(|word| {
+            let figure = word.strip_suffix("_error").unwrap_or(word);
+            let without_error = |reading: &Reading| figure != word && reading.error.is_none();
+            left_out.contains(&word)
+                || figure != word && left_out.contains(&figure)
+                || readings.get(figure).is_some_and(without_error)
+        }),
+        value => {
+            let runs = runs_of(value);
+            let needs_members = matches!(value, ValueFile::Profile { reference: ReferenceFile::Members, .. });
+            !runs.iter().all(|name| run_of(name).is_some())
+                || needs_members
+                    && runs.iter().filter_map(|name| run_of(name)).any(|run| run.members(tier).len() < 2)
+        }
+    }
 }
 
-/// Draws the plots whose runs are of this tier; one that cannot be drawn is said and left out.
+/// Draws the plots and pictures whose runs have results; one that cannot be drawn is said and left out.
 fn draw(
     case: &Case,
-    wanted: &[&RunFile],
-    runs: &BTreeMap<String, RunResults>,
+    runs: &BTreeMap<String, Vec<RunResults>>,
     outcome: &mut Outcome,
     options: &ValidateOptions,
-) -> Result<(), OutputError> {
-    for plot in &case.file.plots {
-        let run_of = |curve: &schema::CurveFile| match curve {
-            schema::CurveFile::Profile { run, .. } | schema::CurveFile::Series { run, .. } => {
-                run.value.clone()
-            }
-        };
-        let has_runs =
-            plot.curves.iter().all(|curve| wanted.iter().any(|run| run.name.value == run_of(curve)));
-        if !has_runs {
-            continue;
-        }
+) {
+    let context = Context { case, runs, known: &case.constants, readings: &BTreeMap::new() };
+    let has_results = |curve: &schema::CurveFile| runs.contains_key(&curve.run().value);
+    for plot in case.file.plots.iter().filter(|plot| plot.curves.iter().any(has_results)) {
         let name = format!("{}_{}.svg", case.name, plot.name.value);
-        match plot::draw(plot, Context { case, runs, known: &case.constants }, &options.folder.join(&name)) {
+        match plot::draw(plot, context, &options.folder.join(&name)) {
             Ok(()) => outcome.plots.push((name, plot.title.clone())),
             Err(reason) => options.console.say(&format!("  no plot {name}: {reason}")),
         }
     }
-    Ok(())
+    for file in case.file.pictures.iter().filter(|file| runs.contains_key(&file.run.value)) {
+        let run = options.folder.join(&case.name).join(&file.run.value);
+        let stem = format!("{}_{}", case.name, file.name.value);
+        for (name, drawn) in picture::draw(file, &run, &options.folder, &stem) {
+            match drawn {
+                Ok(title) => outcome.plots.push((name, title)),
+                Err(reason) => options.console.say(&format!("  no picture {name}: {reason}")),
+            }
+        }
+    }
 }

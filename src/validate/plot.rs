@@ -10,7 +10,7 @@ use plotters::series::{DashedLineSeries, LineSeries};
 use plotters::style::{BLACK, Color, RGBColor, WHITE};
 
 use super::schema::{CurveFile, PlotFile};
-use super::value::profile::profiles;
+use super::value::profile::{distance_over_time, profiles};
 use super::value::reference::{self, coordinate};
 use super::value::{Context, series};
 use super::verdict::number;
@@ -42,12 +42,13 @@ struct Curve {
     reference: Vec<(f64, f64)>,
 }
 
-/// Draws a plot to an SVG file.
+/// Draws the curves of a plot whose runs have results to an SVG file.
 ///
 /// # Errors
 /// What is missing, or that the file cannot be written.
 pub fn draw(plot: &PlotFile, context: Context<'_>, path: &Path) -> Result<(), String> {
-    let mut curves = plot.curves.iter().map(|curve| gather(curve, context)).collect::<Result<Vec<_>, _>>()?;
+    let present = plot.curves.iter().filter(|curve| context.runs.contains_key(&curve.run().value));
+    let mut curves = present.map(|curve| gather(curve, context)).collect::<Result<Vec<_>, _>>()?;
     if plot.logarithmic {
         // A magnitude of nothing has no logarithm.
         for curve in &mut curves {
@@ -62,24 +63,38 @@ pub fn draw(plot: &PlotFile, context: Context<'_>, path: &Path) -> Result<(), St
 
 fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
     match curve {
-        CurveFile::Profile { run, probe, field, when, axis, reference, label } => {
+        CurveFile::Profile { run, probe, field, when, axis, upright, reference, label } => {
             let probe = context.run(&run.value)?.probe(&probe.value)?;
-            let found = profiles(probe, *field, &when.value)?;
+            let found = profiles(&probe, field, &when.value)?;
             let profile = found.first().ok_or("no samples")?;
             let along = probe.places.iter().map(|&place| coordinate(place, *axis));
-            let points = along.clone().zip(profile.values.iter().copied()).collect();
+            let laid = |(at, value): (f64, f64)| match upright {
+                Some((station, scale)) => (station.value + scale.value * value, at),
+                None => (at, value),
+            };
+            let points = along.clone().zip(profile.values.iter().copied()).map(laid).collect();
             let function = match reference {
                 Some(reference) => reference::function(reference, context.case)?,
                 None => None,
             };
             let line = function.map_or_else(Vec::new, |function| {
-                along.zip(&probe.places).map(|(at, &place)| (at, function(place, profile.time))).collect()
+                let values = probe.places.iter().map(|&place| function(place, profile.time));
+                along.zip(values).map(laid).collect()
             });
             Ok(Curve { label: label.clone(), points, reference: line })
         }
         CurveFile::Series { run, table, column, label } => {
             let (times, values) = series::column(context.run(&run.value)?, &table.value, &column.value)?;
             let points = times.into_iter().zip(values).filter(|point| point.1.is_finite()).collect();
+            Ok(Curve { label: label.clone(), points, reference: Vec::new() })
+        }
+        CurveFile::Distance { run, probe, field, reference, norm, scale, label } => {
+            let probe = context.run(&run.value)?.probe(&probe.value)?;
+            let function = reference::function(reference, context.case)?.ok_or("no reference")?;
+            let scale = scale.map_or(1.0, |scale| scale.value);
+            let found = distance_over_time(&probe, field, &function, *norm)?;
+            let points = found.into_iter().map(|(time, value)| (time, value / scale));
+            let points = points.filter(|point| point.1.is_finite()).collect();
             Ok(Curve { label: label.clone(), points, reference: Vec::new() })
         }
     }
@@ -126,12 +141,16 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
         .y_label_formatter(&label)
         .light_line_style(WHITE.mix(0.0))
         .draw()?;
-    for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
-        let style = colour.stroke_width(4);
-        chart
-            .draw_series(LineSeries::new(curve.points.iter().copied(), style))?
-            .label(&curve.label)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
+    // Curves of one label have one colour and one line in the legend.
+    let mut labels: Vec<&str> = Vec::new();
+    for curve in curves {
+        let known = labels.iter().position(|label| *label == curve.label);
+        let style = COLOURS[known.unwrap_or(labels.len()) % COLOURS.len()].stroke_width(4);
+        let drawn = chart.draw_series(LineSeries::new(curve.points.iter().copied(), style))?;
+        if known.is_none() {
+            labels.push(&curve.label);
+            drawn.label(&curve.label).legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
+        }
     }
     // On top: where both agree the dashes show it.
     let style = BLACK.stroke_width(2);

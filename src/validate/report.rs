@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::schema::FigureFile;
-use super::verdict::{Verdict, number, signs};
+use super::value::reading::Reading;
+use super::verdict::{Verdict, figures, number, signs};
 use crate::run::words::{duration, grouped};
 
 /// A figure with its value.
@@ -13,7 +14,7 @@ pub struct Measured {
     /// Its place among the case's figures.
     pub index: usize,
     /// The value, or why there is none.
-    pub value: Result<f64, String>,
+    pub value: Result<Reading, String>,
     /// How it stands.
     pub verdict: Verdict,
 }
@@ -39,30 +40,37 @@ pub struct RunLine {
     pub lanes: String,
     /// Why it has no results.
     pub failure: Option<String>,
+    /// Whether a failure is no miss.
+    pub may_fail: bool,
 }
 
 /// What a case came to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// Its runs.
     pub runs: Vec<RunLine>,
     /// Its figures, those of runs that this tier leaves out not among them.
     pub figures: Vec<Measured>,
-    /// Plots that were drawn: file and title.
+    /// Plots and pictures that were drawn: file and title.
     pub plots: Vec<(String, String)>,
 }
 
 impl Outcome {
     /// Whether a band to be met was missed, or a run failed.
     pub fn is_missed(&self) -> bool {
-        self.runs.iter().any(|run| run.failure.is_some())
+        self.runs.iter().any(|run| run.failure.is_some() && !run.may_fail)
             || self.figures.iter().any(|figure| figure.verdict == Verdict::Missed)
     }
 }
 
 fn value_text(measured: &Measured) -> String {
     match &measured.value {
-        Ok(value) => number(*value),
+        Ok(reading) => {
+            let bound = if reading.at_least { "≥ " } else { "" };
+            let error = reading.error.filter(|error| *error > 0.0);
+            let error = error.map_or(String::new(), |error| format!(" ± {}", figures(error, 2)));
+            format!("{bound}{}{error}", number(reading.value))
+        }
         Err(reason) => format!("– ({reason})"),
     }
 }
@@ -97,9 +105,10 @@ pub fn page(case: &Case, outcome: &Outcome, command: &str) -> String {
         let figure = &file.figures[measured.index];
         let band = |band: &Option<_>| band.as_ref().map_or(String::new(), signs);
         let printed = figure.printed.map_or(String::new(), |printed| number(printed.value));
+        // A bar would end the cell.
         text += &format!(
             "| {} | {} | {} | {} | {printed} | {} |\n",
-            figure.what,
+            figure.what.replace('|', "\\|"),
             value_text(measured),
             band(&figure.must),
             band(&figure.goal),
@@ -138,6 +147,9 @@ struct FigureEntry<'a> {
     figure: &'a str,
     what: &'a str,
     value: Option<f64>,
+    error: Option<f64>,
+    at_least: bool,
+    members: &'a [f64],
     reason: Option<&'a str>,
     must: Option<String>,
     goal: Option<String>,
@@ -152,11 +164,15 @@ pub fn json(outcomes: &[(Case, Outcome)]) -> String {
         .flat_map(|(case, outcome)| {
             outcome.figures.iter().map(move |measured| {
                 let figure = &case.file.figures[measured.index];
+                let reading = measured.value.as_ref().ok();
                 FigureEntry {
                     case: &case.name,
                     figure: &figure.name.value,
                     what: &figure.what,
-                    value: measured.value.as_ref().ok().copied(),
+                    value: reading.map(|reading| reading.value),
+                    error: reading.and_then(|reading| reading.error),
+                    at_least: reading.is_some_and(|reading| reading.at_least),
+                    members: reading.map_or(&[], |reading| &reading.members),
                     reason: measured.value.as_ref().err().map(String::as_str),
                     must: figure.must.as_ref().map(signs),
                     goal: figure.goal.as_ref().map(signs),

@@ -64,15 +64,20 @@ pub fn signs(band: &BandFile) -> String {
 
 /// A number to four digits, as people read it.
 pub fn number(value: f64) -> String {
+    figures(value, 4)
+}
+
+/// A number to so many digits.
+pub fn figures(value: f64, digits: i32) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() {
         format!("{value}")
     } else if (1e-3..1e5).contains(&size) {
-        let digits = (3 - size.log10().floor() as i32).max(0) as usize;
+        let digits = (digits - 1 - size.log10().floor() as i32).max(0) as usize;
         let text = format!("{value:.digits$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     } else {
-        format!("{value:.2e}")
+        format!("{value:.*e}", (digits - 2).max(1) as usize)
     }
 }
 

@@ -56,7 +56,7 @@ fn inlet(
     if let InletPressure::Prescribed(pressure) = file.pressure {
         finite(pressure, "the pressure of an inlet", file.velocity.head, check);
     }
-    Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure })
+    Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure, feed: file.feed })
 }
 
 fn finite(value: f64, what: &str, span: Span, check: &mut Checker<'_>) {

@@ -14,6 +14,9 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// A period must be a whole number of spacings to this relative accuracy.
 const WHOLE: f64 = 1e-6;
 
+/// Largest jitter in spacings: two neighbours stay more than half a spacing apart.
+const MOST_JITTER: f64 = 0.2;
+
 /// Bounds of the periodic directions.
 pub fn periodic(
     names: &[Text],
@@ -99,24 +102,27 @@ pub fn fill(
     patches: &[&Patch],
     check: &mut Checker<'_>,
 ) -> Option<Fill> {
-    let lattice = |anchor| {
-        Fill::Lattice(Lattice::fitted(
-            site.domain,
-            patches,
-            site.periodic,
-            site.spacing,
-            anchor,
-            site.dimensions,
-        ))
-    };
+    let lattice =
+        |anchor| Lattice::fitted(site.domain, patches, site.periodic, site.spacing, anchor, site.dimensions);
     let Some(file) = file else {
-        return Some(lattice(None));
+        return Some(Fill::Lattice(lattice(None)));
     };
     match &file.value {
-        FillFile::Lattice { anchor } => {
+        FillFile::Lattice { anchor, jitter } => {
             let before = check.blemishes();
             let anchor = anchor.as_ref().map(|anchor| check.vector(anchor, "m"));
-            (check.blemishes() == before).then(|| lattice(anchor))
+            let jitter = jitter.as_ref().map_or(0.0, |jitter| {
+                if !(0.0..=MOST_JITTER).contains(&jitter.value) {
+                    let label = format!("is `{}` spacings, must be from 0 to {MOST_JITTER}", jitter.value);
+                    check.report(Fault::new(
+                        "the jitter of the lattice is out of bounds",
+                        jitter.span,
+                        label,
+                    ));
+                }
+                jitter.value
+            });
+            (check.blemishes() == before).then(|| Fill::Lattice(Lattice { jitter, ..lattice(anchor) }))
         }
         FillFile::WallFitted { lower, upper } => {
             let (low, high) = (check.formula(lower), check.formula(upper));

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::checker::Checker;
+use crate::physics::inlet::Feed;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
 use crate::scene::fill;
@@ -113,8 +114,9 @@ pub fn references(file: &SceneFile, check: &mut Checker<'_>) {
 /// What follows from the rest of a sound scene: reservoir and references.
 pub fn derive(scene: &mut Scene, file: &SceneFile) {
     let cell = scene.spacing.powi(scene.dimensions as i32 - 1);
-    let inflow: f64 =
-        scene.inlets.iter().map(|inlet| inlet.patch.area / cell * (inlet.patch.depth / scene.spacing)).sum();
+    // What is filled once takes nothing from the reservoir.
+    let fed = scene.inlets.iter().filter(|inlet| inlet.feed == Feed::Fed);
+    let inflow: f64 = fed.map(|inlet| inlet.patch.area / cell * (inlet.patch.depth / scene.spacing)).sum();
     let particles = file.reservoir.particles.as_ref().map(|p| p.value as usize);
     scene.reservoir.initial = particles.unwrap_or((inflow - 1e-6).ceil() as usize);
     let length = file.reference.length.as_ref().map(|n| n.value);

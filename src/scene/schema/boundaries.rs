@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::{Formula, Number, ShapeFile, Text, Vector};
-use crate::physics::inlet::InletPressure;
+use crate::physics::inlet::{Feed, InletPressure};
 use crate::physics::outlet::OutletCondition;
 use crate::physics::wall::{Slip, WallModel};
 use crate::scene::notation::tree::Span;
@@ -69,6 +69,9 @@ pub struct InletFile {
     /// Pressure of the inflow.
     #[serde(default)]
     pub pressure: InletPressure,
+    /// What follows the particles of its zone, default `Fed`; `Once` wants a `depth`.
+    #[serde(default)]
+    pub feed: Feed,
 }
 
 /// Velocity of the inflow.

@@ -209,6 +209,11 @@ pub enum FillFile {
         /// A corner at which cells of the lattice meet, m; default chosen so that walls lie between cells.
         #[serde(default)]
         anchor: Option<Vector>,
+        /// How far fluid particles stand off the lattice at the start, as a share of the spacing: each by an even random
+        /// number from −jitter to jitter along each axis, always the same for the same place of the lattice. Default 0,
+        /// at most 0.2.
+        #[serde(default)]
+        jitter: Option<Number>,
     },
     /// Rows that follow the walls of a slanted or curved channel along x, in 2D.
     WallFitted {
@@ -226,7 +231,8 @@ pub struct InitialFile {
     /// Velocity, m/s.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// Pressure, Pa.
+    /// Pressure, Pa. That of the fluid has no effect: its density is summed before the first step, and its pressure
+    /// follows from it. Outflow particles begin with it.
     #[serde(default)]
     pub pressure: Option<Formula>,
     /// Passive tag.

@@ -6,7 +6,7 @@ use super::shipped::{scene, smoke};
 use crate::particles::zone::Zone;
 use crate::scene::fill::beyond;
 use crate::scene::model::{ParticleSeed, Scene};
-use crate::scene::{load_str, seeds};
+use crate::scene::{load_str, seeds, summary};
 
 fn of(seeds: &[ParticleSeed], zone: Zone) -> Vec<ParticleSeed> {
     seeds.iter().filter(|s| s.zone == zone).copied().collect()
@@ -289,4 +289,67 @@ fn a_periodic_box_without_walls_is_full() {
     let seeds = seeds(&scene);
     assert_eq!((seeds.len(), of(&seeds, Zone::Fluid).len()), (10 * 11 * 12, 10 * 11 * 12));
     check_uniform(&scene);
+}
+
+#[test]
+fn jitter_moves_the_fluid_alone_and_always_the_same_way() {
+    let even = seeds(&channel(OPENINGS));
+    let jittered = |share: &str| {
+        let scene = channel(&format!("{OPENINGS} fill: Lattice(jitter: {share}),"));
+        let seeds = seeds(&scene);
+        assert!(of(&seeds, Zone::Fluid).iter().all(|seed| scene.domain.contains(seed.position, 0.0)));
+        seeds
+    };
+    let (found, again) = (jittered("0.2"), jittered("0.2"));
+    assert_eq!(found, again);
+    assert_eq!(found.len(), even.len());
+    let (mut squares, mut sum, mut count) = (0.0, DVec3::ZERO, 0.0);
+    for (seed, place) in found.iter().zip(&even) {
+        let offset = (seed.position - place.position) / 0.05;
+        assert_eq!(seed.zone, place.zone);
+        if seed.zone != Zone::Fluid {
+            assert_eq!(offset, DVec3::ZERO, "{:?}", seed.zone);
+            continue;
+        }
+        assert!(offset.abs().max_element() <= 0.2 && offset.z == 0.0, "{offset}");
+        (squares, sum, count) = (squares + offset.length_squared(), sum + offset, count + 1.0);
+    }
+    // Even numbers from −0.2 to 0.2 have the variance 0.2²/3 along each of two axes; 160 particles.
+    assert!((squares / count / (2.0 * 0.04 / 3.0) - 1.0).abs() < 0.15, "{}", squares / count);
+    assert!((sum / count).length() < 0.03, "{}", sum / count);
+    let half = jittered("0.1");
+    for ((seed, place), far) in half.iter().zip(&even).zip(&found) {
+        let (near, far) = (seed.position - place.position, far.position - place.position);
+        assert!((far - near * 2.0).length() < 1e-12, "the same way, half as far");
+    }
+}
+
+#[test]
+fn jitter_of_a_periodic_box_stays_in_it() {
+    let scene = channel("walls: None, periodic: [\"x\", \"y\"], fill: Lattice(jitter: 0.2),");
+    let found = seeds(&scene);
+    assert_eq!(found.len(), 20 * 8);
+    for seed in found {
+        assert!(
+            (0.0..1.0).contains(&seed.position.x) && (0.0..0.4).contains(&seed.position.y),
+            "{}",
+            seed.position
+        );
+    }
+}
+
+#[test]
+fn what_will_not_act_or_not_last_is_noted() {
+    let notes = |extra: &str| {
+        let scene = channel(extra);
+        summary::summary(&scene, &seeds(&scene)).notes.join("\n")
+    };
+    let quiet = notes(OPENINGS);
+    assert!(!quiet.contains("initial.pressure") && !quiet.contains("filled once"), "{quiet}");
+    let pressed = notes(&format!("{OPENINGS} initial: (pressure: \"100*x\"),"));
+    assert!(pressed.contains("`initial.pressure` does not reach the fluid"), "{pressed}");
+    // 1 m/s to 1 s from a zone of half a metre.
+    let once = OPENINGS.replace("velocity: Normal(1.0)", "velocity: Normal(1.0), feed: Once, depth: 0.5");
+    let drained = notes(&once);
+    assert!(drained.contains("inlet 0 is filled once") && drained.contains("0.500 s"), "{drained}");
 }

@@ -9,10 +9,13 @@
 //! particles on one streamline: each has a speed of its own, and in a zone where nothing keeps them apart the faster
 //! ones catch up with the slower ones until they clump (a channel turned by 20 degrees burst after 5 s). In rows
 //! along the flow all have one speed. The lattice that a slantwise zone is filled with at the start flows off and rows follow.
+//!
+//! A zone that is filled once, Alvarado-Rodríguez et al. (2017), Sec. 5.3, takes none; it is drained when behind a particle
+//! that crosses less than the support of the kernel is left, since the fluid would see the end of the zone.
 
 use glam::DVec3;
 
-use crate::scene::model::Patch;
+use crate::scene::model::{Patch, Scene};
 
 /// Normals nearer to an axis than this are along it.
 const ALONG_AN_AXIS: f64 = 1e-9;
@@ -20,6 +23,20 @@ const ALONG_AN_AXIS: f64 = 1e-9;
 /// Whether a patch lies slantwise to the lattice.
 pub fn is_slantwise(patch: &Patch) -> bool {
     patch.towards.abs().max_element() < 1.0 - ALONG_AN_AXIS
+}
+
+/// Whether too little is left behind a particle that crossed at a point (m) of an inlet that is filled once; `places` (m) are
+/// those of the particles in its zone.
+pub fn is_drained(patch: &Patch, scene: &Scene, crossed: DVec3, places: impl Iterator<Item = DVec3>) -> bool {
+    let scheme = &scene.scheme;
+    let support = scheme.kernel().support_ratio() * scheme.smoothing_ratio() * scene.spacing;
+    let aside = |at: DVec3| {
+        let offset = at - crossed;
+        patch.across.iter().map(|across| offset.dot(*across).abs()).fold(0.0, f64::max)
+    };
+    // Its own row and the halves of those beside it.
+    let behind = places.filter(|at| aside(*at) <= scene.spacing).map(|at| patch.along(at));
+    behind.fold(f64::INFINITY, f64::min) > -support
 }
 
 /// The row of a slantwise inflow zone that a point belongs to.

@@ -1,6 +1,7 @@
 //! Which rows of the sorted arrays belong to which patch.
 
 use bevy_ecs::resource::Resource;
+use glam::DVec3;
 
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -25,6 +26,16 @@ pub struct PatchRows {
 }
 
 impl PatchRows {
+    /// Where the inflow particles of an inlet stand, m.
+    pub fn inflow_places<R: Real, const D: usize>(
+        &self,
+        arrays: &ParticleArrays<R, D>,
+        inlet: u16,
+    ) -> impl Iterator<Item = DVec3> {
+        let rows = self.inflow[usize::from(inlet)].iter().map(|&row| row as usize);
+        rows.filter(|&row| arrays.zone[row] == Zone::Inflow).map(|row| arrays.position_of(row))
+    }
+
     /// Empty lists for every patch of a scene.
     fn clear(&mut self, scene: &Scene) {
         self.inflow.resize_with(scene.inlets.len(), Vec::new);

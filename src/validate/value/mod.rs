@@ -1,29 +1,41 @@
 //! What a figure of a case is, computed from the results of its runs.
 //!
-//! Rooms: `reference` (what a profile should be), `profile` (distances from it), `series` (columns over time), `waves`
-//! (growth and reflection). To add a way to measure: a variant of `ValueFile` in `schema`, a room here, an arm below.
+//! Rooms: `reading` (a value with its error, formulas), `fields` (which probes, which quantity), `reference` (what a
+//! profile should be), `profile` (distances from it), `feature` (what a profile looks like), `ensemble` (how far apart two
+//! flows are), `series` (columns over time), `waves` (growth and reflection). To add a way to measure: a variant of
+//! `ValueFile` in `schema`, a room here, an arm below.
+//!
+//! A run is an ensemble of one or more members. What one run can tell is measured of each, and the figure is their mean.
 
+pub mod ensemble;
+pub mod feature;
+pub mod fields;
 pub mod profile;
+pub mod reading;
 pub mod reference;
 pub mod series;
 pub mod waves;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::case::Case;
-use super::schema::{FieldFile, ValueFile};
+use super::schema::{ReferenceFile, ValueFile};
 use crate::output::error::OutputError;
 use crate::output::monitor;
 use crate::output::probes::history::ProbeHistory;
 use crate::output::summary::Summary;
 use crate::scene::expression::Constants;
+use crate::scene::schema::Number;
+use ensemble::Comparison;
+use reading::Reading;
 
 /// The name under which the monitor is asked for.
 pub const MONITOR: &str = "monitor";
 
 /// What a run left.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RunResults {
     /// How it went.
     pub summary: Summary,
@@ -44,12 +56,12 @@ impl RunResults {
         Ok(Self { probes, monitor: monitor::read_history(folder)?, summary })
     }
 
-    /// A probe by name.
+    /// A probe by name, or all of a pattern as one.
     ///
     /// # Errors
     /// That there is none.
-    pub fn probe(&self, name: &str) -> Result<&ProbeHistory, String> {
-        self.probes.iter().find(|probe| probe.name == name).ok_or_else(|| format!("no probe `{name}`"))
+    pub fn probe(&self, name: &str) -> Result<Cow<'_, ProbeHistory>, String> {
+        fields::probe(&self.probes, name)
     }
 }
 
@@ -58,19 +70,30 @@ impl RunResults {
 pub struct Context<'a> {
     /// The case.
     pub case: &'a Case,
-    /// Results of the runs, by name.
-    pub runs: &'a BTreeMap<String, RunResults>,
+    /// Results of the members of the runs, by name.
+    pub runs: &'a BTreeMap<String, Vec<RunResults>>,
     /// The case's constants and the figures so far.
     pub known: &'a Constants,
+    /// The figures so far.
+    pub readings: &'a BTreeMap<String, Reading>,
 }
 
 impl<'a> Context<'a> {
-    /// The results of a run.
+    /// The results of all members of a run.
+    ///
+    /// # Errors
+    /// That it has none.
+    pub fn members(&self, name: &str) -> Result<&'a [RunResults], String> {
+        let found = self.runs.get(name).filter(|members| !members.is_empty());
+        found.map(Vec::as_slice).ok_or_else(|| format!("run `{name}` has no results"))
+    }
+
+    /// The results of a run, of an ensemble those of its first member.
     ///
     /// # Errors
     /// That it has none.
     pub fn run(&self, name: &str) -> Result<&'a RunResults, String> {
-        self.runs.get(name).ok_or_else(|| format!("run `{name}` has no results"))
+        self.members(name).map(|members| &members[0])
     }
 }
 
@@ -82,9 +105,10 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
             runs.extend(reference::run_of(reference));
             runs
         }
-        ValueFile::Series { run, .. } | ValueFile::Growth { run, .. } | ValueFile::Reflection { run, .. } => {
-            vec![&run.value]
-        }
+        ValueFile::Feature { run, .. }
+        | ValueFile::Series { run, .. }
+        | ValueFile::Growth { run, .. }
+        | ValueFile::Reflection { run, .. } => vec![&run.value],
         ValueFile::Order { .. } | ValueFile::Formula(_) => Vec::new(),
     }
 }
@@ -93,38 +117,80 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
 ///
 /// # Errors
 /// Why it cannot be told.
-pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<f64, String> {
+pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Reading, String> {
     let found = match value {
-        ValueFile::Profile { run, probe, field, when, reference, norm, scale } => {
-            let scale = scale.map_or(1.0, |scale| scale.value);
-            let distances =
-                profile::distances(context, (&run.value, &probe.value), *field, &when.value, reference)?;
-            profile::norm(&distances, *norm) / scale
-        }
-        ValueFile::Series { run, table, column, over, take } => {
-            let (times, values) = series::column(context.run(&run.value)?, &table.value, &column.value)?;
-            series::take(&times, &values, (over.0.value, over.1.value), *take)?
-        }
-        ValueFile::Growth { run, probe, field, waves, between } => {
-            let probe = context.run(&run.value)?.probe(&probe.value)?;
-            waves::growth(probe, field.column(), waves.value, (between.0.value, between.1.value))?
-        }
-        ValueFile::Reflection { run, probe, waves, impedance, incident, reflected } => {
-            let probe = context.run(&run.value)?.probe(&probe.value)?;
-            let intervals = [incident, reflected].map(|interval| (interval.0.value, interval.1.value));
-            waves::reflection(probe, waves.map_or(0.0, |waves| waves.value), impedance.value, intervals)?
+        ValueFile::Profile {
+            run,
+            probe,
+            field,
+            when,
+            reference: reference @ (ReferenceFile::Run(_) | ReferenceFile::Members),
+            norm,
+            scale,
+        } => {
+            let comparison = Comparison { probe: &probe.value, field, when: &when.value, norm: *norm };
+            let members = context.members(&run.value)?;
+            let found = match reference::run_of(reference) {
+                Some(other) => comparison.apart(members, context.members(other)?)?,
+                None => comparison.within(members)?,
+            };
+            let scale = factor(scale);
+            Reading { value: found.value / scale, error: found.error.map(|error| error / scale), ..found }
         }
         ValueFile::Order { figures, spacings } => {
             let figure =
                 |name: &str| context.known.get(name).ok_or_else(|| format!("`{name}` was not measured"));
             let errors = figures.iter().map(|name| figure(&name.value)).collect::<Result<Vec<_>, _>>()?;
-            order(&errors, &spacings.iter().map(|spacing| spacing.value).collect::<Vec<_>>())
+            Reading::plain(order(&errors, &spacings.iter().map(|spacing| spacing.value).collect::<Vec<_>>()))
         }
-        ValueFile::Formula(text) => {
-            context.known.number(&text.value).map_err(|_| "of figures that were not measured".to_owned())?
+        ValueFile::Formula(text) => reading::formula(&text.value, context.known, context.readings)?,
+        single => {
+            let run = runs_of(single).first().copied().unwrap_or_default();
+            let members = context.members(run)?.iter().map(|member| of_member(single, member, context.case));
+            let members = members.collect::<Result<Vec<_>, String>>()?;
+            let at_least = members.iter().any(|found| found.at_least);
+            Reading { at_least, ..Reading::over(run, members.into_iter().map(|found| found.value).collect()) }
         }
     };
-    if found.is_finite() { Ok(found) } else { Err(format!("is {found}")) }
+    if found.value.is_finite() { Ok(found) } else { Err(format!("is {}", found.value)) }
+}
+
+/// What a value is divided by.
+fn factor(scale: &Option<Number>) -> f64 {
+    scale.map_or(1.0, |scale| scale.value)
+}
+
+/// What one member of a run has for a value.
+fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature::Feature, String> {
+    let found = match value {
+        ValueFile::Profile { probe, field, when, reference, norm, scale, .. } => {
+            let function = reference::function(reference, case)?.ok_or("no reference")?;
+            let distances = profile::distances(&*run.probe(&probe.value)?, field, &when.value, &function)?;
+            profile::norm(&distances, *norm) / factor(scale)
+        }
+        ValueFile::Feature { probe, field, when, take, scale, .. } => {
+            let probe = run.probe(&probe.value)?;
+            let profiles = profile::profiles(&probe, field, &when.value)?;
+            let found = feature::feature(&probe.places, &profiles, take)?;
+            return Ok(feature::Feature { value: found.value / factor(scale), ..found });
+        }
+        ValueFile::Series { table, column, over, take, scale, .. } => {
+            let (times, values) = series::column(run, &table.value, &column.value)?;
+            series::take(&times, &values, (over.0.value, over.1.value), *take)? / factor(scale)
+        }
+        ValueFile::Growth { probe, field, waves, between, .. } => {
+            let probe = run.probe(&probe.value)?;
+            let column = fields::column(&probe, field)?;
+            waves::growth(&probe, &column, waves.value, (between.0.value, between.1.value))?
+        }
+        ValueFile::Reflection { probe, waves, impedance, incident, reflected, .. } => {
+            let intervals = [incident, reflected].map(|interval| (interval.0.value, interval.1.value));
+            let waves = waves.map_or(0.0, |waves| waves.value);
+            waves::reflection(&*run.probe(&probe.value)?, waves, impedance.value, intervals)?
+        }
+        ValueFile::Order { .. } | ValueFile::Formula(_) => return Err("not of a run".to_owned()),
+    };
+    Ok(feature::Feature { value: found, at_least: false })
 }
 
 /// Slope of the logarithms of errors over those of spacings, by least squares.
@@ -140,19 +206,6 @@ fn slope(points: &[(f64, f64)]) -> f64 {
     let (x, y) = (mean(|point| point.0), mean(|point| point.1));
     let products: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
     products / points.iter().map(|point| (point.0 - x).powi(2)).sum::<f64>()
-}
-
-impl FieldFile {
-    /// The column of `probes.csv`.
-    pub fn column(self) -> &'static str {
-        match self {
-            FieldFile::U => "u",
-            FieldFile::V => "v",
-            FieldFile::W => "w",
-            FieldFile::Pressure => "pressure",
-            FieldFile::Density => "density",
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Distances of a probe's profile from what it should be.
 
-use super::{Context, reference};
+use super::fields;
+use super::reference::Reference;
 use crate::output::probes::history::ProbeHistory;
-use crate::validate::schema::{FieldFile, NormFile, ReferenceFile, WhenFile};
+use crate::validate::schema::{FieldFile, NormFile, WhenFile};
 
 /// What a probe measured at a time, or on the mean over an interval: a value for each of its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,12 +18,12 @@ pub struct Profile {
 ///
 /// # Errors
 /// That the probe has no such field or no such time.
-pub fn profiles(probe: &ProbeHistory, field: FieldFile, when: &WhenFile) -> Result<Vec<Profile>, String> {
-    let name = field.column();
-    let lacks = || format!("probe `{}` has no `{name}`", probe.name);
+pub fn profiles(probe: &ProbeHistory, field: &FieldFile, when: &WhenFile) -> Result<Vec<Profile>, String> {
+    let column = fields::column(probe, field)?;
+    let points = probe.places.len();
     let sample = |index: usize| {
-        let values = probe.sample(name, index).ok_or_else(lacks)?.to_vec();
-        Ok(Profile { time: probe.times[index], values })
+        let values = column.get(index * points..(index + 1) * points).ok_or("a sample is not whole")?;
+        Ok(Profile { time: probe.times[index], values: values.to_vec() })
     };
     match when {
         WhenFile::At(time) => {
@@ -36,7 +37,7 @@ pub fn profiles(probe: &ProbeHistory, field: FieldFile, when: &WhenFile) -> Resu
             Ok(vec![sample(nearest)?])
         }
         WhenFile::Mean(from, to) => {
-            let values = probe.mean(name, from.value, to.value).ok_or_else(lacks)?;
+            let values = probe.mean_of(&column, from.value, to.value);
             Ok(vec![Profile { time: to.value, values }])
         }
         WhenFile::Every(from, to) => {
@@ -52,36 +53,39 @@ pub fn profiles(probe: &ProbeHistory, field: FieldFile, when: &WhenFile) -> Resu
     }
 }
 
-/// Distances of a probe of a run from its reference, at every point and time asked for.
+/// Distances of a probe from its reference, at every point and time asked for.
 ///
 /// # Errors
 /// What is missing.
 pub fn distances(
-    context: Context<'_>,
-    (run, probe): (&str, &str),
-    field: FieldFile,
+    probe: &ProbeHistory,
+    field: &FieldFile,
     when: &WhenFile,
-    reference: &ReferenceFile,
+    reference: &Reference,
 ) -> Result<Vec<f64>, String> {
-    let measured = context.run(run)?.probe(probe)?;
-    let found = profiles(measured, field, when)?;
-    if let Some(function) = reference::function(reference, context.case)? {
-        let of_profile = |profile: &Profile| {
-            let pairs = measured.places.iter().zip(&profile.values);
-            pairs.map(|(&place, value)| value - function(place, profile.time)).collect::<Vec<_>>()
-        };
-        return Ok(found.iter().flat_map(of_profile).collect());
-    }
-    let other = reference::run_of(reference)
-        .map_or_else(|| Err("no reference".to_owned()), |run| context.run(run))?;
-    let expected = profiles(other.probe(probe)?, field, when)?;
-    if expected.len() != found.len()
-        || expected.iter().zip(&found).any(|(a, b)| a.values.len() != b.values.len())
-    {
-        return Err(format!("probe `{probe}` has other points or times in the other run"));
-    }
-    let values = |profiles: Vec<Profile>| profiles.into_iter().flat_map(|profile| profile.values);
-    Ok(values(found).zip(values(expected)).map(|(a, b)| a - b).collect())
+    let of_profile = |profile: &Profile| {
+        let pairs = probe.places.iter().zip(&profile.values);
+        pairs.map(|(&place, value)| value - reference(place, profile.time)).collect::<Vec<_>>()
+    };
+    Ok(profiles(probe, field, when)?.iter().flat_map(of_profile).collect())
+}
+
+/// Distances of a probe from its reference at each sample, put together: times, s, and norms.
+///
+/// # Errors
+/// What is missing.
+pub fn distance_over_time(
+    probe: &ProbeHistory,
+    field: &FieldFile,
+    reference: &Reference,
+    norm_of: NormFile,
+) -> Result<Vec<(f64, f64)>, String> {
+    let column = fields::column(probe, field)?;
+    let of_sample = |(&time, values): (&f64, &[f64])| {
+        let distances = probe.places.iter().zip(values).map(|(&place, value)| value - reference(place, time));
+        (time, norm(&distances.collect::<Vec<_>>(), norm_of))
+    };
+    Ok(probe.times.iter().zip(column.chunks_exact(probe.places.len())).map(of_sample).collect())
 }
 
 /// Distances put together; a value that is none shows.
@@ -99,6 +103,20 @@ pub fn norm(distances: &[f64], norm: NormFile) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn distances_over_time_are_those_of_each_sample() {
+        let probe = ProbeHistory {
+            name: "line".to_owned(),
+            places: vec![[0.0; 3], [1.0, 0.0, 0.0]],
+            times: vec![0.0, 2.0],
+            columns: vec![("u", vec![1.0, 1.0, 2.0, 7.0])],
+        };
+        // x + t.
+        let reference: Reference = Box::new(|place, time| place[0] + time);
+        let found = distance_over_time(&probe, &FieldFile::U, &reference, NormFile::Largest);
+        assert_eq!(found.expect("distances"), [(0.0, 1.0), (2.0, 4.0)]);
+    }
 
     #[test]
     fn norms_are_theirs() {

@@ -16,13 +16,13 @@ pub fn run_of(reference: &ReferenceFile) -> Option<&str> {
     }
 }
 
-/// The function of a reference; None for another run.
+/// The function of a reference; None for another run and for other members.
 ///
 /// # Errors
 /// Why a formula or a table does not read.
 pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Reference>, String> {
     let function: Reference = match reference {
-        ReferenceFile::Run(_) => return Ok(None),
+        ReferenceFile::Run(_) | ReferenceFile::Members => return Ok(None),
         ReferenceFile::Formula(formula) => match &formula.value {
             FormulaText::Number(number) => {
                 let number = *number;

@@ -1,6 +1,6 @@
 //! Columns over time, and what is taken of them.
 
-use super::{MONITOR, RunResults};
+use super::{MONITOR, RunResults, slope};
 use crate::validate::schema::TakeFile;
 
 /// Times, s, and values of a column of the monitor or of a probe with one point.
@@ -51,6 +51,7 @@ pub fn take(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> 
         TakeFile::Largest => extreme(|value, best| value > best),
         TakeFile::Smallest => extreme(|value, best| value < best),
         TakeFile::Last => last,
+        TakeFile::Drift => slope(&inside),
     })
 }
 
@@ -66,6 +67,7 @@ mod tests {
         assert_eq!(of(TakeFile::Mean), 3.0);
         assert_eq!((of(TakeFile::Largest), of(TakeFile::Smallest), of(TakeFile::Last)), (5.0, 1.0, 3.0));
         assert!((of(TakeFile::Deviation) - (8.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(of(TakeFile::Drift), 1.0);
         assert!(take(&times, &values, (5.0, 6.0), TakeFile::Mean).is_err());
     }
 }

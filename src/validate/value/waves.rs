@@ -2,18 +2,19 @@
 
 use std::f64::consts::TAU;
 
+use super::fields::column;
 use super::slope;
 use crate::output::probes::history::ProbeHistory;
+use crate::validate::schema::FieldFile;
 
 /// Fewest samples that a growth rate is fitted to.
 const FEWEST: usize = 4;
 
 /// Amplitude of the wave with so many waves on a line, 2 Σ f exp(−i k x)/N, real and imaginary, at each sample; the last point
 /// of the line is the first of the next period. Of a single point the deviation from its first sample.
-fn amplitudes(probe: &ProbeHistory, field: &str, waves: f64) -> Result<Vec<(f64, f64)>, String> {
-    let column = probe.column(field).ok_or_else(|| format!("probe `{}` has no `{field}`", probe.name))?;
+fn amplitudes(probe: &ProbeHistory, column: &[f64], waves: f64) -> Vec<(f64, f64)> {
     if probe.places.len() == 1 {
-        return Ok(column.iter().map(|value| (value - column[0], 0.0)).collect());
+        return column.iter().map(|value| (value - column[0], 0.0)).collect();
     }
     let points = probe.places.len() - 1;
     let amplitude = |values: &[f64]| {
@@ -25,7 +26,7 @@ fn amplitudes(probe: &ProbeHistory, field: &str, waves: f64) -> Result<Vec<(f64,
         }
         (2.0 * real / points as f64, 2.0 * imaginary / points as f64)
     };
-    Ok(column.chunks_exact(points + 1).map(amplitude).collect())
+    column.chunks_exact(points + 1).map(amplitude).collect()
 }
 
 /// Growth rate, 1/s, of a wave along a line: slope of the logarithm of its amplitude over time, by least squares, from the
@@ -33,9 +34,9 @@ fn amplitudes(probe: &ProbeHistory, field: &str, waves: f64) -> Result<Vec<(f64,
 ///
 /// # Errors
 /// That the amplitude is hardly ever between the bounds.
-pub fn growth(probe: &ProbeHistory, field: &str, waves: f64, between: (f64, f64)) -> Result<f64, String> {
+pub fn growth(probe: &ProbeHistory, column: &[f64], waves: f64, between: (f64, f64)) -> Result<f64, String> {
     let mut fitted = Vec::new();
-    for (&time, (real, imaginary)) in probe.times.iter().zip(amplitudes(probe, field, waves)?) {
+    for (&time, (real, imaginary)) in probe.times.iter().zip(amplitudes(probe, column, waves)) {
         let amplitude = f64::hypot(real, imaginary);
         if amplitude > between.1 {
             break;
@@ -62,8 +63,8 @@ pub fn reflection(
     impedance: f64,
     [incident, reflected]: [(f64, f64); 2],
 ) -> Result<f64, String> {
-    let pressure = amplitudes(probe, "pressure", waves)?;
-    let velocity = amplitudes(probe, "u", waves)?;
+    let pressure = amplitudes(probe, &column(probe, &FieldFile::Pressure)?, waves);
+    let velocity = amplitudes(probe, &column(probe, &FieldFile::U)?, waves);
     let largest = |(from, to): (f64, f64), sign: f64| {
         let inside = (0..probe.times.len()).filter(|&index| (from..=to).contains(&probe.times[index]));
         let characteristic = |at: usize| {
@@ -97,9 +98,9 @@ mod tests {
             columns: vec![("v", column)],
             ..Default::default()
         };
-        let rate = growth(&probe, "v", 4.0, (2e-3, 5e-2)).expect("a rate");
+        let rate = growth(&probe, probe.column("v").expect("v"), 4.0, (2e-3, 5e-2)).expect("a rate");
         assert!((rate - 12.0).abs() < 1e-6, "{rate}");
-        assert!(growth(&probe, "v", 4.0, (0.9, 1.0)).is_err());
+        assert!(growth(&probe, probe.column("v").expect("v"), 4.0, (0.9, 1.0)).is_err());
     }
 
     #[test]

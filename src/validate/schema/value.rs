@@ -1,118 +1,21 @@
-//! What may stand in a case file: runs, figures with their bands, plots.
-//!
-//! Numbers may be literals or expressions of the case's constants in quotes; formulas may depend on x, y, z (m) and
-//! t (s) as well, those of figures on the figures before them.
+//! How a figure of a case is measured.
 
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 
 use crate::scene::notation::typed::Spanned;
 use crate::scene::schema::{Formula, Number, Text};
-
-/// A case.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(rename = "Case", deny_unknown_fields)]
-pub struct CaseFile {
-    /// One line for people.
-    pub title: String,
-    /// Where the case and its reference come from.
-    pub source: String,
-    /// What is computed, Markdown.
-    pub setting: String,
-    /// What the source printed, what is known of misses; Markdown.
-    #[serde(default)]
-    pub remarks: Option<String>,
-    /// Named constants, read before everything else.
-    #[serde(default)]
-    pub constants: Option<IgnoredAny>,
-    /// Flows to be run.
-    pub runs: Vec<RunFile>,
-    /// What is measured of them.
-    pub figures: Vec<FigureFile>,
-    /// Pictures of them.
-    #[serde(default)]
-    pub plots: Vec<PlotFile>,
-}
-
-/// From which tier on something is run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-pub enum Tier {
-    /// `sphecs validate --quick`: minutes.
-    Quick,
-    /// `sphecs validate`: hours.
-    #[default]
-    Usual,
-    /// `sphecs validate --full`: everything, at published resolution.
-    Full,
-}
-
-/// A flow to be run.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(rename = "Run", deny_unknown_fields)]
-pub struct RunFile {
-    /// Name, unique in the case; that of its folder too.
-    pub name: Text,
-    /// Name of a shipped scene, or the path of a scene beside the case file.
-    pub scene: Text,
-    /// Values put into the scene, as by `--set`.
-    #[serde(default)]
-    pub set: Vec<(Text, Text)>,
-    /// From which tier on it is run, default `Usual`.
-    #[serde(default)]
-    pub tier: Tier,
-}
-
-/// Something that is measured.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(rename = "Figure", deny_unknown_fields)]
-pub struct FigureFile {
-    /// Name, unique in the case; formulas of later figures know it.
-    pub name: Text,
-    /// What it is, in words, with its unit.
-    pub what: String,
-    /// How it is measured.
-    pub value: ValueFile,
-    /// Band to be met.
-    #[serde(default)]
-    pub must: Option<BandFile>,
-    /// Band that is aimed at.
-    #[serde(default)]
-    pub goal: Option<BandFile>,
-    /// What the source printed.
-    #[serde(default)]
-    pub printed: Option<Number>,
-}
-
-/// Where a figure has to lie.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum BandFile {
-    /// Not above.
-    AtMost(Number),
-    /// Not below.
-    AtLeast(Number),
-    /// Neither below the first nor above the second.
-    Between(Number, Number),
-    /// Not farther from a value than so much.
-    Near {
-        /// The value.
-        value: Number,
-        /// Largest distance.
-        by: Number,
-    },
-}
 
 /// How a figure is measured.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ValueFile {
-    /// Distance of what a line or point probe measured from a reference.
+    /// Distance of what line or point probes measured from a reference.
     Profile {
         /// Run.
         run: Text,
-        /// Probe of its scene.
+        /// Probe of its scene; with `*` for any letters it is all that have such a name.
         probe: Text,
-        /// `u`, `v`, `w`, `pressure` or `density`.
+        /// Field.
         field: FieldFile,
         /// When.
         when: Spanned<WhenFile>,
@@ -121,6 +24,22 @@ pub enum ValueFile {
         /// How the distances are put together.
         norm: NormFile,
         /// What they are divided by, default 1.
+        #[serde(default)]
+        scale: Option<Number>,
+    },
+    /// What the profile of a line probe looks like.
+    Feature {
+        /// Run.
+        run: Text,
+        /// Line probe; with `*` for any letters it is all that have such a name.
+        probe: Text,
+        /// Field.
+        field: FieldFile,
+        /// When; `Every` for the largest and the smallest only.
+        when: Spanned<WhenFile>,
+        /// What is looked for.
+        take: FeatureFile,
+        /// What it is divided by, default 1.
         #[serde(default)]
         scale: Option<Number>,
     },
@@ -136,6 +55,9 @@ pub enum ValueFile {
         over: (Number, Number),
         /// What is taken of it.
         take: TakeFile,
+        /// What it is divided by, default 1.
+        #[serde(default)]
+        scale: Option<Number>,
     },
     /// Exponential growth, 1/s, of the amplitude of a wave along a line probe, while it is between two bounds.
     Growth {
@@ -177,16 +99,29 @@ pub enum ValueFile {
     Formula(Text),
 }
 
-/// Quantity of a line or point probe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[expect(missing_docs, reason = "they are the columns of `probes.csv`")]
+/// Quantity of a line or point probe: a column of `probes.csv`, or what follows from it.
+#[derive(Clone, Debug, Deserialize)]
 pub enum FieldFile {
+    /// Velocity along x, m/s.
+    #[serde(rename = "u")]
     U,
+    /// Velocity along y, m/s.
+    #[serde(rename = "v")]
     V,
+    /// Velocity along z, m/s.
+    #[serde(rename = "w")]
     W,
+    /// Magnitude of the velocity, m/s.
+    #[serde(rename = "speed")]
+    Speed,
+    /// Pressure, Pa.
+    #[serde(rename = "pressure")]
     Pressure,
+    /// Density, kg/m³.
+    #[serde(rename = "density")]
     Density,
+    /// Velocity along a direction, m/s: its components, not longer or shorter than 1 by more than rounding.
+    Along(Spanned<Vec<Number>>),
 }
 
 /// When a profile is taken.
@@ -249,8 +184,11 @@ pub enum ReferenceFile {
         /// Column of the value.
         value: Text,
     },
-    /// The same probe and time of another run.
+    /// The same probe and time of another run. Of ensembles the means are compared, and the error is that of their
+    /// difference where both have several members.
     Run(Text),
+    /// The other members of the run's own ensemble: the root of the mean square of the distances of two of them.
+    Members,
 }
 
 /// An axis.
@@ -272,6 +210,21 @@ pub enum NormFile {
     RootMeanSquare,
 }
 
+/// What is looked for in a profile. Places are distances from the line's first point, m.
+#[derive(Clone, Debug, Deserialize)]
+pub enum FeatureFile {
+    /// The largest value.
+    Largest,
+    /// The smallest value.
+    Smallest,
+    /// Where the value is largest, m.
+    PlaceOfLargest,
+    /// Length of the stretch about the largest value on which the value is at least this share of it, m.
+    Width(Number),
+    /// End of the longest stretch of negative values, m: 0 without one, and a lower bound where it reaches the line's end.
+    Reattachment,
+}
+
 /// What is taken of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum TakeFile {
@@ -285,58 +238,6 @@ pub enum TakeFile {
     Smallest,
     /// The last.
     Last,
-}
-
-/// A picture.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(rename = "Plot", deny_unknown_fields)]
-pub struct PlotFile {
-    /// Name of the file without its extension.
-    pub name: Text,
-    /// What it shows, in words.
-    pub title: String,
-    /// What stands at the abscissa, with its unit.
-    pub across: String,
-    /// What stands at the ordinate, with its unit.
-    pub upward: String,
-    /// Whether the ordinate is logarithmic.
-    #[serde(default)]
-    pub logarithmic: bool,
-    /// The curves.
-    pub curves: Vec<CurveFile>,
-}
-
-/// A curve of a plot.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum CurveFile {
-    /// A probe's field along an axis, with the reference as a line where one is given.
-    Profile {
-        /// Run.
-        run: Text,
-        /// Line probe.
-        probe: Text,
-        /// Field.
-        field: FieldFile,
-        /// When; one time or one mean.
-        when: Spanned<WhenFile>,
-        /// Abscissa.
-        axis: AxisFile,
-        /// What should be there.
-        #[serde(default)]
-        reference: Option<Box<ReferenceFile>>,
-        /// Words of the legend.
-        label: String,
-    },
-    /// A column over time.
-    Series {
-        /// Run.
-        run: Text,
-        /// `monitor`, or a probe.
-        table: Text,
-        /// Column without its unit.
-        column: Text,
-        /// Words of the legend.
-        label: String,
-    },
+    /// Slope of the straight line nearest to it, by least squares, per second.
+    Drift,
 }
