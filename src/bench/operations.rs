@@ -81,6 +81,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::math::column::{Column, Element};
     use crate::math::grid::CellGrid;
     use crate::math::kernel::Kernel;
     use crate::math::lanes::{Array, InstructionSet, Vectorised};
@@ -146,6 +147,16 @@ mod tests {
     impl Display for Counted {
         fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
             self.0.fmt(f)
+        }
+    }
+
+    impl Element for Counted {
+        fn into_column(values: Vec<Self>) -> Column {
+            Column::F64(values.into_iter().map(|value| value.0).collect())
+        }
+
+        fn from_column(column: Column) -> Option<Vec<Self>> {
+            f64::from_column(column).map(|values| values.into_iter().map(Counted).collect())
         }
     }
 

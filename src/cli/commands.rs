@@ -5,10 +5,10 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use super::arguments::{
-    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, RunArguments,
-    SceneArguments,
+    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
 };
-use super::failure::{DONE, Failure, MISSED};
+use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
+use super::runs::{ResumeArguments, RunArguments, WordArguments};
 use super::trials::{BenchArguments, ValidateArguments};
 use crate::bench::cases::Case;
 use crate::bench::{self, BenchOptions};
@@ -17,6 +17,7 @@ use crate::output::picture::{self, RenderOptions};
 use crate::output::results::Results;
 use crate::output::{info as run_info, pack as packing, vtk};
 use crate::run::console::Console;
+use crate::run::resume::{self, ResumeOptions};
 use crate::run::words::{bytes, columns, figure, grouped};
 use crate::run::{Ending, RunOptions, report};
 use crate::scene::model::Scene;
@@ -36,16 +37,49 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         threads: arguments.threads.map(usize::from),
         until: arguments.until,
         steps: arguments.steps,
-        console: match (arguments.quiet, arguments.verbose) {
-            (true, _) => Console::Quiet,
-            (false, true) => Console::Verbose,
-            (false, false) => Console::Normal,
-        },
+        checkpoint_every: arguments.pace.checkpoint_every,
+        most_wall_time: arguments.pace.max_walltime,
+        console: console(&arguments.words),
     };
-    Ok(match crate::run::run(scene, &options)? {
+    Ok(code_of(crate::run::run(scene, &options)?))
+}
+
+/// Goes on with a run.
+///
+/// # Errors
+/// [`Failure`] with its exit code.
+pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
+    let options = ResumeOptions {
+        run: RunOptions {
+            folder: arguments.run.clone(),
+            force: false,
+            threads: arguments.threads.map(usize::from),
+            until: arguments.until,
+            steps: arguments.steps,
+            checkpoint_every: arguments.pace.checkpoint_every,
+            most_wall_time: arguments.pace.max_walltime,
+            console: console(&arguments.words),
+        },
+        sets: arguments.sets.clone(),
+        allow_other_isa: arguments.allow_other_isa,
+    };
+    Ok(code_of(resume::resume(&options)?))
+}
+
+fn console(words: &WordArguments) -> Console {
+    match (words.quiet, words.verbose) {
+        (true, _) => Console::Quiet,
+        (false, true) => Console::Verbose,
+        (false, false) => Console::Normal,
+    }
+}
+
+fn code_of(ending: Ending) -> u8 {
+    match ending {
         Ending::Completed => DONE,
         Ending::Stopped(signal) => signal.exit_code(),
-    })
+        Ending::OutOfTime => OUT_OF_TIME,
+    }
 }
 
 /// Says what a run of a scene would be.

@@ -69,6 +69,18 @@ impl Column {
         self.len() == 0
     }
 
+    /// Bytes of all values.
+    pub fn size(&self) -> u64 {
+        let width = match self {
+            Column::F64(_) => size_of::<f64>(),
+            Column::F32(_) => size_of::<f32>(),
+            Column::U32(_) => size_of::<u32>(),
+            Column::U16(_) => size_of::<u16>(),
+            Column::U8(_) => size_of::<u8>(),
+        };
+        (self.len() * width) as u64
+    }
+
     /// Name of the type, as stored.
     pub fn type_name(&self) -> &'static str {
         match self {
@@ -199,13 +211,7 @@ impl Columns {
 
     /// Bytes of all values.
     pub fn size(&self) -> u64 {
-        let width = |column: &Column| match column {
-            Column::F64(_) => 8,
-            Column::F32(_) | Column::U32(_) => 4,
-            Column::U16(_) => 2,
-            Column::U8(_) => 1,
-        };
-        self.0.iter().map(|(_, column)| column.len() as u64 * width(column)).sum()
+        self.0.iter().map(|(_, column)| column.size()).sum()
     }
 }
 
