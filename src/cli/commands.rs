@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use super::arguments::{
     CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
@@ -32,7 +32,10 @@ use crate::validate::{self, Judgement, ValidateError, ValidateOptions, case};
 pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let scene = load(&arguments.input)?;
     let options = RunOptions {
-        folder: arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&scene.name)),
+        folder: match &arguments.out {
+            Some(folder) => folder.clone(),
+            None => named_folder(&scene.name)?,
+        },
         force: arguments.force,
         threads: arguments.threads.map(usize::from),
         until: arguments.until,
@@ -64,6 +67,16 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
         allow_other_isa: arguments.allow_other_isa,
     };
     Ok(code_of(resume::resume(&options)?))
+}
+
+/// The folder of a run that has the name of its scene: below `runs/` whatever the scene is called, as `...ron` is `..`.
+fn named_folder(name: &str) -> Result<PathBuf, OutputError> {
+    let folder = Path::new("runs").join(name);
+    let below =
+        folder.components().eq([Component::Normal("runs".as_ref()), Component::Normal(name.as_ref())]);
+    let refused =
+        || format!("`{name}`: cannot be the name of a folder below `runs/`: give a folder by `--out`");
+    if below { Ok(folder) } else { Err(OutputError::Request(refused())) }
 }
 
 fn console(words: &WordArguments) -> Console {
@@ -258,6 +271,19 @@ fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
         if on_terminal {
             let end = if done == all { "\n" } else { "" };
             let _reader_gone = write!(std::io::stderr(), "\r{done} of {all} {what}{end}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_of_a_scene_leads_out_of_the_runs() {
+        assert_eq!(named_folder("flow.v2").expect("a folder"), Path::new("runs/flow.v2"));
+        for name in ["..", ".", "", "/etc", "a/b", "../b", "a/.."] {
+            assert!(named_folder(name).is_err(), "`{name}` was taken");
         }
     }
 }

@@ -132,7 +132,9 @@ fn wall_time(text: &str) -> Result<f64, String> {
             "min" => 60.0,
             "h" => 3600.0,
             _ => {
-                return Err("must have a unit: `90s`, `10min`, `2h`, or be `hours:minutes:seconds`".to_owned());
+                return Err(
+                    "must have a unit: `90s`, `10min`, `2h`, or be `hours:minutes:seconds`".to_owned()
+                );
             }
         };
         finite(digits)? * unit

@@ -3,6 +3,8 @@
 //! Nothing in the folder is touched before a checkpoint is found that is whole, of this scene and this instruction set, and whose
 //! output is there. Then the output is cut back to it. A run that was killed before its first checkpoint begins anew.
 
+use std::path::PathBuf;
+
 use super::error::RunError;
 use super::log::{self, Log};
 use super::signals::Signals;
@@ -15,6 +17,7 @@ use crate::output::checkpoint::{Checkpoint, Facts, cut};
 use crate::output::error::OutputError;
 use crate::output::folder::{Lock, RunFolder};
 use crate::output::header::Header;
+use crate::output::pack::pack_locked;
 use crate::output::probes::ProbeSet;
 use crate::output::results::read_header;
 use crate::output::summary::{Status, Summary};
@@ -59,11 +62,14 @@ fn board(options: &ResumeOptions, signals: Signals) -> Result<Option<Voyage>, Ru
     cut::check_plain(path)?;
     let status = Summary::read(path)?.status;
     let (scene, changes) = changed_scene(options, &header)?;
-    let (facts, simulation, log) = match latest(options, &header)? {
-        Some(checkpoint) => restored(scene, checkpoint)?,
+    let (last, facts, simulation, log) = match latest(options, &header)? {
+        Some((last, checkpoint)) => {
+            let (facts, simulation, log) = restored(scene, checkpoint)?;
+            (Some(last), facts, simulation, log)
+        }
         None => {
             let log = Log::new(scene.output.every, scene.output.monitor_every);
-            (Facts::default(), Simulation::from_scene(scene), log)
+            (None, Facts::default(), Simulation::from_scene(scene), log)
         }
     };
     let (scene, clock) = (simulation.scene(), simulation.clock());
@@ -75,6 +81,8 @@ fn board(options: &ResumeOptions, signals: Signals) -> Result<Option<Voyage>, Ru
     let until = header.until.unwrap_or(scene.time.end);
     let at_end = clock.time >= until || header.most_steps.is_some_and(|most| clock.step >= most);
     if at_end && status == Status::Completed {
+        // It may have been killed while it was packed.
+        pack_locked(path, &header)?;
         options.run.console.say(&format!(
             "`{}` is at its end, t = {} s after {} steps: give a later one by `--until` or `--set time.end=…`",
             path.display(),
@@ -89,6 +97,7 @@ fn board(options: &ResumeOptions, signals: Signals) -> Result<Option<Voyage>, Ru
         0 => "no checkpoint yet: the run begins anew\n".to_owned(),
         step => format!("goes on at t = {} s, step {}\n", figure(facts.time), grouped(step)),
     });
+    Store::of(path).cut_back(last.as_deref())?;
     let folder = RunFolder::go_on(path, &header, &ProbeSet::new(scene), &facts, lock)?;
     Ok(Some(Voyage::go_on(simulation, folder, log, &options.run, signals)))
 }
@@ -116,8 +125,8 @@ fn changed_scene(
     Ok((scene, changes))
 }
 
-/// The latest checkpoint that can be gone on from; None when the run has none yet.
-fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<Checkpoint>, RunError> {
+/// The latest checkpoint that can be gone on from, with its path; None when the run has none yet.
+fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<(PathBuf, Checkpoint)>, RunError> {
     let run = options.run.folder.as_path();
     let store = Store::of(run);
     let fingerprint = header.fingerprint();
@@ -161,8 +170,7 @@ fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<Checkpoint>
         let step = grouped(checkpoint.facts.step);
         options.run.console.warn(&format!("note: {}; the one of step {step} is taken", named(refused)));
     }
-    store.cut_back(Some(&path))?;
-    Ok(Some(checkpoint))
+    Ok(Some((path, checkpoint)))
 }
 
 fn restored(scene: Scene, checkpoint: Checkpoint) -> Result<(Facts, Simulation, Log), RunError> {

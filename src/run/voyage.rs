@@ -341,11 +341,14 @@ impl Voyage {
         };
         let summary = self.summary(status, Some(stop.to_string()));
         let path = self.folder.path().display().to_string();
-        let clock_of_frame = self.log.frame_count;
+        let frames = self.log.frame_count;
+        let checkpoint = self
+            .last_checkpoint
+            .map_or_else(String::new, |step| format!("; the last checkpoint is of step {}", grouped(step)));
         match self.folder.finish(summary) {
             Ok(_) => {
                 let kept = format!(
-                    "\n{clock_of_frame} frames up to there are in `{path}`: `sphecs render {path} --all` draws how it came"
+                    "\n{frames} frames up to there are in `{path}`: `sphecs render {path} --all` draws how it came{checkpoint}"
                 );
                 RunError::Flow { stop, cure, kept }
             }

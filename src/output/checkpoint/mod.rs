@@ -2,7 +2,7 @@
 //!
 //! - [`container`]: the file, its checksums and what can be wrong with it
 //! - [`store`]: the folder of a run's checkpoints, of which the last two are kept
-//! - [`cut`]: output cut back to a checkpoint
+//! - `cut`: output cut back to a checkpoint
 //!
 //! A checkpoint is written by the thread that writes the frames, behind every frame that it counts and with the tables made durable
 //! before it: what it says of the output is on the disk when it has its name.
