@@ -73,7 +73,6 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
     let pools = [1, 2, 3].map(pool);
     let mut whole = Simulation::from_scene(scene());
     let mut pieces = None;
-    let mut cuts = 0;
     for part in 0..3 {
         let mut steps = 0;
         while steps < STEPS {
@@ -102,7 +101,7 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
         if let Some(pieces) = &mut pieces {
             let different = differences(&state, &pieces.state());
             if !different.is_empty() {
-                faults.push(format!("{name}: after {cuts} cuts these differ: {}", different.join(", ")));
+                faults.push(format!("{name}: after {part} cuts these differ: {}", different.join(", ")));
                 return;
             }
         }
@@ -115,7 +114,6 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
             different.join(", ")
         );
         pieces = Some(next);
-        cuts += 1;
     }
 }
 

@@ -154,7 +154,8 @@ fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<(PathBuf, C
             checkpoint.facts.lanes
         );
         if !options.allow_other_isa {
-            return Err(request(format!("{differ}; `--allow-other-isa` goes on nevertheless")));
+            // On a line of its own: in the middle of one it might be broken at a hyphen.
+            return Err(request(format!("{differ};\n`--allow-other-isa` goes on nevertheless")));
         }
         options.run.console.warn(&format!("note: {differ}"));
     }
