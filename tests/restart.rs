@@ -296,7 +296,10 @@ fn nothing_that_lives_across_steps_is_forgotten() {
     let kept: Vec<TypeId> = world.resource::<Kept>().types().collect();
     assert!(kept.len() >= 8, "only {} resources are kept", kept.len());
     let mut bare = World::new();
-    Schedule::default().run(&mut bare);
+    // An empty schedule would not be built.
+    let mut schedule = Schedule::default();
+    schedule.add_systems(|| {});
+    schedule.run(&mut bare);
     let of_bevy: Vec<TypeId> = types(&bare).into_iter().map(|(type_id, _)| type_id).collect();
     let not_kept: Vec<TypeId> = not_kept().into_iter().map(|(type_id, _)| type_id).collect();
     let known = [of_bevy, kept, not_kept].concat();
