@@ -6,6 +6,8 @@ use bevy_ecs::schedule::Schedules;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
+use crate::math::column::{Columns, Misfit};
+use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 pub use crate::particles::sample::Sample;
@@ -13,6 +15,7 @@ use crate::particles::zone::Zone;
 use crate::pass::sampling::Sampler;
 use crate::scene::model::{ParticleSeed, Precision, Scene, Scheme};
 use crate::scene::spawn;
+use crate::systems::checkpoint::{Kept, particles};
 use crate::systems::clock::Clock;
 use crate::systems::core_plugins::{
     BoundaryPlugin, EdacTvfPlugin, NeighboursPlugin, ObservePlugin, WcsphPlugin,
@@ -27,7 +30,7 @@ use crate::systems::pair::{Pair, pair_settings};
 use crate::systems::plugin::{Parts, Plugin};
 use crate::systems::rates::{sum_density, sum_gradients};
 use crate::systems::schedule::{Step, stage_schedule, step_schedule};
-use crate::systems::setup::{Resolution, SceneInUse, spawn_particles};
+use crate::systems::setup::{Resolution, SceneInUse, insert_registers, spawn_particles};
 use crate::systems::stopwatch::Stopwatch;
 
 /// A scene in motion.
@@ -41,9 +44,27 @@ pub struct Simulation {
 #[derive(Clone, Copy)]
 struct Typed {
     scatter: fn(&mut World),
+    save: fn(&mut World, &mut Columns),
     refresh: fn(&mut World),
     monitor_row: fn(&mut World) -> MonitorRow,
     sample: fn(&World, &[DVec3]) -> Vec<Option<Sample>>,
+}
+
+/// What a world begins with.
+enum Start {
+    /// The particles of the scene.
+    Seeds(Vec<ParticleSeed>),
+    /// A state that was kept.
+    State(Columns),
+}
+
+impl Start {
+    fn grid<const D: usize>(&mut self, scene: &Scene, pair: &Pair) -> Result<CellGrid<D>, Misfit> {
+        match self {
+            Start::Seeds(seeds) => Ok(scene_grid(scene, &pair.0, seeds)),
+            Start::State(state) => particles::restore_grid(scene, pair, state),
+        }
+    }
 }
 
 /// Why a run cannot go on.
@@ -90,27 +111,44 @@ impl Simulation {
     /// Builds the world of a scene with plugins of one's own, which come after those of the engine.
     pub fn with_plugins(scene: Scene, plugins: &[&dyn Plugin]) -> Self {
         let seeds = spawn::seeds(&scene);
+        match Self::of_scene(scene, Start::Seeds(seeds), plugins) {
+            Ok(simulation) => simulation,
+            // Only columns can misfit.
+            Err(misfit) => unreachable!("a scene gives its own start: {misfit}"),
+        }
+    }
+
+    /// Builds the world of a scene in the state that [`Self::state`] gave of the same scene with the same plugins: it goes on to the
+    /// same bits, with any number of threads.
+    ///
+    /// # Errors
+    /// [`Misfit`] when the state is not one of this scene and these plugins.
+    pub fn from_state(scene: Scene, state: Columns, plugins: &[&dyn Plugin]) -> Result<Self, Misfit> {
+        Self::of_scene(scene, Start::State(state), plugins)
+    }
+
+    fn of_scene(scene: Scene, start: Start, plugins: &[&dyn Plugin]) -> Result<Self, Misfit> {
         match (scene.precision, scene.dimensions) {
-            (Precision::F64, 2) => Self::build::<f64, 2>(scene, seeds, plugins),
-            (Precision::F64, _) => Self::build::<f64, 3>(scene, seeds, plugins),
-            (Precision::F32, 2) => Self::build::<f32, 2>(scene, seeds, plugins),
-            (Precision::F32, _) => Self::build::<f32, 3>(scene, seeds, plugins),
+            (Precision::F64, 2) => Self::build::<f64, 2>(scene, start, plugins),
+            (Precision::F64, _) => Self::build::<f64, 3>(scene, start, plugins),
+            (Precision::F32, 2) => Self::build::<f32, 2>(scene, start, plugins),
+            (Precision::F32, _) => Self::build::<f32, 3>(scene, start, plugins),
         }
     }
 
     fn build<R: Real, const D: usize>(
         scene: Scene,
-        seeds: Vec<ParticleSeed>,
+        mut start: Start,
         plugins: &[&dyn Plugin],
-    ) -> Self {
+    ) -> Result<Self, Misfit> {
         let typed = std::marker::PhantomData::<R>;
         let scene = Arc::new(scene);
         let mut world = World::new();
         world.insert_resource(SceneInUse(scene.clone()));
         world.insert_resource(Resolution::of(&scene));
-        let pair = pair_settings(&scene);
-        world.insert_resource(Grid::<D>(scene_grid(&scene, &pair, &seeds)));
-        world.insert_resource(Pair(pair));
+        let pair = Pair(pair_settings(&scene));
+        world.insert_resource(Grid::<D>(start.grid(&scene, &pair)?));
+        world.insert_resource(pair);
         let (mut step, mut stage) = (step_schedule(), stage_schedule());
         let mut parts = Parts { world: &mut world, step: &mut step, stage: &mut stage };
         let scheme: &dyn Plugin = match scene.scheme {
@@ -126,15 +164,22 @@ impl Simulation {
         for plugin in own.iter().chain(plugins) {
             plugin.build(&mut parts);
         }
+        insert_registers(&mut parts);
         let mut schedules = Schedules::default();
         schedules.insert(step);
         schedules.insert(stage);
         world.insert_resource(schedules);
         // Last: a resource is kept in a table of its own that reaches as far as its entity's index, 4 B a particle for each that
         // came after them.
-        spawn_particles(&mut world, &scene, &seeds);
-        drop(seeds);
-        Self {
+        match start {
+            Start::Seeds(seeds) => spawn_particles(&mut world, &scene, &seeds),
+            Start::State(mut state) => {
+                particles::restore::<R, D>(&mut world, &mut state)?;
+                Kept::restore(&mut world, &mut state)?;
+                particles::check_ledger(&mut world)?;
+            }
+        }
+        Ok(Self {
             world,
             typed: Typed {
                 scatter: home::scatter::<R, D>,
@@ -142,11 +187,20 @@ impl Simulation {
                     Scheme::Wcsph(_) => refresh::<R, D>,
                     Scheme::EdacTvf(_) => refresh_volumes::<R, D>,
                 },
+                save: particles::save::<R, D>,
                 monitor_row: monitor::monitor_row::<R, D>,
                 sample: sample::<R, D>,
             },
             scene,
-        }
+        })
+    }
+
+    /// Everything that the next step depends on, and every output: what a checkpoint holds. Reading it changes no bit of a run.
+    pub fn state(&mut self) -> Columns {
+        let mut state = Columns::default();
+        (self.typed.save)(&mut self.world, &mut state);
+        Kept::save(&self.world, &mut state);
+        state
     }
 
     /// One time step.

@@ -207,6 +207,27 @@ fn structure_changes_in_one_set() {
 }
 
 #[test]
+fn locals_are_buffers() {
+    // What a system keeps in a `Local` no checkpoint sees: only buffers that each step fills anew may stand there.
+    const BUFFERS: [&str; 3] = ["PointFlows<D>", "Vec<WaveFound>", "Vec<f64>"];
+    let mut faults = Vec::new();
+    for source in sources(&["src"]) {
+        for (at, _) in source.code.match_indices("Local<") {
+            let rest = &source.code[at + "Local<".len()..];
+            if !BUFFERS.iter().any(|buffer| rest.starts_with(&format!("{buffer}>"))) {
+                faults.push(format!(
+                    "{}:{}: keeps something in a `Local`, which a restart forgets: make it a resource by `Parts::keep`, or, if it is \
+                     a buffer that each step fills anew, name its type here",
+                    source.path,
+                    line_of(&source.code, at),
+                ));
+            }
+        }
+    }
+    claim(faults);
+}
+
+#[test]
 fn nothing_hides_behind_a_prelude() {
     let mut faults = Vec::new();
     for source in sources(&["src", "tests", "benches", "examples"]) {

@@ -85,7 +85,7 @@ fn help_has_examples_and_the_exit_codes() {
     for word in ["sphecs scenes/quickstart.ron", "render", "130 interrupted"] {
         assert!(help.contains(word), "no `{word}` in:\n{help}");
     }
-    for command in ["run", "check", "render", "info", "export", "pack", "bench"] {
+    for command in ["run", "resume", "check", "render", "info", "export", "pack", "bench"] {
         assert!(done(&answer([command, "--help"])).contains("Usage"));
     }
 }

@@ -112,6 +112,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::math::column::{Column, Element};
     use crate::math::grid::CellGrid;
     use crate::math::lanes::{Array, InstructionSet, Vectorised};
     use crate::math::real::Real;
@@ -179,6 +180,16 @@ mod tests {
     impl Display for Counted {
         fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
             self.0.fmt(f)
+        }
+    }
+
+    impl Element for Counted {
+        fn into_column(values: Vec<Self>) -> Column {
+            Column::F64(values.into_iter().map(|value| value.0).collect())
+        }
+
+        fn from_column(column: Column) -> Option<Vec<Self>> {
+            f64::from_column(column).map(|values| values.into_iter().map(Counted).collect())
         }
     }
 

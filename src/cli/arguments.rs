@@ -1,12 +1,12 @@
 //! What may stand on the command line.
 
 use std::ffi::{OsStr, OsString};
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
+use super::runs::{ResumeArguments, RunArguments};
 use super::trials::{BenchArguments, ValidateArguments};
 use crate::output::picture::{Colours, Field, Slice};
 
@@ -22,8 +22,10 @@ use crate::output::picture::{Colours, Field, Slice};
         sphecs scenes/quickstart.ron\n  \
         sphecs check scenes/constricted_r2.ron\n  \
         sphecs scenes/constricted_r2.ron --set fluid.sound_speed=1.0 --until 2 --out runs/slow_sound\n  \
+        sphecs resume runs/quickstart\n  \
         sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
-        Exit codes: 0 done, 2 bad input, 3 the flow blew up, 4 input or output failed, 130 interrupted, 143 terminated",
+        Exit codes: 0 done, 2 bad input, 3 the flow blew up, 4 input or output failed, \
+        75 out of wall time, 130 interrupted, 143 terminated",
     subcommand_required = true,
     arg_required_else_help = true
 )]
@@ -63,6 +65,8 @@ fn means_a_run(word: &OsStr) -> bool {
 pub enum Command {
     /// Run a scene to its end
     Run(RunArguments),
+    /// Go on with a run that was stopped or killed, to the same bits
+    Resume(ResumeArguments),
     /// Read a scene, build its geometry and say what a run would be, without running
     Check(CheckArguments),
     /// Draw a field of a run at a time
@@ -91,42 +95,6 @@ pub struct SceneArguments {
     /// Run at the scene's coarse smoke spacing, for a quick look
     #[arg(long)]
     pub smoke: bool,
-}
-
-/// `sphecs run`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    sphecs run scenes/quickstart.ron --threads 2\n  \
-    sphecs run scenes/duct3d.ron --smoke --steps 20 --out runs/duct_trial --force\n\n\
-    Ctrl-C or SIGTERM finishes the step, writes a last frame and closes the files; a second one kills.")]
-pub struct RunArguments {
-    #[command(flatten)]
-    #[expect(
-        missing_docs,
-        reason = "a doc comment on a flattened group would become the help of the command"
-    )]
-    pub input: SceneArguments,
-    /// Folder for the results [default: `runs/` and the name of the scene]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Threads to compute with [default: all cores]; the results are the same bits for any number
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
-    /// Stop at this time, s, in place of the scene's end
-    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
-    pub until: Option<f64>,
-    /// Stop after this many steps, if the end is not reached before
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub steps: Option<u64>,
-    /// Replace an earlier run in the folder
-    #[arg(long)]
-    pub force: bool,
-    /// Print nothing but errors
-    #[arg(long, short, conflicts_with = "verbose")]
-    pub quiet: bool,
-    /// Print a line of figures for every frame written
-    #[arg(long, short)]
-    pub verbose: bool,
 }
 
 /// `sphecs check`.
@@ -231,7 +199,7 @@ fn slice(text: &str) -> Result<Slice, String> {
         .ok_or_else(|| "must be `x`, `y` or `z`, with a place as in `y=0.01`".to_owned())
 }
 
-fn assignment(text: &str) -> Result<(String, String), String> {
+pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
             Ok((path.trim().to_owned(), value.trim().to_owned()))
@@ -240,12 +208,12 @@ fn assignment(text: &str) -> Result<(String, String), String> {
     }
 }
 
-fn finite(text: &str) -> Result<f64, String> {
+pub(super) fn finite(text: &str) -> Result<f64, String> {
     let value: f64 = text.trim().parse().map_err(|_| "is not a number".to_owned())?;
     if value.is_finite() { Ok(value) } else { Err("must be finite".to_owned()) }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     finite(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) })
 }
 
@@ -262,6 +230,8 @@ fn range(text: &str) -> Result<(f64, f64), String> {
 
 #[cfg(test)]
 mod tests {
+    use std::num::NonZeroUsize;
+
     use clap::CommandFactory;
 
     use super::*;
@@ -294,7 +264,7 @@ mod tests {
             let expected = [("fluid.sound_speed", "1.0"), ("title", "\"a=b\"")];
             assert!(run.input.sets.iter().map(|(path, value)| (path.as_str(), value.as_str())).eq(expected));
             assert_eq!(run.threads.map(NonZeroUsize::get), Some(2));
-            assert!(run.verbose && !run.quiet && !run.force && run.steps.is_none());
+            assert!(run.words.verbose && !run.words.quiet && !run.force && run.steps.is_none());
         }
     }
 
@@ -342,6 +312,10 @@ mod tests {
         refused("sphecs flow.ron --until nan", "finite");
         refused("sphecs flow.ron --steps 0", "--steps");
         refused("sphecs flow.ron --threads 0", "--threads");
+        refused("sphecs flow.ron --checkpoint-every 10", "unit");
+        refused("sphecs flow.ron --max-walltime 0:00:00", "above zero");
+        refused("sphecs resume", "RUN");
+        refused("sphecs resume runs/a --smoke", "--smoke");
         refused("sphecs flow.ron --quiet -v", "cannot be used with");
         refused("sphecs render runs/a --field sped", "speed");
         refused("sphecs render runs/a --slice q", "`x`, `y` or `z`");

@@ -2,13 +2,13 @@
 
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use super::arguments::{
-    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, RunArguments,
-    SceneArguments,
+    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
 };
-use super::failure::{DONE, Failure, MISSED};
+use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
+use super::runs::{ResumeArguments, RunArguments, WordArguments};
 use super::trials::{BenchArguments, ValidateArguments};
 use crate::bench::cases::Case;
 use crate::bench::{self, BenchOptions};
@@ -17,6 +17,7 @@ use crate::output::picture::{self, RenderOptions};
 use crate::output::results::Results;
 use crate::output::{info as run_info, pack as packing, vtk};
 use crate::run::console::Console;
+use crate::run::resume::{self, ResumeOptions};
 use crate::run::words::{bytes, columns, figure, grouped};
 use crate::run::{Ending, RunOptions, report};
 use crate::scene::model::Scene;
@@ -31,21 +32,67 @@ use crate::validate::{self, Judgement, ValidateError, ValidateOptions, case};
 pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let scene = load(&arguments.input)?;
     let options = RunOptions {
-        folder: arguments.out.clone().unwrap_or_else(|| Path::new("runs").join(&scene.name)),
+        folder: match &arguments.out {
+            Some(folder) => folder.clone(),
+            None => named_folder(&scene.name)?,
+        },
         force: arguments.force,
         threads: arguments.threads.map(usize::from),
         until: arguments.until,
         steps: arguments.steps,
-        console: match (arguments.quiet, arguments.verbose) {
-            (true, _) => Console::Quiet,
-            (false, true) => Console::Verbose,
-            (false, false) => Console::Normal,
-        },
+        checkpoint_every: arguments.pace.checkpoint_every,
+        most_wall_time: arguments.pace.max_walltime,
+        console: console(&arguments.words),
     };
-    Ok(match crate::run::run(scene, &options)? {
+    Ok(code_of(crate::run::run(scene, &options)?))
+}
+
+/// Goes on with a run.
+///
+/// # Errors
+/// [`Failure`] with its exit code.
+pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
+    let options = ResumeOptions {
+        run: RunOptions {
+            folder: arguments.run.clone(),
+            force: false,
+            threads: arguments.threads.map(usize::from),
+            until: arguments.until,
+            steps: arguments.steps,
+            checkpoint_every: arguments.pace.checkpoint_every,
+            most_wall_time: arguments.pace.max_walltime,
+            console: console(&arguments.words),
+        },
+        sets: arguments.sets.clone(),
+        allow_other_isa: arguments.allow_other_isa,
+    };
+    Ok(code_of(resume::resume(&options)?))
+}
+
+/// The folder of a run that has the name of its scene: below `runs/` whatever the scene is called, as `...ron` is `..`.
+fn named_folder(name: &str) -> Result<PathBuf, OutputError> {
+    let folder = Path::new("runs").join(name);
+    let below =
+        folder.components().eq([Component::Normal("runs".as_ref()), Component::Normal(name.as_ref())]);
+    let refused =
+        || format!("`{name}`: cannot be the name of a folder below `runs/`: give a folder by `--out`");
+    if below { Ok(folder) } else { Err(OutputError::Request(refused())) }
+}
+
+fn console(words: &WordArguments) -> Console {
+    match (words.quiet, words.verbose) {
+        (true, _) => Console::Quiet,
+        (false, true) => Console::Verbose,
+        (false, false) => Console::Normal,
+    }
+}
+
+fn code_of(ending: Ending) -> u8 {
+    match ending {
         Ending::Completed => DONE,
         Ending::Stopped(signal) => signal.exit_code(),
-    })
+        Ending::OutOfTime => OUT_OF_TIME,
+    }
 }
 
 /// Says what a run of a scene would be.
@@ -224,6 +271,19 @@ fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
         if on_terminal {
             let end = if done == all { "\n" } else { "" };
             let _reader_gone = write!(std::io::stderr(), "\r{done} of {all} {what}{end}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_of_a_scene_leads_out_of_the_runs() {
+        assert_eq!(named_folder("flow.v2").expect("a folder"), Path::new("runs/flow.v2"));
+        for name in ["..", ".", "", "/etc", "a/b", "../b", "a/.."] {
+            assert!(named_folder(name).is_err(), "`{name}` was taken");
         }
     }
 }

@@ -22,6 +22,9 @@ pub const FLOW: u8 = 3;
 /// A file could not be read or written.
 pub const FILES: u8 = 4;
 
+/// The run came to the wall time that the user gave: `sphecs resume` goes on. The custom of `sysexits.h` for "try again".
+pub const OUT_OF_TIME: u8 = 75;
+
 /// Width of messages where no terminal has one, characters: paths stay on one line.
 const WIDTH: usize = 160;
 
@@ -73,7 +76,7 @@ impl Failure {
 
 fn code_of_run(error: &RunError) -> u8 {
     match error {
-        RunError::Threads(_) => BAD_INPUT,
+        RunError::Threads(_) | RunError::Scene(_) => BAD_INPUT,
         RunError::Flow { .. } => FLOW,
         RunError::Signals(_) => FILES,
         RunError::Output(error) => code_of_output(error),

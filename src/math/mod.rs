@@ -1,5 +1,6 @@
-//! Floor 0: numbers. Vectors, lanes, kernels, the cell grid and small linear systems.
+//! Floor 0: numbers. Vectors, lanes, kernels, the cell grid, named columns and small linear systems.
 
+pub mod column;
 pub mod grid;
 pub mod kernel;
 pub mod lanes;

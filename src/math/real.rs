@@ -3,11 +3,13 @@
 use std::fmt::{Debug, Display};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+use super::column::Element;
 use super::lanes::{InstructionSet, Vectorised};
 
 /// A floating-point scalar in which pair sums are taken.
 pub trait Real:
-    Copy
+    Element
+    + Copy
     + Send
     + Sync
     + Default

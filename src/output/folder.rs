@@ -1,26 +1,35 @@
-//! The folder of a run: `particles.nc`, `monitor.nc`, `probes.nc` with their CSV twins, `scene.ron`, `summary.json`,
-//! and `journal/` while it runs.
+//! The folder of a run: `particles.nc`, `monitor.nc`, `probes.nc` with their CSV twins, `scene.ron` (and `tables.json` with the
+//! tables that it names), `summary.json`, `checkpoints/`, and `journal/` while it runs.
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
+use super::checkpoint::store::Store;
+use super::checkpoint::{Checkpoint, Facts, cut};
 use super::disk;
 use super::error::OutputError;
 use super::frame::Frame;
 use super::header::Header;
 use super::journal::{self, FrameWriter};
 use super::monitor::MonitorWriter;
-use super::pack::{Packed, pack_locked};
+use super::pack::{Packed, pack_locked, remove_folder};
 use super::probes::ProbeSample;
 use super::probes::ProbeSet;
 use super::probes::writer::ProbeWriter;
 use super::results::is_run;
 use super::summary::Summary;
+use super::table::TableWriter;
+use crate::math::column::Columns;
+use crate::math::lanes::InstructionSet;
+use crate::systems::clock::Clock;
 use crate::systems::monitor::MonitorRow;
 
 /// Name of the scene in the run folder.
 pub const SCENE: &str = "scene.ron";
+
+/// Name of the file of the scene's tables in the run folder.
+pub const TABLES: &str = "tables.json";
 
 /// Says to other processes that a run is being written; freed by the system whatever ends the process.
 #[derive(Debug)]
@@ -53,6 +62,8 @@ pub struct RunFolder {
     frames: Option<FrameWriter>,
     monitor: MonitorWriter,
     probes: Option<ProbeWriter>,
+    /// Frames handed over.
+    submitted: u64,
     _lock: Lock,
 }
 
@@ -90,34 +101,78 @@ impl RunFolder {
     /// As [`check_free`], or [`OutputError::Io`]; what was there is then untouched.
     pub fn create(path: &Path, force: bool, header: &Header, probes: &ProbeSet) -> Result<Self, OutputError> {
         check_free(path, force)?;
-        if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
-            fs::create_dir_all(parent).map_err(OutputError::io(parent, "make the folder"))?;
-        }
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        fs::create_dir_all(parent).map_err(OutputError::io(parent, "make the folder"))?;
+        // Two processes that make the same folder take turns: the second finds the run of the first.
+        let turn = File::open(parent).map_err(OutputError::io(parent, "read"))?;
+        // A file system without locks must not stop a run.
+        let _turn = turn.lock().is_ok().then_some(turn);
+        check_free(path, force)?;
+        let _replaced = if path.join(SCENE).exists() { Some(Lock::take(path)?) } else { None };
         let fresh = sibling(path, "new");
         let stale = sibling(path, "old");
-        remove(&fresh)?;
-        remove(&stale)?;
+        remove_folder(&fresh)?;
+        remove_folder(&stale)?;
         let made = furnish(&fresh, header).and_then(|()| {
+            // The lock comes along with its folder.
+            let lock = Lock::take(&fresh)?;
             if path.exists() {
                 fs::rename(path, &stale).map_err(OutputError::io(path, "replace"))?;
             }
-            fs::rename(&fresh, path).map_err(OutputError::io(path, "make the folder"))
+            fs::rename(&fresh, path).map_err(OutputError::io(path, "make the folder"))?;
+            disk::sync_folder(parent)?;
+            Ok(lock)
         });
-        if let Err(error) = made {
-            if !path.exists() && stale.exists() {
-                fs::rename(&stale, path).map_err(OutputError::io(path, "restore"))?;
+        let lock = match made {
+            Ok(lock) => lock,
+            Err(error) => {
+                if !path.exists() && stale.exists() {
+                    fs::rename(&stale, path).map_err(OutputError::io(path, "restore"))?;
+                }
+                remove_folder(&fresh)?;
+                return Err(error);
             }
-            remove(&fresh)?;
-            return Err(error);
-        }
-        remove(&stale)?;
+        };
+        remove_folder(&stale)?;
+        Self::begin(path, header, probes, &Facts::default(), lock)
+    }
+
+    /// Goes on in the folder of a run whose lock is held: cuts its output back to what a checkpoint counts.
+    ///
+    /// # Errors
+    /// [`OutputError`] with path and cause; the folder can be gone on from again.
+    pub(crate) fn go_on(
+        path: &Path,
+        header: &Header,
+        probes: &ProbeSet,
+        facts: &Facts,
+        lock: Lock,
+    ) -> Result<Self, OutputError> {
+        Summary { run: header.clone(), ..Summary::default() }.write(path)?;
+        cut::cut_back(path, header, facts)?;
+        Self::begin(path, header, probes, facts, lock)
+    }
+
+    fn begin(
+        path: &Path,
+        header: &Header,
+        probes: &ProbeSet,
+        facts: &Facts,
+        lock: Lock,
+    ) -> Result<Self, OutputError> {
+        let journal = path.join(journal::FOLDER);
+        let probes = match probes.is_empty() {
+            true => None,
+            false => Some(ProbeWriter::go_on(path, header, probes, facts.probes_bytes)?),
+        };
         Ok(Self {
-            _lock: Lock::take(path)?,
-            frames: Some(FrameWriter::start(&path.join(journal::FOLDER), header)?),
-            monitor: MonitorWriter::create(path, header)?,
-            probes: if probes.is_empty() { None } else { Some(ProbeWriter::create(path, header, probes)?) },
+            frames: Some(FrameWriter::start(&journal, header, facts.frames, Store::of(path))?),
+            monitor: MonitorWriter::go_on(path, header, facts.monitor_bytes)?,
+            probes,
+            submitted: facts.frames,
             path: path.to_path_buf(),
             header: header.clone(),
+            _lock: lock,
         })
     }
 
@@ -136,10 +191,38 @@ impl RunFolder {
     /// # Errors
     /// The error that stopped the writing of an earlier frame.
     pub fn submit(&mut self, frame: Frame) -> Result<(), OutputError> {
+        self.submitted += 1;
         match &mut self.frames {
             Some(frames) => frames.submit(frame),
             None => Ok(()),
         }
+    }
+
+    /// Hands a state to the thread that writes frames, behind the frames before it; the output that there is by now belongs to it.
+    ///
+    /// # Errors
+    /// The error that stopped the writing of an earlier frame, or [`OutputError::Io`].
+    pub fn checkpoint(&mut self, clock: &Clock, state: Columns) -> Result<(), OutputError> {
+        let Some(frames) = &mut self.frames else { return Ok(()) };
+        let tables =
+            || std::iter::once(self.monitor.table()).chain(self.probes.iter().map(ProbeWriter::table));
+        let facts = Facts {
+            scene_sha256: self.header.fingerprint(),
+            version: self.header.version.clone(),
+            lanes: InstructionSet::best().name().to_owned(),
+            time: clock.time,
+            step: clock.step,
+            frames: self.submitted,
+            monitor_bytes: self.monitor.table().length(),
+            probes_bytes: self.probes.as_ref().map_or(0, |probes| probes.table().length()),
+        };
+        let handles = tables().map(TableWriter::handle).collect::<Result<Vec<_>, OutputError>>()?;
+        frames.checkpoint(Checkpoint { facts, state }, handles)
+    }
+
+    /// Step of the last checkpoint that is whole and durable.
+    pub fn last_checkpoint(&self) -> Option<u64> {
+        self.frames.as_ref().and_then(FrameWriter::last_checkpoint)
     }
 
     /// Frames that are whole and durable.
@@ -188,6 +271,12 @@ fn furnish(folder: &Path, header: &Header) -> Result<(), OutputError> {
     let journal = folder.join(journal::FOLDER);
     fs::create_dir_all(&journal).map_err(OutputError::io(&journal, "make the folder"))?;
     disk::write_whole(&folder.join(SCENE), header.text.as_bytes())?;
+    if !header.tables.is_empty() {
+        let path = folder.join(TABLES);
+        let tables = serde_json::to_vec_pretty(&header.tables)
+            .map_err(|error| OutputError::Damaged { path: path.clone(), what: error.to_string() })?;
+        disk::write_whole(&path, &tables)?;
+    }
     Summary { run: header.clone(), ..Summary::default() }.write(folder)
 }
 
@@ -196,15 +285,6 @@ fn sibling(path: &Path, role: &str) -> PathBuf {
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{role}"));
     path.with_file_name(name)
-}
-
-fn remove(path: &Path) -> Result<(), OutputError> {
-    match fs::remove_dir_all(path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(OutputError::io(path, "remove")(error))
-        }
-        _ => Ok(()),
-    }
 }
 
 #[cfg(test)]

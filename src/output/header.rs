@@ -17,6 +17,18 @@ pub struct Header {
     /// The scene as run, RON. Stored as `scene.ron`, not in `summary.json`.
     #[serde(skip)]
     pub text: String,
+    /// The tables that the scene names: the path as written, and the text. Stored as `tables.json`.
+    #[serde(skip)]
+    pub tables: Vec<(String, String)>,
+    /// What was changed in the scene since, by `sphecs resume --set`: path and value, in their order.
+    #[serde(default)]
+    pub changes: Vec<(String, String)>,
+    /// End that the user gave in place of the scene's, s.
+    #[serde(default)]
+    pub until: Option<f64>,
+    /// Most steps that the user gave.
+    #[serde(default)]
+    pub most_steps: Option<u64>,
     /// SHA-256 of `text`, hexadecimal.
     pub sha256: String,
     /// Version of sphecs.
@@ -98,12 +110,15 @@ impl ProbeShape {
 impl Header {
     /// The facts of a scene whose state at the start is `first`.
     pub fn new(scene: &Scene, first: &Frame) -> Self {
-        let hash = Sha256::digest(scene.text.as_bytes());
         Self {
             scene: scene.name.clone(),
             title: scene.title.clone(),
             text: scene.text.clone(),
-            sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+            tables: scene.tables.clone(),
+            changes: Vec::new(),
+            until: None,
+            most_steps: None,
+            sha256: hexadecimal(&Sha256::digest(scene.text.as_bytes())),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             dimensions: scene.dimensions,
             precision: match scene.precision {
@@ -139,10 +154,38 @@ impl Header {
         }
     }
 
+    /// SHA-256 of the scene and its tables, hexadecimal: a checkpoint goes on only with what it was written with.
+    pub fn fingerprint(&self) -> String {
+        let mut hash = Sha256::new();
+        let parts = self.tables.iter().flat_map(|(path, text)| [path, text]);
+        for part in std::iter::once(&self.text).chain(parts) {
+            // With its length, so that no two lists of texts run together to the same bytes.
+            hash.update((part.len() as u64).to_le_bytes());
+            hash.update(part.as_bytes());
+        }
+        hexadecimal(&hash.finalize())
+    }
+
+    /// Whether `scene.ron` is as it was when the run began.
+    pub fn is_scene_unchanged(&self) -> bool {
+        hexadecimal(&Sha256::digest(self.text.as_bytes())) == self.sha256
+    }
+
+    /// Takes over what a resumed run may change.
+    pub fn change(&mut self, scene: &Scene, changes: Vec<(String, String)>) {
+        self.end = finite(scene.time.end);
+        self.every = finite(scene.output.every);
+        self.changes = changes;
+    }
+
     /// Names of the present axes.
     pub fn axes(&self) -> &'static [&'static str] {
         if self.dimensions == 2 { &["x", "y"] } else { &["x", "y", "z"] }
     }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// JSON has no infinity: "for ever" is the largest number.

@@ -68,7 +68,8 @@ fn status(results: &Results) -> String {
     match (&summary.message, summary.status) {
         (Some(message), status) => format!("{}: {message}", status.word()),
         (None, Status::Running) => {
-            "running, or killed: `sphecs pack` gathers the frames of a run that was killed".to_owned()
+            "running, or killed: `sphecs resume` goes on with a run that was killed, `sphecs pack` gathers its frames"
+                .to_owned()
         }
         (None, status) => status.word().to_owned(),
     }

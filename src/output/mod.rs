@@ -3,8 +3,10 @@
 //! A run writes into a [`RunFolder`](folder::RunFolder): frames go to a journal of one whole file per instant,
 //! rows to CSV files that are flushed line by line, so that a kill at any moment loses nothing that was
 //! reported as written. [`pack`](pack::pack) turns both into `particles.nc`, `monitor.nc` and `probes.nc`.
+//! A [checkpoint] goes the same way behind the frames, and holds all that the run needs to go on.
 //! [`Results`](results::Results) reads packed and unfinished runs alike, for pictures, export and people.
 
+pub mod checkpoint;
 pub(crate) mod disk;
 pub mod error;
 pub mod folder;

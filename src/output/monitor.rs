@@ -82,6 +82,22 @@ impl MonitorWriter {
         Ok(Self { table: TableWriter::create(&folder.join(CSV), &columns)?, dimensions: header.dimensions })
     }
 
+    /// Goes on behind the first `length` bytes of `monitor.csv`, or starts it where there are none.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn go_on(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
+        if length == 0 {
+            return Self::create(folder, header);
+        }
+        Ok(Self { table: TableWriter::go_on(&folder.join(CSV), length)?, dimensions: header.dimensions })
+    }
+
+    /// The table, for its length.
+    pub(crate) fn table(&self) -> &TableWriter {
+        &self.table
+    }
+
     /// Appends a row, which is in the file when this returns.
     ///
     /// # Errors

@@ -81,7 +81,11 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
     Ok(paths.len())
 }
 
-fn remove_folder(path: &Path) -> Result<(), OutputError> {
+/// Removes a folder, if it is there.
+///
+/// # Errors
+/// [`OutputError::Io`] when the system refuses.
+pub(crate) fn remove_folder(path: &Path) -> Result<(), OutputError> {
     match fs::remove_dir_all(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
             Err(OutputError::io(path, "remove")(error))

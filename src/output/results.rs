@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
-use super::folder::SCENE;
+use super::folder::{SCENE, TABLES};
 use super::frame::Frame;
 use super::header::Header;
 use super::journal;
@@ -19,6 +19,12 @@ pub(crate) fn read_header(folder: &Path) -> Result<Header, OutputError> {
     let path = folder.join(SCENE);
     let mut header = Summary::read(folder)?.run;
     header.text = std::fs::read_to_string(&path).map_err(OutputError::io(&path, "read"))?;
+    let path = folder.join(TABLES);
+    if path.exists() {
+        let text = std::fs::read(&path).map_err(OutputError::io(&path, "read"))?;
+        header.tables = serde_json::from_slice(&text)
+            .map_err(|error| OutputError::Damaged { path, what: error.to_string() })?;
+    }
     Ok(header)
 }
 

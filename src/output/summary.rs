@@ -26,6 +26,9 @@ pub enum Status {
     Interrupted,
     /// Stopped by SIGTERM.
     Terminated,
+    /// Stopped at the wall time that the user gave.
+    #[serde(rename = "out of time")]
+    OutOfTime,
     /// A value left its bounds.
     #[serde(rename = "blown up")]
     BlownUp,
@@ -41,6 +44,7 @@ impl Status {
             Status::Completed => "completed",
             Status::Interrupted => "interrupted",
             Status::Terminated => "terminated",
+            Status::OutOfTime => "out of time",
             Status::BlownUp => "blown up",
             Status::Failed => "failed",
         }

@@ -54,15 +54,35 @@ pub(crate) fn number(value: f64) -> String {
 pub(crate) struct TableWriter {
     path: PathBuf,
     file: File,
+    length: u64,
 }
 
 impl TableWriter {
     /// Starts a file with its header.
     pub(crate) fn create(path: &Path, columns: &[Column]) -> Result<Self, OutputError> {
         let file = File::create(path).map_err(OutputError::io(path, "write"))?;
-        let mut writer = Self { path: path.to_path_buf(), file };
+        let mut writer = Self { path: path.to_path_buf(), file, length: 0 };
         writer.append([columns.iter().map(Column::title).collect::<Vec<_>>()])?;
         Ok(writer)
+    }
+
+    /// Goes on behind the first `length` bytes of a file; what stands there beyond is cut off.
+    pub(crate) fn go_on(path: &Path, length: u64) -> Result<Self, OutputError> {
+        let refused = || OutputError::io(path, "cut back");
+        let mut file = File::options().write(true).open(path).map_err(refused())?;
+        file.set_len(length).map_err(refused())?;
+        file.seek(SeekFrom::Start(length)).map_err(refused())?;
+        Ok(Self { path: path.to_path_buf(), file, length })
+    }
+
+    /// Bytes written so far.
+    pub(crate) fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// The file once more, for a thread that makes it durable.
+    pub(crate) fn handle(&self) -> Result<File, OutputError> {
+        self.file.try_clone().map_err(OutputError::io(&self.path, "open"))
     }
 
     /// Appends rows in one write, so that a kill leaves at most one unfinished line at the end.
@@ -74,7 +94,9 @@ impl TableWriter {
     /// Appends whole lines in one write.
     pub(crate) fn append_lines(&mut self, lines: &str) -> Result<(), OutputError> {
         let written = self.file.write_all(lines.as_bytes());
-        written.map_err(OutputError::io(&self.path, "write"))
+        written.map_err(OutputError::io(&self.path, "write"))?;
+        self.length += lines.len() as u64;
+        Ok(())
     }
 }
 
@@ -194,6 +216,20 @@ mod tests {
         assert_eq!(table.columns, columns);
         assert_eq!(table.rows, [["0.5", "a \"b\""]]);
         assert_eq!(table.numbers(0), [0.5]);
+    }
+
+    #[test]
+    fn rows_beyond_a_length_are_cut_off_and_new_ones_follow() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("table.csv");
+        let mut writer = TableWriter::create(&path, &[Column::new("time", "s")]).expect("created");
+        writer.append([vec!["0.5".to_owned()]]).expect("written");
+        let length = writer.length();
+        writer.append([vec!["0.75".to_owned()], vec!["1".to_owned()]]).expect("written");
+        let mut writer = TableWriter::go_on(&path, length).expect("opened");
+        writer.append([vec!["0.625".to_owned()]]).expect("written");
+        assert_eq!(Table::read(&path).expect("read").numbers(0), [0.5, 0.625]);
+        assert_eq!(writer.length(), std::fs::metadata(&path).expect("its size").len());
     }
 
     #[test]

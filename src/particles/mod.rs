@@ -4,6 +4,7 @@
 //! - [`components`]: the components and roles of the world
 //! - [`rows`]: one row of the arrays as vectors
 //! - [`sample`]: the fluid's fields at a point
+//! - [`saved`]: the arrays as named columns, for checkpoints
 //! - [`transfer`]: carries state between the two homes
 //! - [`zone`]: the five zones
 
@@ -11,5 +12,6 @@ pub mod arrays;
 pub mod components;
 pub mod rows;
 pub mod sample;
+pub mod saved;
 pub mod transfer;
 pub mod zone;

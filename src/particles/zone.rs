@@ -23,6 +23,11 @@ impl Zone {
     /// All zones in the order of their numbers.
     pub const ALL: [Zone; 5] = [Zone::Fluid, Zone::Wall, Zone::Inflow, Zone::Outflow, Zone::Reservoir];
 
+    /// The zone of a number; None beyond the last.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(number)).copied()
+    }
+
     /// Lower-case name, as in CF `flag_meanings`.
     pub fn name(self) -> &'static str {
         match self {

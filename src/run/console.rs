@@ -24,4 +24,9 @@ impl Console {
             let _reader_gone = writeln!(out, "{text}").and_then(|()| out.flush());
         }
     }
+
+    /// Prints a line on standard error, which a quiet user sees too: what was found wrong and passed over.
+    pub fn warn(self, text: &str) {
+        let _reader_gone = writeln!(io::stderr(), "{text}");
+    }
 }

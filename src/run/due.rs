@@ -1,10 +1,13 @@
 //! When the next frame or row is due.
 
+use serde::{Deserialize, Serialize};
+
 /// Times 0, `every`, 2 `every`, … of which each is met at the first step at or past it.
 ///
 /// The steps are never cut to meet a due time, so that what is written does not change the flow. Where
 /// a step passes several due times at once, one frame stands for all of them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Due {
     every: f64,
     next: u64,
@@ -14,6 +17,17 @@ impl Due {
     /// Due from t = 0 on, every so many seconds, > 0.
     pub fn every(every: f64) -> Self {
         Self { every, next: 0 }
+    }
+
+    /// The same from `time` (s) on with an interval that may be another: of a new one, the first multiple past `time` is due next.
+    #[must_use]
+    pub fn going_on(self, every: f64, time: f64) -> Self {
+        if every.to_bits() == self.every.to_bits() {
+            return self;
+        }
+        let mut due = Self::every(every);
+        due.take(time);
+        due
     }
 
     /// Whether something is due at `time`, s; if so, the next due time lies past `time`.
@@ -56,6 +70,15 @@ mod tests {
         assert!(due.take(0.35));
         assert!(!due.take(0.39));
         assert!(due.take(0.41));
+    }
+
+    #[test]
+    fn a_new_interval_begins_behind_the_time_reached() {
+        let mut due = Due::every(0.1);
+        assert!(due.take(0.31));
+        assert_eq!(due.going_on(0.1, 0.35), due);
+        let mut rare = due.going_on(0.25, 0.35);
+        assert!(!rare.take(0.49) && rare.take(0.5) && !rare.take(0.74));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use miette::Diagnostic;
 
 use crate::output::error::OutputError;
+use crate::scene::faults::SceneFaults;
 use crate::simulation::Stop;
 
 /// Why a run ended before its end.
@@ -22,6 +23,10 @@ pub enum RunError {
     /// A file could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// The scene of a run that is to be gone on with has faults, as by `--set`.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneFaults),
     /// The threads could not be started.
     #[error("cannot start the threads: {0}")]
     #[diagnostic(help("give a smaller number by `--threads`"))]

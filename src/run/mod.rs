@@ -1,16 +1,20 @@
 //! The run loop: from a scene to a folder of results, with a word to the user on the way.
 //!
 //! Rooms: `voyage` (the loop), `opening` and `report` (what is said at the start and at the end), `display`
-//! (progress), `pace` (speed and time left), `due` (when a frame or row is due), `signals` (Ctrl-C and SIGTERM),
+//! (progress), `log` (what the loop remembers across a restart), `occasions` (when a checkpoint is due and when time is up), `resume`
+//! (a run gone on with), `pace` (speed and time left), `due` (when a frame or row is due), `signals` (Ctrl-C, SIGTERM and SIGUSR1),
 //! `console` (where words go), `words` (numbers as people read them), `error` (why a run ended early).
 
 pub mod console;
 pub mod display;
 pub mod due;
 pub mod error;
+pub mod log;
+pub mod occasions;
 pub mod opening;
 pub mod pace;
 pub mod report;
+pub mod resume;
 pub mod signals;
 pub mod voyage;
 pub mod words;
@@ -38,6 +42,10 @@ pub struct RunOptions {
     pub until: Option<f64>,
     /// Most steps.
     pub steps: Option<u64>,
+    /// Wall time between checkpoints, s, in place of the scene's.
+    pub checkpoint_every: Option<f64>,
+    /// Wall time after which the run ends, s.
+    pub most_wall_time: Option<f64>,
     /// How much is said.
     pub console: Console,
 }
@@ -47,8 +55,10 @@ pub struct RunOptions {
 pub enum Ending {
     /// At its end, by time or by steps.
     Completed,
-    /// A signal stopped it; what was written is whole.
+    /// A signal stopped it; what was written is whole, and `sphecs resume` goes on.
     Stopped(Signal),
+    /// At the wall time that the user gave; `sphecs resume` goes on.
+    OutOfTime,
 }
 
 /// Runs a scene and leaves its results in a folder.

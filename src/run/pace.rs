@@ -12,7 +12,7 @@ const SAMPLING: f64 = 0.25;
 /// How far a run has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Wall time since the first step, s.
+    /// Wall time since the first step of this process, s.
     pub elapsed: f64,
     /// Part of the run that is done, 0 to 1.
     pub fraction: f64,
@@ -29,7 +29,14 @@ pub struct Pace {
 
 impl Default for Pace {
     fn default() -> Self {
-        Self { samples: VecDeque::from([Progress::default()]), last: Progress::default() }
+        Self::from(Progress::default())
+    }
+}
+
+impl From<Progress> for Pace {
+    /// The pace from where a run, or its part in this process, begins.
+    fn from(begun: Progress) -> Self {
+        Self { samples: VecDeque::from([begun]), last: begun }
     }
 }
 
@@ -90,6 +97,14 @@ mod tests {
         }
         let left = pace.seconds_left().expect("measured");
         assert!((left - 0.89 / 1e-4).abs() < 1.0, "{left} s left");
+    }
+
+    #[test]
+    fn what_was_done_before_a_restart_is_no_pace() {
+        let mut pace = Pace::from(Progress { elapsed: 0.0, fraction: 0.5, particle_steps: 1e9 });
+        pace.record(Progress { elapsed: 10.0, fraction: 0.6, particle_steps: 1e9 + 50.0 });
+        assert!((pace.particle_steps_per_second() - 5.0).abs() < 1e-6);
+        assert!((pace.seconds_left().expect("measured") - 40.0).abs() < 1e-6);
     }
 
     #[test]

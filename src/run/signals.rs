@@ -1,10 +1,10 @@
-//! Ctrl-C and SIGTERM end a run with whole files; a second one ends it at once.
+//! Ctrl-C and SIGTERM end a run with whole files and a checkpoint; a second one ends it at once. SIGUSR1 asks for a checkpoint.
 
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 
 /// A request to stop that a run heeds after its step.
@@ -42,6 +42,7 @@ impl Signal {
 #[derive(Clone, Debug)]
 pub struct Signals {
     received: Arc<AtomicUsize>,
+    checkpoint: Arc<AtomicBool>,
 }
 
 impl Signals {
@@ -62,7 +63,14 @@ impl Signals {
             flag::register(signal.number(), Arc::clone(&armed))?;
             flag::register_usize(signal.number(), Arc::clone(&received), signal.number() as usize)?;
         }
-        Ok(Self { received })
+        let checkpoint = Arc::new(AtomicBool::new(false));
+        flag::register(SIGUSR1, Arc::clone(&checkpoint))?;
+        Ok(Self { received, checkpoint })
+    }
+
+    /// Whether a checkpoint has been asked for since this was asked last.
+    pub fn take_checkpoint(&self) -> bool {
+        self.checkpoint.swap(false, Ordering::Relaxed)
     }
 
     /// The signal received last, if any.

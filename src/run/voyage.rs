@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use super::console::Console;
 use super::display::Display;
-use super::due::Due;
 use super::error::RunError;
+use super::log::{self, Log};
+use super::occasions::Occasions;
 use super::pace::{Pace, Progress};
 use super::signals::{Signal, Signals};
 use super::words::{duration, figure, grouped};
@@ -21,7 +22,8 @@ use crate::output::summary::{LedgerCounts, StageTime, Status, Summary};
 use crate::particles::zone::Zone;
 use crate::scene::model::Scene;
 use crate::simulation::{Simulation, Stop};
-use crate::systems::monitor::MonitorRow;
+use crate::systems::checkpoint::record;
+use crate::systems::clock::Clock;
 
 /// A run under way.
 pub struct Voyage {
@@ -33,25 +35,19 @@ pub struct Voyage {
     display: Display,
     until: f64,
     most_steps: u64,
-    frames: Due,
-    rows: Due,
-    /// Step of the last frame; None before the first.
-    last_frame: Option<u64>,
-    frame_count: u64,
-    last_row: MonitorRow,
-    /// Step of the last row; None before the first.
-    last_row_step: Option<u64>,
+    log: Log,
+    occasions: Occasions,
+    /// Step of the last checkpoint handed over; None before the first.
+    last_checkpoint: Option<u64>,
     pace: Pace,
-    particle_steps: f64,
     started: Instant,
-    /// Wall time spent on handing frames and rows over, s.
-    output_time: f64,
 }
 
 /// Why the loop was left.
 enum Halt {
     Done,
     Signal(Signal),
+    OutOfTime,
     Flow(Stop),
 }
 
@@ -64,32 +60,69 @@ impl Voyage {
         let mut simulation = Simulation::from_scene(scene);
         let first = Frame::from_world(simulation.world_mut());
         let scene = simulation.scene();
-        let header = Header::new(scene, &first);
+        let mut header = Header::new(scene, &first);
+        (header.until, header.most_steps) = (options.until, options.steps);
         let probes = ProbeSet::new(scene);
-        let (until, output) = (options.until.unwrap_or(scene.time.end), &scene.output);
-        let (frames, rows) = (Due::every(output.every), Due::every(output.monitor_every));
+        let until = options.until.unwrap_or(scene.time.end);
         let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
         options.console.say(&opening::text(scene, simulation.ledger(), until, options));
-        Ok(Self {
+        let log = Log::new(scene.output.every, scene.output.monitor_every);
+        Ok(Self::new(simulation, folder, log, None, options, signals))
+    }
+
+    /// Goes on with a run: the folder is cut back, the simulation and the log are those of a checkpoint. What ends the run is in the
+    /// folder's header.
+    pub(super) fn go_on(
+        simulation: Simulation,
+        folder: RunFolder,
+        log: Log,
+        options: &RunOptions,
+        signals: Signals,
+    ) -> Self {
+        let scene = simulation.scene();
+        let time = simulation.clock().time;
+        let log = Log {
+            frames: log.frames.going_on(scene.output.every, time),
+            rows: log.rows.going_on(scene.output.monitor_every, time),
+            ..log
+        };
+        let last = (simulation.clock().step > 0).then_some(simulation.clock().step);
+        Self::new(simulation, folder, log, last, options, signals)
+    }
+
+    fn new(
+        simulation: Simulation,
+        folder: RunFolder,
+        log: Log,
+        last_checkpoint: Option<u64>,
+        options: &RunOptions,
+        signals: Signals,
+    ) -> Self {
+        let (scene, header) = (simulation.scene(), folder.header());
+        let until = header.until.unwrap_or(scene.time.end);
+        let most_steps = header.most_steps.unwrap_or(u64::MAX);
+        let every = options.checkpoint_every.unwrap_or(scene.output.checkpoint_every);
+        let started = Instant::now();
+        let begun = Progress {
+            elapsed: 0.0,
+            fraction: fraction(&simulation.clock(), until, most_steps),
+            particle_steps: log.particle_steps,
+        };
+        Self {
+            occasions: Occasions::new(started, every, options.most_wall_time),
+            probes: ProbeSet::new(scene),
             simulation,
             folder,
-            probes,
             signals,
             console: options.console,
             display: Display::new(options.console),
             until,
-            most_steps: options.steps.unwrap_or(u64::MAX),
-            frames,
-            rows,
-            last_frame: None,
-            frame_count: 0,
-            last_row: MonitorRow::default(),
-            last_row_step: None,
-            pace: Pace::default(),
-            particle_steps: 0.0,
-            started: Instant::now(),
-            output_time: 0.0,
-        })
+            most_steps,
+            log,
+            last_checkpoint,
+            pace: Pace::from(begun),
+            started,
+        }
     }
 
     /// Goes to the end, or as far as it comes.
@@ -108,6 +141,7 @@ impl Voyage {
                 };
                 self.close(status, None).map(|()| Ending::Stopped(signal))
             }
+            Ok(Halt::OutOfTime) => self.close(Status::OutOfTime, None).map(|()| Ending::OutOfTime),
             Ok(Halt::Flow(stop)) => Err(self.wreck(stop)),
             Err(error) => {
                 // The first error is the one to report: closing may well fail for the same reason, a full disk.
@@ -121,12 +155,12 @@ impl Voyage {
     fn steps(&mut self) -> Result<Halt, OutputError> {
         loop {
             self.write_what_is_due()?;
-            let clock = self.simulation.clock();
-            let halt = if clock.time >= self.until || clock.step >= self.most_steps {
-                Some(Halt::Done)
-            } else {
-                self.signals.received().map(Halt::Signal)
-            };
+            let now = Instant::now();
+            let halt = self.halt(now);
+            // Before the last row and frame, which a run that goes on past here does not have.
+            if halt.is_some() || self.occasions.is_checkpoint_due(now) || self.signals.take_checkpoint() {
+                self.write_checkpoint(now)?;
+            }
             if let Some(halt) = halt {
                 self.write_last()?;
                 return Ok(halt);
@@ -141,38 +175,85 @@ impl Voyage {
         }
     }
 
+    fn halt(&self, now: Instant) -> Option<Halt> {
+        let clock = self.simulation.clock();
+        if clock.time >= self.until || clock.step >= self.most_steps {
+            return Some(Halt::Done);
+        }
+        let signal = self.signals.received().map(Halt::Signal);
+        signal.or_else(|| self.occasions.is_time_up(now).then_some(Halt::OutOfTime))
+    }
+
+    /// Hands the state to the thread that writes, unless this step has its checkpoint.
+    fn write_checkpoint(&mut self, now: Instant) -> Result<(), OutputError> {
+        self.occasions.checkpoint_taken(now);
+        let clock = self.simulation.clock();
+        if self.last_checkpoint == Some(clock.step) {
+            return Ok(());
+        }
+        self.last_checkpoint = Some(clock.step);
+        let mut state = self.simulation.state();
+        let log = Log {
+            wall_time: self.wall_time(),
+            stages: self.stages().into_iter().map(|(_, seconds)| seconds).collect(),
+            ..self.log.clone()
+        };
+        state.put(log::NAME, record(&log));
+        self.folder.checkpoint(&clock, state)?;
+        self.log.output_time += now.elapsed().as_secs_f64();
+        if self.console == Console::Verbose {
+            self.display.say(&format!(
+                "checkpoint  t = {} s step {}",
+                figure(clock.time),
+                grouped(clock.step)
+            ));
+        }
+        Ok(())
+    }
+
+    /// Wall time of the run, earlier processes included, s.
+    fn wall_time(&self) -> f64 {
+        self.log.wall_time + self.started.elapsed().as_secs_f64()
+    }
+
+    /// Wall time by stage, earlier processes included.
+    fn stages(&self) -> Vec<(&'static str, f64)> {
+        let stages = self.simulation.stage_times().into_iter().enumerate();
+        stages.map(|(index, (name, seconds))| (name, self.log.stage(index, seconds))).collect()
+    }
+
     fn write_what_is_due(&mut self) -> Result<(), OutputError> {
         let started = Instant::now();
         let time = self.simulation.clock().time;
-        if self.rows.take(time) {
+        if self.log.rows.take(time) {
             self.write_row()?;
         }
-        if self.frames.take(time) {
+        if self.log.frames.take(time) {
             self.write_frame()?;
         }
-        self.output_time += started.elapsed().as_secs_f64();
+        self.log.output_time += started.elapsed().as_secs_f64();
         Ok(())
     }
 
     fn write_last(&mut self) -> Result<(), OutputError> {
         let step = Some(self.simulation.clock().step);
         // A row may have been due at this step without a frame: twice in the table, it would be two times of one step.
-        if self.last_row_step != step {
+        if self.log.last_row_step != step {
             self.write_row()?;
         }
-        if self.last_frame != step {
+        if self.log.last_frame != step {
             self.write_frame()?;
         }
         Ok(())
     }
 
     fn write_row(&mut self) -> Result<(), OutputError> {
-        self.last_row = self.simulation.monitor_row();
-        self.last_row_step = Some(self.last_row.step);
-        self.folder.monitor(&self.last_row)?;
+        self.log.last_row = self.simulation.monitor_row();
+        self.log.last_row_step = Some(self.log.last_row.step);
+        self.folder.monitor(&self.log.last_row)?;
         if !self.probes.is_empty() {
             let samples = self.simulation.sample(&self.probes.points());
-            self.folder.probe(&self.probes.reduce(self.last_row.time, &samples))?;
+            self.folder.probe(&self.probes.reduce(self.log.last_row.time, &samples))?;
         }
         Ok(())
     }
@@ -181,10 +262,10 @@ impl Voyage {
         self.folder.submit(Frame::from_world(self.simulation.world_mut()))?;
         let clock = self.simulation.clock();
         if self.console == Console::Verbose {
-            let row = &self.last_row;
+            let row = &self.log.last_row;
             self.display.say(&format!(
                 "frame {:>4}  t = {:<10} step {:<9} largest speed {} m/s, |Δρ|/ρ0 {}, {} through walls, {} close pairs",
-                self.frame_count,
+                self.log.frame_count,
                 format!("{} s", figure(clock.time)),
                 grouped(clock.step),
                 figure(row.largest_speed),
@@ -193,20 +274,20 @@ impl Voyage {
                 row.close_pairs,
             ));
         }
-        self.last_frame = Some(clock.step);
-        self.frame_count += 1;
+        self.log.last_frame = Some(clock.step);
+        self.log.frame_count += 1;
         Ok(())
     }
 
     fn take_pace(&mut self) {
         let clock = self.simulation.clock();
         let ledger = self.simulation.ledger();
-        self.particle_steps += (ledger.total() - ledger.count(Zone::Reservoir)) as f64;
-        let fraction = (clock.time / self.until).max(clock.step as f64 / self.most_steps as f64).min(1.0);
+        self.log.particle_steps += (ledger.total() - ledger.count(Zone::Reservoir)) as f64;
+        let fraction = fraction(&clock, self.until, self.most_steps);
         self.pace.record(Progress {
             elapsed: self.started.elapsed().as_secs_f64(),
             fraction,
-            particle_steps: self.particle_steps,
+            particle_steps: self.log.particle_steps,
         });
         let (pace, until) = (&self.pace, self.until);
         self.display.update(fraction, || {
@@ -228,7 +309,7 @@ impl Voyage {
         let stages: Vec<(String, f64)> =
             summary.stages.iter().map(|stage| (stage.stage.clone(), stage.seconds)).collect();
         let (clock, ledger) = (self.simulation.clock(), self.simulation.ledger().clone());
-        let (wall_time, particle_steps, console) = (summary.wall_time, self.particle_steps, self.console);
+        let (wall_time, particle_steps, console) = (summary.wall_time, self.log.particle_steps, self.console);
         let header = self.folder.header().clone();
         let path = self.folder.path().to_owned();
         let packed: Packed = self.folder.finish(summary)?;
@@ -243,6 +324,9 @@ impl Voyage {
             report::ledger(&ledger, &header.inlets, &header.outlets),
             report::results(&path, &packed),
         ));
+        if status != Status::Completed {
+            console.say(&format!("\ngo on by `sphecs resume {}`", path.display()));
+        }
         Ok(())
     }
 
@@ -260,11 +344,14 @@ impl Voyage {
         };
         let summary = self.summary(status, Some(stop.to_string()));
         let path = self.folder.path().display().to_string();
-        let clock_of_frame = self.frame_count;
+        let frames = self.log.frame_count;
+        let checkpoint = self
+            .last_checkpoint
+            .map_or_else(String::new, |step| format!("; the last checkpoint is of step {}", grouped(step)));
         match self.folder.finish(summary) {
             Ok(_) => {
                 let kept = format!(
-                    "\n{clock_of_frame} frames up to there are in `{path}`: `sphecs render {path} --all` draws how it came"
+                    "\n{frames} frames up to there are in `{path}`: `sphecs render {path} --all` draws how it came{checkpoint}"
                 );
                 RunError::Flow { stop, cure, kept }
             }
@@ -276,20 +363,16 @@ impl Voyage {
 
     fn summary(&self, status: Status, message: Option<String>) -> Summary {
         let clock = self.simulation.clock();
-        let mut stages: Vec<StageTime> = self
-            .simulation
-            .stage_times()
-            .into_iter()
-            .map(|(stage, seconds)| StageTime { stage: stage.to_owned(), seconds })
-            .collect();
-        stages.push(StageTime { stage: "output".to_owned(), seconds: self.output_time });
+        let of_stage = |(stage, seconds): (&str, f64)| StageTime { stage: stage.to_owned(), seconds };
+        let mut stages: Vec<StageTime> = self.stages().into_iter().map(of_stage).collect();
+        stages.push(StageTime { stage: "output".to_owned(), seconds: self.log.output_time });
         Summary {
             status,
             message,
-            wall_time: self.started.elapsed().as_secs_f64(),
+            wall_time: self.wall_time(),
             steps: clock.step,
             time: clock.time,
-            frames: self.frame_count,
+            frames: self.log.frame_count,
             threads: rayon::current_num_threads(),
             lanes: InstructionSet::best().name().to_owned(),
             ledger: LedgerCounts::from(self.simulation.ledger()),
@@ -297,4 +380,9 @@ impl Voyage {
             run: self.folder.header().clone(),
         }
     }
+}
+
+/// Part of a run that is done, 0 to 1.
+fn fraction(clock: &Clock, until: f64, most_steps: u64) -> f64 {
+    (clock.time / until).max(clock.step as f64 / most_steps as f64).min(1.0)
 }

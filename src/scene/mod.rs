@@ -64,7 +64,7 @@ pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Scene, SceneFaults
     let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
     let folder = path.parent().unwrap_or(Path::new("."));
     let memory = summary::available_memory();
-    let origin = Origin { name: &name, text: &text, folder, memory };
+    let origin = Origin { name: &name, text: &text, folder, tables: &[], memory };
     read(&shown, origin, sets)
 }
 
@@ -73,9 +73,22 @@ pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Scene, SceneFaults
 /// # Errors
 /// All faults of the scene.
 pub fn load_str(name: &str, text: &str, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    load_kept(name, text, &[], sets)
+}
+
+/// Reads a scene from a text and the texts of its tables, each with the path by which the scene names it; others are looked for in the
+/// present folder.
+///
+/// # Errors
+/// All faults of the scene.
+pub fn load_kept(
+    name: &str,
+    text: &str,
+    tables: &[(String, String)],
+    sets: &[(String, String)],
+) -> Result<Scene, SceneFaults> {
     let memory = summary::available_memory();
-    let folder = Path::new(".");
-    let origin = Origin { name, text, folder, memory };
+    let origin = Origin { name, text, folder: Path::new("."), tables, memory };
     read(name, origin, sets)
 }
 

@@ -23,6 +23,8 @@ pub struct Scene {
     pub title: String,
     /// The scene as run: the RON text with `--set` values put in.
     pub text: String,
+    /// The tables that it names: the path as written, and the text.
+    pub tables: Vec<(String, String)>,
     /// 2 or 3.
     pub dimensions: usize,
     /// Scalar of the pair sums.
@@ -299,6 +301,8 @@ pub struct OutputSettings {
     pub every: f64,
     /// Interval between rows of `monitor.nc` and `probes.nc`, s.
     pub monitor_every: f64,
+    /// Interval between checkpoints, s of wall time.
+    pub checkpoint_every: f64,
     /// Probes.
     pub probes: Vec<Probe>,
 }

@@ -14,6 +14,7 @@ use super::failure::{Failure, check_state};
 use super::forces::{AddedForces, add_forces};
 use super::home::{FreshHome, gather};
 use super::integrate::kick;
+use super::monitor::PreviousRow;
 use super::neighbours::{Spare, sort_particles};
 use super::plugin::{Parts, Plugin};
 use super::rates::{RatesFound, StepsSincePlain, Sums, sum_density, sum_gradients, sum_rates};
@@ -58,9 +59,9 @@ impl<R: Real, const D: usize> Plugin for NeighboursPlugin<R, D> {
 
 impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
-        parts.world.init_resource::<Clock>();
-        parts.world.init_resource::<RatesFound>();
-        parts.world.init_resource::<StepsSincePlain>();
+        parts.keep::<Clock>("clock");
+        parts.keep::<RatesFound>("rates_found");
+        parts.keep::<StepsSincePlain>("steps_since_plain");
         parts.world.init_resource::<AddedForces>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
         parts.stage.add_systems((
@@ -76,8 +77,8 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
 
 impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
-        parts.world.init_resource::<Clock>();
-        parts.world.init_resource::<RatesFound>();
+        parts.keep::<Clock>("clock");
+        parts.keep::<RatesFound>("rates_found");
         parts.world.init_resource::<AddedForces>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
         parts.world.insert_resource(ParticleArrays::<R, D> { evolves_pressure: true, ..Default::default() });
@@ -93,8 +94,8 @@ impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
 
 impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
-        parts.world.init_resource::<OutletStates>();
-        parts.world.init_resource::<HeldAtWalls>();
+        parts.keep::<OutletStates>("outlets");
+        parts.keep::<HeldAtWalls>("held_at_walls");
         parts.world.init_resource::<TransitionLists>();
         // Walls look at the pressure of inflow and outflow particles, so they come last.
         parts.stage.add_systems(
@@ -119,6 +120,7 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
 impl<R: Real, const D: usize> Plugin for ObservePlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
         parts.world.init_resource::<Failure>();
+        parts.keep::<PreviousRow>("previous_row");
         parts.step.add_systems(check_state::<R, D>.in_set(StepSystems::Observe));
     }
 }

@@ -1,11 +1,13 @@
 //! The particle ledger: total = initial + grown + created − deleted, in integers, at every step.
 
 use bevy_ecs::resource::Resource;
+use serde::{Deserialize, Serialize};
 
 use crate::particles::zone::Zone;
 
 /// Counts since the start.
-#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Ledger {
     /// Particles at the start, reservoir included.
     pub initial: u64,

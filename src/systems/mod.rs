@@ -1,6 +1,7 @@
 //! Floor 5: thin systems, their sets and plugins.
 //!
 //! - [`boundaries`]: inflow, outflow and wall particles
+//! - [`checkpoint`]: everything that the next step depends on, as named columns
 //! - [`clock`]: time, step and step size
 //! - [`core_plugins`]: which system runs in which set
 //! - [`edac`]: the systems of the scheme `EdacTvf`
@@ -21,6 +22,7 @@
 //! - [`transitions`]: particles change zone
 
 pub mod boundaries;
+pub mod checkpoint;
 pub mod clock;
 pub mod core_plugins;
 pub mod edac;

@@ -4,6 +4,7 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
 
 use super::boundaries::hold::HeldAtWalls;
 use super::clock::Clock;
@@ -19,7 +20,8 @@ use crate::pass::neighbours::Neighbours;
 use crate::scene::model::Scene;
 
 /// One row of `monitor.nc`.
-#[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MonitorRow {
     /// Time, s.
     pub time: f64,
@@ -56,7 +58,8 @@ pub struct MonitorRow {
 }
 
 /// Crossings and time at the previous row: mass flows are means since then.
-#[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PreviousRow {
     time: f64,
     held: u64,
@@ -94,7 +97,7 @@ pub fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
         entered: net(&ledger.entered, &ledger.entered_back),
         left: net(&ledger.left, &ledger.left_back),
     };
-    let before = world.get_resource::<PreviousRow>().cloned().unwrap_or_default();
+    let before = world.resource::<PreviousRow>().clone();
     let row = figures::<R, D>(world, &clock, &now, &before);
     world.insert_resource(now);
     row

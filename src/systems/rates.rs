@@ -2,6 +2,7 @@
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
+use serde::{Deserialize, Serialize};
 
 use super::neighbours::Grid;
 use super::pair::Pair;
@@ -21,7 +22,8 @@ use crate::scene::model::Wcsph;
 pub struct Sums<R: Real, const D: usize>(pub PairSums<R, D>);
 
 /// Extremes that the pair pass found.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RatesFound {
     /// Largest c_a + max_b |h x·v/(r² + η²)|, m/s.
     pub largest_signal: f64,
@@ -36,7 +38,7 @@ pub struct RatesFound {
 }
 
 /// Steps since the last plain one; 0: the present step is plain, as the first and then every so many are.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepsSincePlain(pub u32);
 
 /// The velocities that the dissipative terms take in the present step: see `physics/integrator/verlet.rs`.

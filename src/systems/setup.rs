@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::ledger::Ledger;
+use super::plugin::Parts;
 use crate::particles::components::{
-    Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, SpsStress, Thermodynamics,
-    Tracer, Velocity, Wall, WallSurface,
+    Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, Returned, SpsStress,
+    Thermodynamics, Tracer, Velocity, Wall, WallSurface,
 };
 use crate::particles::zone::Zone;
 use crate::physics::eos::Tait;
@@ -14,6 +15,7 @@ use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
+use serde::{Deserialize, Serialize};
 
 /// The scene that runs.
 #[derive(Resource, Clone, Debug)]
@@ -54,20 +56,21 @@ pub struct Seats(pub Vec<Entity>);
 pub struct Stored(pub Vec<u32>);
 
 /// Particles that each inflow zone holds in a steady flow: as many as at the start.
-#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InflowCapacity(pub Vec<u64>);
 
-/// Spawns the particles of a scene and inserts seats, stored particles, what inflow zones hold, and the ledger.
+/// Inserts what stands beside the particles, before them: seats, stored particles, what inflow zones hold, and the ledger.
+pub fn insert_registers(parts: &mut Parts<'_>) {
+    parts.world.init_resource::<Seats>();
+    parts.world.init_resource::<Stored>();
+    parts.keep::<InflowCapacity>("inflow_capacity");
+    parts.keep::<Ledger>("ledger");
+}
+
+/// Spawns the particles of a scene and fills the registers.
 pub fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
     let turbulent = scene.scheme.has_stress();
-    for insert in [
-        World::init_resource::<Seats>,
-        World::init_resource::<Stored>,
-        World::init_resource::<InflowCapacity>,
-        World::init_resource::<Ledger>,
-    ] {
-        insert(world);
-    }
+    let tait = scene.fluid.tait();
     let mut seats = Seats(Vec::with_capacity(seeds.len()));
     let mut stored = Stored::default();
     let mut capacity = InflowCapacity(vec![0; scene.inlets.len()]);
@@ -81,16 +84,17 @@ pub fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed])
     };
     for group in seeds.chunk_by(|a, b| a.zone == b.zone) {
         let first = seats.0.len() as u32;
-        let mut spawn = Spawn { world, tait: scene.fluid.tait(), turbulent, group, seats: &mut seats };
+        let state = (first..).zip(group).map(|(id, seed)| (seed_bundle(tait, id, seed), seed));
+        let mut spawn = Spawn { world, turbulent, seats: &mut seats.0 };
         match group[0].zone {
-            Zone::Fluid => spawn.with(|_| Fluid),
-            Zone::Wall => spawn.with(|seed| {
+            Zone::Fluid => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
+            Zone::Wall => spawn.all(state.map(|(bundle, seed)| {
                 let surface = WallSurface { distance: seed.wall_distance, normal: seed.wall_normal };
-                (Wall { part: seed.patch }, surface)
-            }),
-            Zone::Inflow => spawn.with(|seed| Inflow { inlet: seed.patch }),
-            Zone::Outflow => spawn.with(|seed| Outflow { outlet: seed.patch }),
-            Zone::Reservoir => spawn.with(|_| Reservoir),
+                (bundle, (Wall { part: seed.patch }, surface))
+            })),
+            Zone::Inflow => spawn.all(state.map(|(bundle, seed)| (bundle, Inflow { inlet: seed.patch }))),
+            Zone::Outflow => spawn.all(state.map(|(bundle, seed)| (bundle, Outflow { outlet: seed.patch }))),
+            Zone::Reservoir => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
         }
         match group[0].zone {
             Zone::Reservoir => stored.0.extend(first..seats.0.len() as u32),
@@ -105,42 +109,82 @@ pub fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed])
     world.insert_resource(ledger);
 }
 
-/// Particles of one zone on their way into the world: all at once, so that the table has room for them and no more.
+fn seed_bundle(tait: Tait, id: u32, seed: &ParticleSeed) -> ParticleBundle {
+    ParticleBundle {
+        id: ParticleId(id),
+        position: Position(seed.position),
+        velocity: Velocity(seed.velocity),
+        thermodynamics: Thermodynamics { density: tait.density(seed.pressure), pressure: seed.pressure },
+        tracer: Tracer { tag: seed.tag as f32, passages: 0 },
+    }
+}
+
+/// A particle of a saved state.
+#[derive(Clone, Copy, Debug)]
+pub struct SavedParticle {
+    /// What every particle has.
+    pub bundle: ParticleBundle,
+    /// Its zone.
+    pub zone: Zone,
+    /// Index of inlet, outlet or wall part.
+    pub patch: u16,
+    /// Whether it came back through its inlet.
+    pub returned: bool,
+    /// Of a wall: where it stands behind its surface.
+    pub surface: WallSurface,
+}
+
+/// Spawns the particles of a saved state, which come in the order of their numbers, and seats them.
+pub fn spawn_saved(world: &mut World, scene: &Scene, particles: &[SavedParticle]) {
+    let turbulent = scene.scheme.has_stress();
+    let mut seats = vec![Entity::PLACEHOLDER; particles.len()];
+    let mut spawned = Vec::new();
+    for (zone, returned) in Zone::ALL.into_iter().flat_map(|zone| [(zone, false), (zone, true)]) {
+        let is_in = |particle: &&SavedParticle| particle.zone == zone && particle.returned == returned;
+        let group: Vec<&SavedParticle> = particles.iter().filter(is_in).collect();
+        let state = group.iter().map(|particle| (particle.bundle, **particle));
+        let mut spawn = Spawn { world, turbulent, seats: &mut spawned };
+        match (zone, returned) {
+            (Zone::Fluid, _) => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
+            (Zone::Wall, _) => {
+                spawn.all(state.map(|(bundle, wall)| (bundle, (Wall { part: wall.patch }, wall.surface))))
+            }
+            (Zone::Inflow, false) => {
+                spawn.all(state.map(|(bundle, inflow)| (bundle, Inflow { inlet: inflow.patch })));
+            }
+            (Zone::Inflow, true) => {
+                spawn.all(state.map(|(bundle, inflow)| (bundle, (Inflow { inlet: inflow.patch }, Returned))));
+            }
+            (Zone::Outflow, _) => {
+                spawn.all(state.map(|(bundle, outflow)| (bundle, Outflow { outlet: outflow.patch })));
+            }
+            (Zone::Reservoir, _) => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
+        }
+        for (particle, entity) in group.iter().zip(spawned.drain(..)) {
+            seats[particle.bundle.id.0 as usize] = entity;
+        }
+    }
+    world.insert_resource(Seats(seats));
+}
+
+/// Particles of one role on their way into the world: all at once, so that the table has room for them and no more.
 struct Spawn<'a> {
     world: &'a mut World,
-    tait: Tait,
     turbulent: bool,
-    group: &'a [ParticleSeed],
-    seats: &'a mut Seats,
+    seats: &'a mut Vec<Entity>,
 }
 
 impl Spawn<'_> {
     /// Spawns them with the role that each has.
-    fn with<B: Bundle<Effect: NoBundleEffect>>(
+    fn all<B: Bundle<Effect: NoBundleEffect>>(
         &mut self,
-        role: impl Fn(&ParticleSeed) -> B + Send + Sync + 'static,
+        particles: impl Iterator<Item = (ParticleBundle, B)>,
     ) {
-        let first = self.seats.0.len() as u32;
-        let tait = self.tait;
-        let state = |(id, seed): (u32, &ParticleSeed)| {
-            let bundle = ParticleBundle {
-                id: ParticleId(id),
-                position: Position(seed.position),
-                velocity: Velocity(seed.velocity),
-                thermodynamics: Thermodynamics {
-                    density: tait.density(seed.pressure),
-                    pressure: seed.pressure,
-                },
-                tracer: Tracer { tag: seed.tag as f32, passages: 0 },
-            };
-            (bundle, role(seed))
-        };
-        let particles = (first..).zip(self.group).map(state);
         if self.turbulent {
             let particles = particles.map(|particle| (particle, SpsStress::default()));
-            self.seats.0.extend(self.world.spawn_batch(particles));
+            self.seats.extend(self.world.spawn_batch(particles));
         } else {
-            self.seats.0.extend(self.world.spawn_batch(particles));
+            self.seats.extend(self.world.spawn_batch(particles));
         }
     }
 }

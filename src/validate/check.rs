@@ -58,6 +58,12 @@ impl<'a> Check<'a> {
             if !seen.insert(&name.value) {
                 self.fault(name, format!("two of the case's {what}s are called `{}`", name.value));
             }
+            // Folders and files are named by it: it must not lead out of theirs.
+            let plain = |c: char| c.is_alphanumeric() || " _-+".contains(c);
+            if name.value.is_empty() || !name.value.chars().all(plain) {
+                let may = "may have letters, digits, spaces, `_`, `-` and `+`";
+                self.fault(name, format!("the name `{}` of a {what} {may}", name.value));
+            }
         }
     }
 

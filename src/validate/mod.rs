@@ -196,10 +196,12 @@ fn sail(
         threads: options.threads,
         until: None,
         steps: None,
+        checkpoint_every: None,
+        most_wall_time: None,
         console: Console::Quiet,
     };
     match run::run(scene, &run_options) {
-        Ok(Ending::Completed) => Ok(Ok(None)),
+        Ok(Ending::Completed | Ending::OutOfTime) => Ok(Ok(None)),
         Ok(Ending::Stopped(signal)) => Ok(Err(signal)),
         Err(RunError::Flow { stop, .. }) => Ok(Ok(Some(stop.to_string()))),
         Err(error) => Err(error.into()),

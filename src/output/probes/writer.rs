@@ -55,20 +55,28 @@ impl ProbeWriter {
     /// [`OutputError::Io`] when the system refuses.
     pub fn create(folder: &Path, header: &Header, probes: &ProbeSet) -> Result<Self, OutputError> {
         let table = TableWriter::create(&folder.join(CSV), &columns(header))?;
-        let starts = |probe: &ProbePoints| {
-            let section = [probe.at];
-            let places = match probe.shape {
-                ProbeShape::Section => &section[..],
-                ProbeShape::Point | ProbeShape::Line => &probe.points,
-            };
-            let start = |(point, at): (usize, &DVec3)| {
-                let mut cells = vec![probe.name.clone(), point.to_string()];
-                cells.extend(at.to_array().map(number));
-                line(&cells)
-            };
-            places.iter().enumerate().map(start).collect()
-        };
-        Ok(Self { table, starts: probes.probes().iter().map(starts).collect() })
+        Ok(Self { table, starts: starts(probes) })
+    }
+
+    /// Goes on behind the first `length` bytes of `probes.csv`, or starts it where there are none.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn go_on(
+        folder: &Path,
+        header: &Header,
+        probes: &ProbeSet,
+        length: u64,
+    ) -> Result<Self, OutputError> {
+        if length == 0 {
+            return Self::create(folder, header, probes);
+        }
+        Ok(Self { table: TableWriter::go_on(&folder.join(CSV), length)?, starts: starts(probes) })
+    }
+
+    /// The table, for its length.
+    pub(crate) fn table(&self) -> &TableWriter {
+        &self.table
     }
 
     /// Appends what the probes measured, which is in the file when this returns.
@@ -94,6 +102,24 @@ impl ProbeWriter {
         }
         self.table.append_lines(&lines)
     }
+}
+
+/// Probe, point and place of each row, as CSV; by probe.
+fn starts(probes: &ProbeSet) -> Vec<Vec<String>> {
+    let starts = |probe: &ProbePoints| {
+        let section = [probe.at];
+        let places = match probe.shape {
+            ProbeShape::Section => &section[..],
+            ProbeShape::Point | ProbeShape::Line => &probe.points,
+        };
+        let start = |(point, at): (usize, &DVec3)| {
+            let mut cells = vec![probe.name.clone(), point.to_string()];
+            cells.extend(at.to_array().map(number));
+            line(&cells)
+        };
+        places.iter().enumerate().map(start).collect()
+    };
+    probes.probes().iter().map(starts).collect()
 }
 
 /// Velocity, pressure and density as cells, empty where no fluid was near. Nine digits: a sample is not better than that,

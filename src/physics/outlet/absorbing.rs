@@ -14,8 +14,11 @@
 //! long run, and in two stages, so that a passing pulse leaves no step behind; a fixed pressure instead reflects every wave and, with a prescribed inlet velocity, makes a
 //! resonator of the channel.
 
+use serde::{Deserialize, Serialize};
+
 /// State and constants of one absorbing outlet.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Absorbing {
     /// Followed mean velocity u, m/s; None before the first step, which takes the flow's: a flow already in motion is
     /// no wave.

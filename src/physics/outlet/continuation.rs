@@ -8,8 +8,11 @@
 //! what came before. A zone that has the present values everywhere moves as a rigid body: it is not compressed with the
 //! wave, and the density of the last rows of fluid, which is summed over it, lacks half of the wave.
 
+use serde::{Deserialize, Serialize};
+
 /// Pressure and velocity at the nodes of a zone, one layer of points behind the other.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Continuation {
     /// Pressure, Pa: all points of the first layer, then those of the second and so on.
     pub pressure: Vec<f64>,

@@ -22,6 +22,8 @@
 //! τ, the time that sound takes along the section. Waves that are not plane run along a channel only above the
 //! frequency c0/(2 width), so that nothing is lost by it, and of a vortex some ρ0 v'² is left.
 
+use serde::{Deserialize, Serialize};
+
 /// Constants of the waves along one section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObliqueSetting {
@@ -36,7 +38,8 @@ pub struct ObliqueSetting {
 }
 
 /// What the points of a section remember.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Oblique {
     /// Followed velocity u', m/s.
     pub followed: Vec<f64>,

@@ -16,6 +16,8 @@ pub struct Checker<'a> {
     pub dimensions: usize,
     /// What was found.
     pub faults: Vec<Fault>,
+    /// Tables that are there already, and those read from files: the path as written, and the text.
+    pub tables: Vec<(String, String)>,
     /// How many values were met that stand in for faulty ones.
     placeholders: usize,
 }
@@ -23,7 +25,7 @@ pub struct Checker<'a> {
 impl<'a> Checker<'a> {
     /// No fault yet.
     pub fn new(constants: &'a Constants, text: &'a str) -> Self {
-        Self { constants, text, dimensions: 2, faults: Vec::new(), placeholders: 0 }
+        Self { constants, text, dimensions: 2, faults: Vec::new(), tables: Vec::new(), placeholders: 0 }
     }
 
     /// Faults and placeholders so far: unchanged over a piece of the file, that piece is sound.

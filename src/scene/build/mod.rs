@@ -37,6 +37,8 @@ pub struct Origin<'a> {
     pub text: &'a str,
     /// Folder of tables.
     pub folder: &'a Path,
+    /// Tables in place of those of the folder: the path as the scene writes it, and the text.
+    pub tables: &'a [(String, String)],
     /// Memory that a run may take, B; None for no bound.
     pub memory: Option<f64>,
 }
@@ -45,6 +47,7 @@ pub struct Origin<'a> {
 /// their places: it is good for further checks only.
 pub fn build(file: &SceneFile, constants: &Constants, origin: Origin<'_>) -> (Option<Scene>, Vec<Fault>) {
     let mut check = Checker::new(constants, origin.text);
+    check.tables = origin.tables.to_vec();
     let scene = parts(file, &mut check, origin);
     let mut faults = check.faults;
     if let Some(scene) = &scene {
@@ -123,6 +126,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         name: origin.name.to_owned(),
         title: file.title.value.clone(),
         text: origin.text.to_owned(),
+        tables: std::mem::take(&mut check.tables),
         dimensions,
         precision: file.precision,
         spacing,

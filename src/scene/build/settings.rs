@@ -48,6 +48,9 @@ pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSe
     }
 }
 
+/// Wall time between checkpoints where a scene gives none, s: what a kill may cost, against a second for a million particles.
+const CHECKPOINT_EVERY: f64 = 600.0;
+
 /// Output and probes.
 pub fn output(file: &OutputFile, end: f64, check: &mut Checker<'_>) -> OutputSettings {
     let every = check.positive(&file.every, "s");
@@ -75,7 +78,9 @@ pub fn output(file: &OutputFile, end: f64, check: &mut Checker<'_>) -> OutputSet
         let kind = probe_kind(&probe.kind.value, check);
         probes.push(Probe { name: name.value.clone(), kind, mean });
     }
-    OutputSettings { every, monitor_every, probes }
+    let checkpoint_every =
+        file.checkpoint_every.as_ref().map_or(CHECKPOINT_EVERY, |number| check.positive(number, "s"));
+    OutputSettings { every, monitor_every, checkpoint_every, probes }
 }
 
 fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {

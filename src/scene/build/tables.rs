@@ -19,7 +19,7 @@ fn read(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<(String, 
     if path.is_placeholder() {
         return None;
     }
-    let text = match std::fs::read_to_string(folder.join(&path.value)) {
+    let text = match text_of(&path.value, folder, check) {
         Ok(text) => text,
         Err(error) => {
             let label = format!("{error}");
@@ -74,6 +74,16 @@ fn read(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<(String, 
         check.report(Fault::new(format!("table `{}` is empty", path.value), path.span, "must have rows"));
     }
     (check.faults.len() == before).then_some((text, rows))
+}
+
+/// The text of a table: that of a run which keeps its own, else that of the file.
+fn text_of(path: &str, folder: &Path, check: &mut Checker<'_>) -> std::io::Result<String> {
+    if let Some((_, text)) = check.tables.iter().find(|(known, _)| known == path) {
+        return Ok(text.clone());
+    }
+    let text = std::fs::read_to_string(folder.join(path))?;
+    check.tables.push((path.to_owned(), text.clone()));
+    Ok(text)
 }
 
 /// The line that begins at or holds a byte.

@@ -14,6 +14,9 @@ pub struct OutputFile {
     /// Interval between rows of the monitor and the probes, s, default a tenth of `every`.
     #[serde(default)]
     pub monitor_every: Option<Number>,
+    /// Interval between checkpoints, s of wall time, default 600.
+    #[serde(default)]
+    pub checkpoint_every: Option<Number>,
     /// Probes.
     #[serde(default)]
     pub probes: Vec<ProbeFile>,

@@ -118,6 +118,7 @@ proptest! {
             name: "mutated",
             text: &text,
             folder: Path::new("."),
+            tables: &[],
             memory: Some(1e8),
         };
         match read("mutated", origin, &[]) {

@@ -1,6 +1,7 @@
 //! The zone of an absorbing outlet: which pressure and which velocity a wave of sound has where in it.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::section::SectionPoints;
 use crate::pass::points::PointFlow;
@@ -24,7 +25,8 @@ const CROSSINGS: f64 = 3.0;
 pub const LAYERS_SEEN: f64 = 1.0;
 
 /// State of the zone of one absorbing outlet, and what the present step found.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AbsorbingZone {
     /// The plane wave.
     pub plane: Absorbing,
@@ -33,12 +35,16 @@ pub struct AbsorbingZone {
     /// What went into the zone before.
     pub continuation: Continuation,
     /// Points of the section; the scene gives them.
+    #[serde(skip)]
     section: Option<SectionPoints>,
     /// Pressure of the outlet at the points, Pa.
+    #[serde(skip)]
     pressure: Vec<f64>,
     /// Convective velocity at the points, m/s.
+    #[serde(skip)]
     velocity: Vec<f64>,
     /// Of the fluid at the points, less its mean: pressure (Pa) and normal velocity (m/s).
+    #[serde(skip)]
     deviation: [Vec<f64>; 2],
 }
 

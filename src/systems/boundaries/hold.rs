@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -21,7 +22,7 @@ use crate::systems::neighbours::Grid;
 use crate::systems::setup::SceneInUse;
 
 /// How often a fluid particle was set back onto a wall since the start.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HeldAtWalls(pub u64);
 
 /// Only a particle that was as near as this to a wall before the step, over Δ, can be behind it: a step's way and shift

@@ -3,6 +3,7 @@
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::absorb::AbsorbingZone;
 use super::rows::PatchRows;
@@ -23,11 +24,12 @@ use crate::systems::rates::Sums;
 use crate::systems::setup::SceneInUse;
 
 /// What each outlet remembers from step to step.
-#[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OutletStates(pub Vec<OutletState>);
 
 /// Memory of one outlet, and what the present stage found there.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct OutletState {
     /// State of an absorbing zone.
     pub absorbing: AbsorbingZone,
