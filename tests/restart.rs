@@ -178,6 +178,27 @@ fn backflow_through_planes_and_a_growing_reservoir_go_on_to_the_same_bits() {
     assert!(ledger.grown > 0 && ledger.entered_back[0] > 0 && ledger.left_back[0] > 0, "{ledger:?}");
 }
 
+/// A frame leaves the state in the components, and a world hands these out in an order of its own.
+#[test]
+fn a_state_taken_behind_a_frame_has_its_rows_in_the_same_order() {
+    let scene = || load_str("breathing", BREATHING, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+    let mut run = Simulation::from_scene(scene());
+    for _ in 0..200 {
+        run.step().expect("a step");
+    }
+    assert!(crossings(&run) > 0, "every zone has changed");
+    let state = run.state();
+    let mut resumed = Simulation::from_state(scene(), state, &[]).unwrap_or_else(|misfit| panic!("{misfit}"));
+    for step in 0..20 {
+        for run in [&mut run, &mut resumed] {
+            run.step().expect("a step");
+            run.world_mut();
+        }
+        let different = differences(&run.state(), &resumed.state());
+        assert!(different.is_empty(), "step {step}: {}", different.join(", "));
+    }
+}
+
 #[test]
 fn a_state_of_another_scene_is_refused_with_what_does_not_fit() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");

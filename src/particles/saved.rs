@@ -7,9 +7,17 @@ use super::zone::Zone;
 use crate::math::column::{Columns, Element, Misfit};
 use crate::math::real::Real;
 
-/// Puts every column that the next step depends on, in the order of the rows. Rows on their way to the reservoir, which the next sort
-/// drops, are left out.
-pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, to: &mut Columns) {
+/// In which order rows are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// As they stand: by cell, behind them those that came in since the last sort.
+    AsTheyStand,
+    /// By the number of the particle.
+    ByNumber,
+}
+
+/// Puts every column that the next step depends on. Rows on their way to the reservoir, which the next sort drops, are left out.
+pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order, to: &mut Columns) {
     let ParticleArrays {
         id,
         zone,
@@ -28,7 +36,7 @@ pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, to: &mut Col
         wall_distance,
         wall_normal,
     } = arrays;
-    let rows = Rows::of(zone);
+    let rows = Rows::of(id, zone, order);
     to.put("arrays.id", rows.pick(id));
     to.put("arrays.zone", rows.pick(zone).into_iter().map(|zone| zone as u8).collect());
     to.put("arrays.patch", rows.pick(patch));
@@ -110,16 +118,20 @@ fn vector<T: Element, const D: usize>(name: &str, from: &mut Columns) -> Result<
     Ok(columns)
 }
 
-/// The rows that are kept; None: all of them.
+/// The rows that are kept; None: all of them as they stand.
 struct Rows(Option<Vec<u32>>);
 
 impl Rows {
-    fn of(zone: &[Zone]) -> Self {
-        if zone.iter().all(|zone| *zone != Zone::Reservoir) {
+    fn of(id: &[u32], zone: &[Zone], order: Order) -> Self {
+        if order == Order::AsTheyStand && zone.iter().all(|zone| *zone != Zone::Reservoir) {
             return Self(None);
         }
         let rows = (0_u32..).zip(zone).filter(|(_, zone)| **zone != Zone::Reservoir);
-        Self(Some(rows.map(|(row, _)| row).collect()))
+        let mut rows: Vec<u32> = rows.map(|(row, _)| row).collect();
+        if order == Order::ByNumber {
+            rows.sort_unstable_by_key(|&row| id[row as usize]);
+        }
+        Self(Some(rows))
     }
 
     fn pick_if_any<T: Copy>(&self, column: &[T]) -> Vec<T> {
@@ -138,6 +150,7 @@ impl Rows {
 mod tests {
     use glam::DVec3;
 
+    use super::super::arrays::SpareColumns;
     use super::super::rows::Row;
     use super::*;
 
@@ -162,16 +175,20 @@ mod tests {
         let zones = [Zone::Fluid, Zone::Outflow, Zone::Reservoir, Zone::Wall, Zone::Inflow];
         (0..).zip(zones).for_each(|(id, zone)| arrays.push(&row(id, zone)));
         let mut columns = Columns::default();
-        save(&arrays, &mut columns);
+        save(&arrays, Order::AsTheyStand, &mut columns);
         let back: ParticleArrays<f32, 3> = restore(&mut columns.clone()).expect("whole");
         assert_eq!(back.id, [0, 1, 3, 4]);
         for (at, before) in [0, 1, 3, 4].into_iter().enumerate() {
             assert_eq!(back.row(at), arrays.row(before));
         }
         let mut again = Columns::default();
-        save(&back, &mut again);
+        save(&back, Order::AsTheyStand, &mut again);
         assert_eq!(again, columns);
         assert!(restore::<f64, 3>(&mut columns.clone()).is_err(), "of another precision");
+        arrays.reorder(&[3, 0, 4, 1], &mut SpareColumns::default());
+        let mut by_number = Columns::default();
+        save(&arrays, Order::ByNumber, &mut by_number);
+        assert_eq!(by_number, columns);
         columns.take::<f32>("arrays.pressure").expect("there");
         let misfit = restore::<f32, 3>(&mut columns).expect_err("incomplete").to_string();
         assert!(misfit.contains("arrays.pressure"), "{misfit}");

@@ -2,8 +2,9 @@
 //!
 //! Rooms: `voyage` (the loop), `opening` and `report` (what is said at the start and at the end), `display`
 //! (progress), `log` (what the loop remembers across a restart), `occasions` (when a checkpoint is due and when time is up), `resume`
-//! (a run gone on with), `pace` (speed and time left), `due` (when a frame or row is due), `signals` (Ctrl-C, SIGTERM and SIGUSR1),
-//! `console` (where words go), `words` (numbers as people read them), `error` (why a run ended early).
+//! (a run gone on with), `threads` (what a run computes on), `pace` (speed and time left), `due` (when a frame or row is due),
+//! `signals` (Ctrl-C, SIGTERM and SIGUSR1), `console` (where words go), `words` (numbers as people read them), `error` (why a run
+//! ended early).
 
 pub mod console;
 pub mod display;
@@ -16,6 +17,7 @@ pub mod pace;
 pub mod report;
 pub mod resume;
 pub mod signals;
+pub mod threads;
 pub mod voyage;
 pub mod words;
 
@@ -24,6 +26,7 @@ use std::path::PathBuf;
 use console::Console;
 use error::RunError;
 use signals::{Signal, Signals};
+use threads::on_threads;
 use voyage::Voyage;
 
 use crate::output::folder::check_free;
@@ -69,6 +72,5 @@ pub fn run(scene: Scene, options: &RunOptions) -> Result<Ending, RunError> {
     // Asked before time is spent on the fill, and again by the folder itself.
     check_free(&options.folder, options.force)?;
     let signals = Signals::listen().map_err(RunError::Signals)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).build()?;
-    pool.install(|| Voyage::begin(scene, options, signals)?.sail())
+    on_threads(options.threads, || Voyage::begin(scene, options, signals)?.sail())?
 }

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use super::error::RunError;
 use super::log::{self, Log};
 use super::signals::Signals;
+use super::threads::on_threads;
 use super::voyage::Voyage;
 use super::words::{figure, grouped};
 use super::{Ending, RunOptions, opening};
@@ -47,11 +48,10 @@ pub struct ResumeOptions {
 /// [`RunError`]; before the first step the folder is as it was, unless its output could not be cut back.
 pub fn resume(options: &ResumeOptions) -> Result<Ending, RunError> {
     let signals = Signals::listen().map_err(RunError::Signals)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.run.threads.unwrap_or(0)).build()?;
-    pool.install(|| match board(options, signals)? {
+    on_threads(options.run.threads, || match board(options, signals)? {
         Some(voyage) => voyage.sail(),
         None => Ok(Ending::Completed),
-    })
+    })?
 }
 
 /// The run ready for its next step; None when it is at its end.

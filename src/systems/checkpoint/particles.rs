@@ -1,7 +1,8 @@
 //! The particles of a state: the arrays, and what the components have beside them.
 //!
 //! ```text
-//! arrays.*      rows in their order: zone, patch, flags, positions, velocities at both time levels, density, pressure, walls
+//! arrays.*      rows in their order, by number where a caller took the components: zone, patch, flags, positions, velocities at both
+//!               time levels, density, pressure, walls
 //! particle.*    by number: tag, passages, whether it came back through an inlet
 //! wall.*        surfaces behind which wall particles stand, in the precision of the scene
 //! stored.*      the reservoir in the order in which it is emptied
@@ -22,7 +23,7 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::components::{
     ParticleBundle, ParticleId, Position, Returned, Thermodynamics, Tracer, Velocity, WallSurface,
 };
-use crate::particles::saved;
+use crate::particles::saved::{self, Order};
 use crate::particles::transfer::count_roles;
 use crate::particles::zone::Zone;
 use crate::scene::model::Scene;
@@ -34,14 +35,19 @@ use crate::systems::setup::{InflowCapacity, SavedParticle, SceneInUse, Seats, St
 
 /// Puts the particles of a world.
 pub fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
-    if *world.resource::<FreshHome>() == FreshHome::Components {
-        // What a caller left in the components is what the next step would start from.
-        home::gather::<R, D>(world);
-    }
+    let order = match *world.resource::<FreshHome>() {
+        FreshHome::Components => {
+            // What a caller left in the components is what the next step would start from. The world hands them out in an order that
+            // comes from how it was made and from every change of zone since: no part of the state.
+            home::gather::<R, D>(world);
+            Order::ByNumber
+        }
+        FreshHome::Arrays | FreshHome::Both => Order::AsTheyStand,
+    };
     let grid = &world.resource::<Grid<D>>().0;
     to.put("grid.lower", grid.lower().to_vec());
     to.put("grid.upper", grid.upper().to_vec());
-    saved::save(world.resource::<ParticleArrays<R, D>>(), to);
+    saved::save(world.resource::<ParticleArrays<R, D>>(), order, to);
     save_components(world, to);
     save_stored(world, to);
 }
