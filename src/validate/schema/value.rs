@@ -142,7 +142,7 @@ pub enum WhenFile {
 pub enum ReferenceFile {
     /// A formula of x, y, z, t.
     Formula(Formula),
-    /// The series of plane Poiseuille flow from rest between y = ± `half_width`: see [`super::exact`].
+    /// The series of plane Poiseuille flow from rest between y = ± `half_width`: see [`exact`](crate::validate::exact).
     PoiseuilleStartup {
         /// Half the gap, m.
         half_width: Number,
