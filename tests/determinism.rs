@@ -1,11 +1,13 @@
 //! A run gives the same bits for any number of threads, and whoever looks at it meanwhile.
 
 mod census;
+mod shipped;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use census::{Particle, census};
 use rayon::ThreadPoolBuilder;
+use shipped::shipped;
 use sphecs::glam::DVec3;
 use sphecs::scene::{load_smoke, load_str};
 use sphecs::simulation::Simulation;
@@ -15,15 +17,6 @@ const STEPS: usize = 500;
 
 /// Steps of the runs that somebody looks at.
 const LOOKED_AT: usize = 100;
-
-fn shipped() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let entries = std::fs::read_dir(folder).expect("scenes/");
-    let mut scenes: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
-    scenes.retain(|path| path.extension().is_some_and(|extension| extension == "ron"));
-    scenes.sort();
-    scenes
-}
 
 fn simulation(path: &Path) -> Simulation {
     Simulation::from_scene(load_smoke(path, &[]).expect("a shipped scene reads"))

@@ -1,9 +1,12 @@
 //! A state taken out of a flow and put into another world goes on to the same bits.
 
+mod shipped;
+
 use std::any::TypeId;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use shipped::shipped;
 use sphecs::bevy_ecs::resource::Resource;
 use sphecs::bevy_ecs::schedule::{IntoScheduleConfigs, Schedule, Schedules};
 use sphecs::bevy_ecs::world::World;
@@ -33,15 +36,6 @@ use sphecs::systems::transitions::TransitionLists;
 
 /// Steps from one cut to the next: plain steps come round, particles change zone.
 const STEPS: usize = 52;
-
-fn shipped() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let entries = std::fs::read_dir(folder).expect("scenes/");
-    let mut scenes: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
-    scenes.retain(|path| path.extension().is_some_and(|extension| extension == "ron"));
-    scenes.sort();
-    scenes
-}
 
 fn smoke(path: &Path, sets: &[(&str, &str)]) -> Scene {
     let sets: Vec<(String, String)> =

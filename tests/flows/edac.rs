@@ -8,6 +8,7 @@ use sphecs::particles::components::{Fluid, Position, Thermodynamics, Velocity};
 use sphecs::physics::inlet::poiseuille::startup_velocity;
 use sphecs::simulation::Simulation;
 
+use crate::periodic::taylor_green_errors;
 use crate::{advance, flow, fluid, shipped_flow, smoke};
 
 /// Sound that stands in a periodic box without viscosity.
@@ -74,23 +75,6 @@ fn an_even_fill_stays_at_rest_under_any_pressure() {
         assert!(row.largest_density_deviation < 1e-10, "{}", row.largest_density_deviation);
     }
     assert!((closed.monitor_row().mean_pressure - 3000.0).abs() < 1e-6);
-}
-
-/// Relative errors of Taylor–Green vortices at half a second: of the velocity (root of the squares) and of the energy.
-fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
-    let mut simulation = shipped_flow(scene, pairs);
-    simulation.run_until(0.5).expect("a decay");
-    let k = 2.0 * PI;
-    let decay = (-2.0 * k * k * simulation.scene().fluid.viscosity * simulation.clock().time).exp();
-    let (mut off, mut exact, mut found) = (0.0, 0.0, 0.0);
-    for state in fluid(&mut simulation) {
-        let (x, y) = (k * state.position.x, k * state.position.y);
-        let velocity = decay * DVec3::new(-x.cos() * y.sin(), x.sin() * y.cos(), 0.0);
-        off += (state.velocity - velocity).length_squared();
-        exact += velocity.length_squared();
-        found += state.velocity.length_squared();
-    }
-    ((off / exact).sqrt(), found / exact - 1.0)
 }
 
 /// Measured at 64 rows, Re = 100: velocity off by 2.5 %, energy by 1.5 %; with `Wcsph`, the same kernel and h 9.8 and −1.2 %.

@@ -58,8 +58,8 @@ fn a_stirred_box_keeps_its_momentum_in_3d() {
 
 /// Relative errors of Taylor–Green vortices at half a second, when the exact speeds have fallen to 0.67: of the velocity (root of
 /// the squares over the particles) and of the kinetic energy.
-fn taylor_green_errors(spacing: &str) -> (f64, f64) {
-    let mut simulation = shipped_flow("taylor_green.ron", &[("spacing", spacing)]);
+pub fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
+    let mut simulation = shipped_flow(scene, pairs);
     simulation.run_until(0.5).expect("a decay");
     let k = 2.0 * PI;
     let decay = (-2.0 * k * k * simulation.scene().fluid.viscosity * simulation.clock().time).exp();
@@ -79,7 +79,8 @@ fn taylor_green_errors(spacing: &str) -> (f64, f64) {
 /// leaves a noise that falls with h/Δ rather than with Δ, hence bounds half an order below what was measured.
 #[test]
 fn taylor_green_decay_converges() {
-    let errors = ["1/16", "1/32", "1/64"].map(|spacing| taylor_green_errors(&format!("\"{spacing}\"")));
+    let errors = ["1/16", "1/32", "1/64"]
+        .map(|spacing| taylor_green_errors("taylor_green.ron", &[("spacing", &format!("\"{spacing}\""))]));
     let order = |coarse: f64, fine: f64| (coarse / fine).abs().log2() / 2.0;
     let of_velocity = order(errors[0].0, errors[2].0);
     let of_energy = order(errors[0].1, errors[2].1);

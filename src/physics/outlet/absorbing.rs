@@ -11,8 +11,8 @@
 //! magnitude too large to be read as sound: ½ ρ0 c0 v' of a jet with v' = 0.1 m/s is 200 Pa at c0 = 4 m/s, its true
 //! pressure 5 Pa. A plane wave is all that a channel carries below its cut-on frequency c0/(2 width), and the mean
 //! over the section is exactly that part. The mean velocity u follows the flow over a time τ, so that the anchor p_t holds in the
-//! long run, and in two stages, so that a passing pulse leaves no step behind; a fixed pressure instead reflects every wave and, with a prescribed inlet velocity, makes a
-//! resonator of the channel.
+//! long run, and in two stages, so that a passing pulse leaves no step behind; a fixed pressure instead reflects every
+//! wave and, with a prescribed inlet velocity, makes a resonator of the channel.
 
 use serde::{Deserialize, Serialize};
 

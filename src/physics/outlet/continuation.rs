@@ -6,7 +6,7 @@
 //!
 //! The pressure and the convective velocity that an outlet finds at its plane belong to the wave that is there now; deeper in the zone is
 //! what came before. A zone that has the present values everywhere moves as a rigid body: it is not compressed with the
-//! wave, and the density of the last rows of fluid, which is summed over it, lacks half of the wave.
+//! wave, and the density of the last rows of fluid, which is summed over it, lacks part of the wave.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct Continuation {
 }
 
 impl Continuation {
-    /// Carries the fields on by c0 Δt/Δs, at most 1, layers.
+    /// Carries the fields on by `courant` = c0 Δt/Δs layers, in parts of at most one.
     pub fn advance(&mut self, layers: usize, pressure: &[f64], velocity: &[f64], courant: f64) {
         for (field, entering) in [(&mut self.pressure, pressure), (&mut self.velocity, velocity)] {
             let points = entering.len();
@@ -29,13 +29,13 @@ impl Continuation {
                 field.clear();
                 field.extend((0..layers).flat_map(|_| entering));
             }
-            let courant = courant.min(1.0);
-            for layer in (0..layers).rev() {
+            let parts = courant.ceil().max(1.0);
+            for layer in (0..parts as usize).flat_map(|_| (0..layers).rev()) {
                 for point in 0..points {
                     let before =
                         if layer == 0 { entering[point] } else { field[(layer - 1) * points + point] };
                     let here = &mut field[layer * points + point];
-                    *here += courant * (before - *here);
+                    *here += courant / parts * (before - *here);
                 }
             }
         }

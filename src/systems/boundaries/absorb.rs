@@ -20,9 +20,9 @@ const PASSAGES: f64 = 4.0;
 /// 9 % with one, to 5 % with three and with ten; of a vortex more is read as sound, the longer it is.
 const CROSSINGS: f64 = 3.0;
 
-/// Layers between the plane and what is found there: the mean over a support whose outer part has no fluid is one
-/// from twice as far inside as its middle.
-pub const LAYERS_SEEN: f64 = 1.0;
+/// Layers from where the flow is seen to where it is sampled: the mean over a support whose outer part has no fluid is that of
+/// a place further inside.
+const LAYERS_SEEN: f64 = 1.0;
 
 /// State of the zone of one absorbing outlet, and what the present step found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 //!
 //! - [`absorb`]: the zone of an absorbing outlet
 //! - [`entrance`]: where stored particles enter an inflow zone
-//! - [`hold`]: fluid particles that got behind a wall go back onto it
+//! - [`hold`]: particles that got behind a wall go back onto it
 //! - [`inlets`]: velocity and pressure of inflow particles
 //! - [`motion`]: how inflow and outflow particles move in the kick
 //! - [`outlets`]: pressure, convective velocity and rates of outflow particles
