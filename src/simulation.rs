@@ -21,7 +21,7 @@ use crate::systems::core_plugins::{
     BoundaryPlugin, EdacTvfPlugin, NeighboursPlugin, ObservePlugin, WcsphPlugin,
 };
 use crate::systems::edac::sum_volumes;
-use crate::systems::failure::Failure;
+use crate::systems::failure::{Failure, Fault};
 use crate::systems::home::{self, FreshHome};
 use crate::systems::ledger::Ledger;
 use crate::systems::monitor::{self, MonitorRow};
@@ -280,6 +280,11 @@ impl Simulation {
     /// Time, step and step size.
     pub fn clock(&self) -> Clock {
         *self.world.resource::<Clock>()
+    }
+
+    /// The particle in an impossible state that made the flow stop, with what stood around it.
+    pub fn fault(&self) -> Option<&Fault> {
+        self.world.resource::<Failure>().fault.as_ref()
     }
 
     /// The particle ledger.

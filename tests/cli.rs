@@ -246,10 +246,16 @@ fn blow_up_says_where_and_keeps_the_frames() {
     let output = short_run(&run, &["--set", "fluid.sound_speed=0.02", "--set", "output.every=0.01"])
         .output()
         .expect("started");
+    let particulars =
+        ["in the step: density", "in the last frame, t =", "neighbours", "blow_up.nc", "blow_up.png"];
     refused(&output, 3, &["blew up", "step", "t =", "particle", "m"]);
+    refused(&output, 3, &particulars);
     let figures = summary(&run);
     assert_eq!(figures["status"], "blown up");
     assert!(run.join("particles.nc").is_file());
+    for name in ["blow_up.nc", "blow_up.png"] {
+        assert!(run.join(name).is_file(), "{name}");
+    }
 }
 
 /// A run that would last for long, once its first frame is on the disk.

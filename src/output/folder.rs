@@ -1,10 +1,11 @@
 //! The folder of a run: `particles.nc`, `monitor.nc`, `probes.nc` with their CSV twins, `scene.ron` (and `tables.json` with the
-//! tables that it names), `summary.json`, `checkpoints/`, and `journal/` while it runs.
+//! tables that it names), `summary.json`, `checkpoints/`, `journal/` while it runs, and `blow_up.nc` and `blow_up.png` of a flow that blew up.
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
+use super::blow_up;
 use super::checkpoint::store::Store;
 use super::checkpoint::{Checkpoint, Facts, cut};
 use super::disk;
@@ -150,6 +151,7 @@ impl RunFolder {
     ) -> Result<Self, OutputError> {
         Summary { run: header.clone(), ..Summary::default() }.write(path)?;
         cut::cut_back(path, header, facts)?;
+        blow_up::remove(path)?;
         Self::begin(path, header, probes, facts, lock)
     }
 

@@ -4,8 +4,10 @@
 //! rows to CSV files that are flushed line by line, so that a kill at any moment loses nothing that was
 //! reported as written. [`pack`](pack::pack) turns both into `particles.nc`, `monitor.nc` and `probes.nc`.
 //! A [checkpoint] goes the same way behind the frames, and holds all that the run needs to go on.
+//! Of a flow that [blew up](blow_up) it keeps what stood around the particle that showed it.
 //! [`Results`](results::Results) reads packed and unfinished runs alike, for pictures, export and people.
 
+pub mod blow_up;
 pub mod checkpoint;
 pub(crate) mod disk;
 pub mod error;

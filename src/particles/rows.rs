@@ -80,6 +80,11 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         real_vector(&self.velocity, row)
     }
 
+    /// Acceleration of a row, m/s².
+    pub fn acceleration_of(&self, row: usize) -> DVec3 {
+        real_vector(&self.acceleration, row)
+    }
+
     /// Appends a row at the end, outside the order of cells, until the next sort.
     pub fn push(&mut self, row: &Row) {
         self.id.push(row.id);

@@ -4,7 +4,7 @@
 //! (progress), `log` (what the loop remembers across a restart), `occasions` (when a checkpoint is due and when time is up), `resume`
 //! (a run gone on with), `threads` (what a run computes on), `pace` (speed and time left), `due` (when a frame or row is due),
 //! `signals` (Ctrl-C, SIGTERM and SIGUSR1), `console` (where words go), `words` (numbers as people read them), `error` (why a run
-//! ended early).
+//! ended early), `wreck` (what is said and kept of a flow that cannot go on).
 
 pub mod console;
 pub mod display;
@@ -20,6 +20,7 @@ pub mod signals;
 pub mod threads;
 pub mod voyage;
 pub mod words;
+pub mod wreck;
 
 use std::path::PathBuf;
 

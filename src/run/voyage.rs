@@ -10,7 +10,7 @@ use super::occasions::Occasions;
 use super::pace::{Pace, Progress};
 use super::signals::{Signal, Signals};
 use super::words::{duration, figure, grouped};
-use super::{Ending, RunOptions, opening, report};
+use super::{Ending, RunOptions, opening, report, wreck};
 use crate::math::lanes::InstructionSet;
 use crate::output::error::OutputError;
 use crate::output::folder::RunFolder;
@@ -332,33 +332,19 @@ impl Voyage {
 
     /// Closes the folder of a flow that cannot go on.
     fn wreck(self, stop: Stop) -> RunError {
-        let (status, cure) = match &stop {
-            Stop::BlowUp { cure, .. } => (Status::BlownUp, (*cure).to_owned()),
-            Stop::Drained { .. } => {
-                (Status::Failed, "lengthen its `depth`, lower `time.end`, or let it be `Fed`".to_owned())
-            }
-            Stop::ReservoirEmpty { .. } => (
-                Status::Failed,
-                "raise `reservoir.initial`, or let it grow with `when_empty: Grow`".to_owned(),
-            ),
-        };
+        let (status, cure) = wreck::cure(&stop);
         let summary = self.summary(status, Some(stop.to_string()));
-        let path = self.folder.path().display().to_string();
-        let frames = self.log.frame_count;
-        let checkpoint = self
-            .last_checkpoint
-            .map_or_else(String::new, |step| format!("; the last checkpoint is of step {}", grouped(step)));
-        match self.folder.finish(summary) {
+        let (path, header) = (self.folder.path().to_owned(), self.folder.header().clone());
+        let (clock, frames) = (self.simulation.clock(), self.log.frame_count);
+        let kept = match self.folder.finish(summary) {
             Ok(_) => {
-                let kept = format!(
-                    "\n{frames} frames up to there are in `{path}`: `sphecs render {path} --all` draws how it came{checkpoint}"
-                );
-                RunError::Flow { stop, cure, kept }
+                let particulars =
+                    self.simulation.fault().map(|fault| wreck::particulars(&path, &header, &clock, fault));
+                particulars.unwrap_or_default() + &wreck::kept(&path, frames, self.last_checkpoint)
             }
-            Err(error) => {
-                RunError::Flow { stop, cure, kept: format!("\nthe results could not be closed: {error}") }
-            }
-        }
+            Err(error) => wreck::not_closed(&error),
+        };
+        RunError::Flow { stop, cure, kept }
     }
 
     fn summary(&self, status: Status, message: Option<String>) -> Summary {

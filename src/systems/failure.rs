@@ -1,4 +1,4 @@
-//! What makes a run stop: non-finite values, densities and speeds out of bounds, particles lost.
+//! What makes a run stop: values that are not finite, densities, speeds and time steps out of bounds, particles lost.
 
 use std::ops::Range;
 
@@ -7,12 +7,15 @@ use bevy_ecs::system::{Res, ResMut};
 use glam::DVec3;
 
 use super::clock::Clock;
+use super::neighbourhood::Neighbourhood;
+use super::pair::Pair;
 use super::setup::SceneInUse;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::blocks::join_parts;
-use crate::scene::model::Scheme;
+use crate::physics::timestep::TimeStepLimits;
+use crate::scene::model::{Scene, Scheme};
 
 /// The first reason to stop that a step found.
 #[derive(Resource, Clone, Debug, Default)]
@@ -38,6 +41,8 @@ pub struct Fault {
     pub found: String,
     /// What a user can do about it.
     pub cure: &'static str,
+    /// What stood around it.
+    pub neighbourhood: Neighbourhood,
 }
 
 /// A speed beyond this multiple of the sound speed is a blow-up: weakly compressible flow needs ten times less
@@ -47,27 +52,32 @@ const LARGEST_MACH: f64 = 3.0;
 /// A density off its reference by more than this is a blow-up: 1 % is what the scheme is made for.
 const LARGEST_DENSITY_DEVIATION: f64 = 0.5;
 
+/// A step below this part of what sound and viscosity allow in a fluid at rest is a blow-up: an acceleration a million times
+/// as large as any that the fluid can bear forces it, and the run would not come to its end.
+const SMALLEST_STEP: f64 = 1e-3;
+
 impl Failure {
     /// Records that a row left the grid, unless something was recorded before.
-    pub fn outside_grid<R: Real, const D: usize>(&mut self, arrays: &ParticleArrays<R, D>, row: usize) {
+    pub fn outside_grid<R: Real, const D: usize>(
+        &mut self,
+        arrays: &ParticleArrays<R, D>,
+        row: usize,
+        support: f64,
+    ) {
         let finite = arrays.position_of(row).is_finite();
         let found = if finite {
             "position outside the domain".to_owned()
         } else {
             "position is not finite".to_owned()
         };
-        self.record(
-            arrays,
-            row,
-            found,
-            "lower `time.cfl`, raise `fluid.sound_speed` to ten times the largest speed, or refine `spacing`",
-        );
+        self.record(arrays, row, support, found, STEP_CURE);
     }
 
     fn record<R: Real, const D: usize>(
         &mut self,
         arrays: &ParticleArrays<R, D>,
         row: usize,
+        support: f64,
         found: String,
         cure: &'static str,
     ) {
@@ -78,22 +88,29 @@ impl Failure {
                 position: arrays.position_of(row),
                 found,
                 cure,
+                neighbourhood: Neighbourhood::around(arrays, row, support),
             });
         }
     }
 }
 
-/// Looks at every moving particle after the step; records the one with the smallest number.
+/// What usually helps where a step was too long.
+const STEP_CURE: &str =
+    "lower `time.cfl`, raise `fluid.sound_speed` to ten times the largest speed, or refine `spacing`";
+
+/// Looks at every particle after the step; records the one with the smallest number.
 pub fn check_state<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
+    pair: Res<Pair>,
     arrays: Res<ParticleArrays<R, D>>,
     mut failure: ResMut<Failure>,
 ) {
     if failure.fault.is_some() || clock.step == 0 {
         return;
     }
-    let fluid = scene.0.fluid;
+    let scene = &*scene.0;
+    let fluid = scene.fluid;
     let speed_limit = LARGEST_MACH * fluid.sound_speed;
     let smaller_number =
         |a: Option<usize>, b: Option<usize>| a.into_iter().chain(b).min_by_key(|&row| arrays.id[row]);
@@ -107,37 +124,83 @@ pub fn check_state<R: Real, const D: usize>(
             }
             let deviation = (arrays.density[row].to_f64() / fluid.density - 1.0).abs();
             // Written so that a NaN fails too.
-            let sound = squared <= speed_limit * speed_limit && deviation <= LARGEST_DENSITY_DEVIATION;
+            let sound = squared <= speed_limit * speed_limit
+                && deviation <= LARGEST_DENSITY_DEVIATION
+                && arrays.pressure[row].to_f64().is_finite();
             if !sound {
                 first = smaller_number(first, Some(row));
             }
         }
         first
     };
-    let Some(row) = join_parts(0..arrays.len(), &find, &smaller_number) else { return };
-    let speed = arrays.velocity_of(row).length();
-    let density = arrays.density[row].to_f64();
-    let density_cure = match scene.0.scheme {
-        Scheme::Wcsph(_) => {
-            "check that no wall or zone is missing, raise `fluid.sound_speed`, or keep `tensile_control` and shifting on"
-        }
-        Scheme::EdacTvf(_) => {
-            "check that no wall or zone is missing, raise `scheme.background`, or start less even: see scenes/taylor_green_edac.ron"
-        }
-    };
-    if speed <= speed_limit {
-        failure.record(
-            &arrays,
-            row,
-            format!("density `{density:.4}` kg/m³, reference `{}` kg/m³ ± 50 %", fluid.density),
-            density_cure,
+    let support = pair.0.support();
+    if let Some(row) = join_parts(0..arrays.len(), &find, &smaller_number) {
+        let (found, cure) = what_is_wrong(scene, &arrays, row, speed_limit);
+        failure.record(&arrays, row, support, found, cure);
+        return;
+    }
+    let least = SMALLEST_STEP * step_at_rest(scene);
+    if clock.time_step < least
+        && let Some(row) = most_accelerated(&arrays)
+    {
+        let acceleration = arrays.acceleration_of(row).length();
+        let found = format!(
+            "time step `{:.3e}` s, least `{least:.3e}` s, by the acceleration `{acceleration:.3e}` m/s²",
+            clock.time_step
         );
-    } else {
-        failure.record(
-            &arrays,
-            row,
-            format!("speed `{speed:.4}` m/s, limit `{speed_limit}` m/s (3 c0)"),
-            "lower `time.cfl`, raise `fluid.sound_speed` to ten times the largest speed, or start with a smoother ramp",
+        failure.record(&arrays, row, support, found, START_CURE);
+    }
+}
+
+/// What usually helps where forces are too large.
+const START_CURE: &str = "look for particles that overlap at the start or a wall that cuts the fluid, or start with a smoother ramp";
+
+/// What is wrong with a row, and what usually helps.
+fn what_is_wrong<R: Real, const D: usize>(
+    scene: &Scene,
+    arrays: &ParticleArrays<R, D>,
+    row: usize,
+    speed_limit: f64,
+) -> (String, &'static str) {
+    let speed = arrays.velocity_of(row).length();
+    let (density, pressure) = (arrays.density[row].to_f64(), arrays.pressure[row].to_f64());
+    if !pressure.is_finite() {
+        return (format!("pressure `{pressure}` Pa, which is not finite"), STEP_CURE);
+    }
+    if speed <= speed_limit {
+        let cure = match scene.scheme {
+            Scheme::Wcsph(_) => {
+                "check that no wall or zone is missing, raise `fluid.sound_speed`, or keep `tensile_control` and shifting on"
+            }
+            Scheme::EdacTvf(_) => {
+                "check that no wall or zone is missing, raise `scheme.background`, or start less even: see scenes/taylor_green_edac.ron"
+            }
+        };
+        return (
+            format!("density `{density:.4}` kg/m³, reference `{}` kg/m³ ± 50 %", scene.fluid.density),
+            cure,
         );
     }
+    (
+        format!("speed `{speed:.4}` m/s, limit `{speed_limit}` m/s (3 c0)"),
+        "lower `time.cfl`, raise `fluid.sound_speed` to ten times the largest speed, or start with a smoother ramp",
+    )
+}
+
+/// Time step that sound and viscosity allow in a fluid at rest, s.
+fn step_at_rest(scene: &Scene) -> f64 {
+    let limits = TimeStepLimits {
+        cfl: scene.time.cfl,
+        viscous: scene.time.viscous,
+        smoothing_length: scene.scheme.smoothing_ratio() * scene.spacing,
+        viscosity: scene.fluid.viscosity,
+    };
+    limits.time_step(0.0, scene.fluid.sound_speed, 0.0)
+}
+
+/// The fluid row with the largest acceleration.
+fn most_accelerated<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>) -> Option<usize> {
+    let fluid = (0..arrays.len()).filter(|&row| arrays.zone[row] == Zone::Fluid);
+    let size = |row: &usize| arrays.acceleration_of(*row).length_squared();
+    fluid.max_by(|a, b| size(a).total_cmp(&size(b)).then(arrays.id[*b].cmp(&arrays.id[*a])))
 }

@@ -11,6 +11,7 @@
 //! - [`integrate`]: the kick of the scheme `Wcsph`
 //! - [`ledger`]: the particle ledger
 //! - [`monitor`]: integral figures of the flow
+//! - [`neighbourhood`]: what stood around a particle when the flow blew up
 //! - [`neighbours`]: the cell grid and the sorted arrays
 //! - [`pair`]: the settings of the pair sums
 //! - [`plugin`]: what a simulation is made of
@@ -32,6 +33,7 @@ pub mod home;
 pub mod integrate;
 pub mod ledger;
 pub mod monitor;
+pub mod neighbourhood;
 pub mod neighbours;
 pub mod pair;
 pub mod plugin;

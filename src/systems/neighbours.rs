@@ -69,7 +69,7 @@ pub fn sort_particles<R: Real, const D: usize>(
     match built {
         Ok(order) => arrays.reorder(order, &mut spare.0),
         Err(row) => {
-            failure.outside_grid(arrays, row);
+            failure.outside_grid(arrays, row, pair.0.support());
             return;
         }
     }

@@ -23,6 +23,7 @@ use self::sheet::{Key, Sheet};
 use self::view::View;
 use super::error::OutputError;
 use super::frame::Frame;
+use super::header::Header;
 use super::results::Results;
 use crate::particles::zone::Zone;
 
@@ -62,7 +63,7 @@ pub fn render(
         None => results.len().checked_sub(1).ok_or_else(|| results.no_frames())?,
     };
     let frame = results.frame(index)?;
-    let mut painter = Painter::new(results, options)?;
+    let mut painter = Painter::new(&results.header, options)?;
     painter.note(&frame);
     painter.paint(&frame, path)?;
     Ok(frame.time)
@@ -82,7 +83,7 @@ pub fn render_all(
     if results.is_empty() {
         return Err(results.no_frames());
     }
-    let mut painter = Painter::new(results, options)?;
+    let mut painter = Painter::new(&results.header, options)?;
     if options.range.is_none() && options.field != Field::Zone {
         for index in 0..results.len() {
             painter.note(&results.frame(index)?);
@@ -96,6 +97,24 @@ pub fn render_all(
         done(paths.len(), results.len());
     }
     Ok(paths)
+}
+
+/// Draws a frame by itself into a PNG file, with a square around a slot. What is drawn is the box of the header's bounds.
+///
+/// # Errors
+/// [`OutputError`] when the options do not fit the header or the file does not write.
+pub(super) fn render_marked(
+    header: &Header,
+    frame: &Frame,
+    slot: usize,
+    options: &RenderOptions,
+    path: &Path,
+) -> Result<(), OutputError> {
+    let mut painter = Painter::new(header, options)?;
+    painter.note(frame);
+    let mut canvas = painter.draw(frame);
+    painter.mark(&mut canvas, frame, slot);
+    canvas.save(path)
 }
 
 /// `flow.png` becomes `flow-0007.png`.
@@ -115,8 +134,8 @@ struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    fn new(results: &'a Results, options: &'a RenderOptions) -> Result<Self, OutputError> {
-        let view = View::new(&results.header, options.slice)?;
+    fn new(header: &'a Header, options: &'a RenderOptions) -> Result<Self, OutputError> {
+        let view = View::new(header, options.slice)?;
         if options.field == Field::W && view.dimensions == 2 {
             return Err(OutputError::Request(
                 "field `w`: the run is in 2D and has no velocity along z".to_owned(),
@@ -130,7 +149,7 @@ impl<'a> Painter<'a> {
             )));
         }
         let sheet = Sheet::new(&view, options.width);
-        Ok(Self { options, title: &results.header.title, view, sheet, found: None })
+        Ok(Self { options, title: &header.title, view, sheet, found: None })
     }
 
     /// Widens the scale to the values of a frame.
@@ -187,6 +206,20 @@ impl<'a> Painter<'a> {
 
     fn paint(&self, frame: &Frame, path: &Path) -> Result<(), OutputError> {
         self.draw(frame).save(path)
+    }
+
+    /// Draws a square around a slot, unless it is nowhere.
+    fn mark(&self, canvas: &mut Canvas, frame: &Frame, slot: usize) {
+        let [right, up, _] = self.view.place(frame, slot);
+        if !(right.is_finite() && up.is_finite()) {
+            return;
+        }
+        let pixels_per_metre = self.sheet.size[0] as f64 / self.view.extent()[0];
+        let pixel = |metres: f64| (metres * pixels_per_metre).round() as i64;
+        let half = pixel(0.9 * self.view.spacing).max(4);
+        let [x, y] = self.sheet.corner;
+        let corner = [x + pixel(right - self.view.low[0]) - half, y + pixel(self.view.high[1] - up) - half];
+        canvas.outline(corner, [2 * half, 2 * half], (half / 6).max(2));
     }
 
     fn draw(&self, frame: &Frame) -> Canvas {
