@@ -12,13 +12,14 @@ use super::runs::{ResumeArguments, RunArguments, WordArguments};
 use super::trials::{BenchArguments, ValidateArguments};
 use crate::bench::cases::Case;
 use crate::bench::{self, BenchOptions};
+use crate::output::disk::bytes;
 use crate::output::error::OutputError;
 use crate::output::picture::{self, RenderOptions};
 use crate::output::results::Results;
 use crate::output::{info as run_info, pack as packing, vtk};
 use crate::run::console::Console;
 use crate::run::resume::{self, ResumeOptions};
-use crate::run::words::{bytes, columns, figure, grouped};
+use crate::run::words::{columns, figure, grouped};
 use crate::run::{Ending, RunOptions, report};
 use crate::scene::model::Scene;
 use crate::scene::{self, summary};
@@ -30,7 +31,8 @@ use crate::validate::{self, Judgement, ValidateError, ValidateOptions, case};
 /// # Errors
 /// [`Failure`] with its exit code.
 pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
-    let scene = load(&arguments.input)?;
+    let memory = summary::available_memory().filter(|_| !arguments.allow_oversize);
+    let scene = load_within(&arguments.input, memory)?;
     let options = RunOptions {
         folder: match &arguments.out {
             Some(folder) => folder.clone(),
@@ -42,6 +44,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         steps: arguments.steps,
         checkpoint_every: arguments.pace.checkpoint_every,
         most_wall_time: arguments.pace.max_walltime,
+        allow_oversize: arguments.allow_oversize,
         console: console(&arguments.words),
     };
     Ok(code_of(crate::run::run(scene, &options)?))
@@ -61,6 +64,8 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
             steps: arguments.steps,
             checkpoint_every: arguments.pace.checkpoint_every,
             most_wall_time: arguments.pace.max_walltime,
+            // The run was let begin, and much of it is written.
+            allow_oversize: true,
             console: console(&arguments.words),
         },
         sets: arguments.sets.clone(),
@@ -251,8 +256,12 @@ pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
 }
 
 fn load(input: &SceneArguments) -> Result<Scene, Failure> {
-    let read = if input.smoke { scene::load_smoke } else { scene::load };
-    Ok(read(&input.scene, &input.sets)?)
+    load_within(input, summary::available_memory())
+}
+
+fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Failure> {
+    let read = if input.smoke { scene::load_smoke_within } else { scene::load_within };
+    Ok(read(&input.scene, &input.sets, memory)?)
 }
 
 /// Makes the folder that a file goes to.

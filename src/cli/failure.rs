@@ -93,6 +93,7 @@ fn code_of_output(error: &OutputError) -> u8 {
         OutputError::Io { .. }
         | OutputError::NetCdf { .. }
         | OutputError::Busy { .. }
+        | OutputError::NoRoom { .. }
         | OutputError::Damaged { .. } => FILES,
     }
 }

@@ -43,6 +43,9 @@ pub struct RunArguments {
     /// Replace an earlier run in the folder
     #[arg(long)]
     pub force: bool,
+    /// Begin although the particles need more than the free memory, or the results more than the free disk
+    #[arg(long)]
+    pub allow_oversize: bool,
     #[command(flatten)]
     #[expect(
         missing_docs,

@@ -1,4 +1,4 @@
-//! Writing so that a file is either whole or not there: temporary name, fsync, rename, fsync of the folder.
+//! Writing so that a file is either whole or not there: temporary name, fsync, rename, fsync of the folder; and the room that is left.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -69,9 +69,49 @@ pub(crate) fn refusal(folder: &Path) -> Option<std::io::Error> {
     written.err()
 }
 
+/// Bytes that may still be written to the file system of a folder, or of the nearest one above it that is there; None where the system
+/// does not tell.
+pub(crate) fn free_space(folder: &Path) -> Option<u64> {
+    let absolute = std::path::absolute(folder).ok()?;
+    let place = absolute.ancestors().find(|place| place.exists())?;
+    let figures = rustix::fs::statvfs(place).ok()?;
+    Some(figures.f_bavail.saturating_mul(figures.f_frsize))
+}
+
+/// Bytes with a unit.
+pub fn bytes(count: u64) -> String {
+    let size = count as f64;
+    match count {
+        0..10_000 => format!("{count} B"),
+        10_000..10_000_000 => format!("{:.0} kB", size / 1e3),
+        10_000_000..10_000_000_000 => format!("{:.0} MB", size / 1e6),
+        10_000_000_000..10_000_000_000_000 => format!("{:.1} GB", size / 1e9),
+        _ => format!("{:.3e} TB", size / 1e12),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_have_a_unit() {
+        for (count, text) in [
+            (512, "512 B"),
+            (25_000, "25 kB"),
+            (42_000_000, "42 MB"),
+            (12_300_000_000, "12.3 GB"),
+            (2 << 50, "2.252e3 TB"),
+        ] {
+            assert_eq!(bytes(count), text);
+        }
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_has_the_room_of_the_one_above() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert!(free_space(&folder.path().join("deep/run")).is_some_and(|free| free > 0));
+    }
 
     #[test]
     fn failed_write_leaves_the_earlier_file() {

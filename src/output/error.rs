@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::disk::bytes;
+
 /// A fault of input or output.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
@@ -69,6 +71,25 @@ pub enum OutputError {
         path: PathBuf,
         /// What was found.
         what: String,
+    },
+    /// What is to be written is larger than what is free.
+    #[error(
+        "`{path}`: {what} needs about {}, {} are free there; {cure}",
+        bytes(*needed),
+        bytes(*free),
+        path = path.display()
+    )]
+    NoRoom {
+        /// File or folder.
+        path: PathBuf,
+        /// What is to be written.
+        what: String,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes free.
+        free: u64,
+        /// What a user can do about it.
+        cure: String,
     },
     /// The request does not fit the run.
     #[error("{0}")]

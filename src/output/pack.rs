@@ -61,6 +61,7 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
     let paths = journal::frame_paths(journal)?;
     let target = folder.join(PARTICLES);
     if !paths.is_empty() {
+        ensure_room(&target, &paths)?;
         let walls: Frame = ParticleFile::open(&journal::walls_path(journal))?.walls()?;
         let mut slots = Slots { particles: Vec::new(), walls: Slots::of(&walls).walls };
         for path in &paths {
@@ -79,6 +80,23 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
     fs::rename(journal, &retired).map_err(OutputError::io(journal, "rename"))?;
     disk::sync_folder(folder)?;
     Ok(paths.len())
+}
+
+/// Whether there is room for all frames in one file, as large as they are one by one: asked before it is begun, since a journal is larger
+/// than the file only by the heads of its files.
+fn ensure_room(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
+    let size = |path: &PathBuf| fs::metadata(path).map_or(0, |data| data.len());
+    let needed: u64 = frames.iter().map(size).sum();
+    match disk::free_space(target.parent().unwrap_or(Path::new("."))) {
+        Some(free) if free < needed => Err(OutputError::NoRoom {
+            path: target.to_path_buf(),
+            what: format!("packing {} frames", frames.len()),
+            needed,
+            free,
+            cure: "all frames are safe in the journal: make room, then `sphecs pack` or `sphecs resume` this run".to_owned(),
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Removes a folder, if it is there.

@@ -3,7 +3,7 @@
 //! Rooms: `voyage` (the loop), `opening` and `report` (what is said at the start and at the end), `display`
 //! (progress), `log` (what the loop remembers across a restart), `occasions` (when a checkpoint is due and when time is up), `resume`
 //! (a run gone on with), `threads` (what a run computes on), `pace` (speed and time left), `due` (when a frame or row is due),
-//! `signals` (Ctrl-C, SIGTERM and SIGUSR1), `console` (where words go), `words` (numbers as people read them), `error` (why a run
+//! `signals` (Ctrl-C, SIGTERM and SIGUSR1), `console` (where words go), `words` (numbers as people read them), `room` (whether the results find room), `error` (why a run
 //! ended early), `wreck` (what is said and kept of a flow that cannot go on).
 
 pub mod console;
@@ -16,6 +16,7 @@ pub mod opening;
 pub mod pace;
 pub mod report;
 pub mod resume;
+pub mod room;
 pub mod signals;
 pub mod threads;
 pub mod voyage;
@@ -50,6 +51,8 @@ pub struct RunOptions {
     pub checkpoint_every: Option<f64>,
     /// Wall time after which the run ends, s.
     pub most_wall_time: Option<f64>,
+    /// Begin although the disk has not the room for all results.
+    pub allow_oversize: bool,
     /// How much is said.
     pub console: Console,
 }
@@ -72,6 +75,9 @@ pub enum Ending {
 pub fn run(scene: Scene, options: &RunOptions) -> Result<Ending, RunError> {
     // Asked before time is spent on the fill, and again by the folder itself.
     check_free(&options.folder, options.force)?;
+    if !options.allow_oversize {
+        room::check(&scene, options)?;
+    }
     let signals = Signals::listen().map_err(RunError::Signals)?;
     on_threads(options.threads, || Voyage::begin(scene, options, signals)?.sail())?
 }

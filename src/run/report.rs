@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::words::{bytes, columns, duration, figure, grouped};
+use super::words::{columns, duration, figure, grouped};
+use crate::output::disk::bytes;
 use crate::output::pack::Packed;
 use crate::particles::zone::Zone;
 use crate::scene::model::Scene;

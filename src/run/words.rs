@@ -50,17 +50,6 @@ fn tidy(text: &str) -> String {
     format!("{digits}{exponent}")
 }
 
-/// Bytes with a unit.
-pub fn bytes(count: u64) -> String {
-    let size = count as f64;
-    match count {
-        0..10_000 => format!("{count} B"),
-        10_000..10_000_000 => format!("{:.0} kB", size / 1e3),
-        10_000_000..10_000_000_000 => format!("{:.0} MB", size / 1e6),
-        _ => format!("{:.1} GB", size / 1e9),
-    }
-}
-
 /// Two columns: names to the left, values behind them, one pair a line.
 pub fn columns(rows: &[(&str, String)]) -> String {
     let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
@@ -100,15 +89,6 @@ mod tests {
         ];
         for (value, text) in cases {
             assert_eq!(figure(value), text);
-        }
-    }
-
-    #[test]
-    fn sizes_have_a_unit() {
-        for (count, text) in
-            [(512, "512 B"), (25_000, "25 kB"), (42_000_000, "42 MB"), (12_300_000_000, "12.3 GB")]
-        {
-            assert_eq!(bytes(count), text);
         }
     }
 

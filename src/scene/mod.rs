@@ -14,12 +14,14 @@
 //! * [`lattice`], [`fill`], [`rows`], [`walls`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`summary`]: its figures
+//! * [`demand`]: what a run of it takes of the disk
 //! * [`faults`]: what is wrong with it
 
 use std::path::Path;
 
 pub mod build;
 pub mod constants;
+pub mod demand;
 pub mod expression;
 pub mod faults;
 pub mod fill;
@@ -47,11 +49,23 @@ use schema::SceneFile;
 
 pub use spawn::seeds;
 
-/// Reads a scene file, with values of `sets` (path, RON value) put in.
+/// Reads a scene file, with values of `sets` (path, RON value) put in. A scene with more particles than the free memory holds is refused.
 ///
 /// # Errors
 /// All faults of the scene.
 pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    load_within(path, sets, summary::available_memory())
+}
+
+/// Reads a scene file, with values of `sets` put in, whose particles may take so much memory (B; None: any).
+///
+/// # Errors
+/// All faults of the scene.
+pub fn load_within(
+    path: &Path,
+    sets: &[(String, String)],
+    memory: Option<f64>,
+) -> Result<Scene, SceneFaults> {
     let shown = path.display().to_string();
     let refused = |reason: String| {
         let fault =
@@ -63,7 +77,6 @@ pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Scene, SceneFaults
         .map_err(|error| refused(format!("{shown} is no text: {}", error.utf8_error())))?;
     let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
     let folder = path.parent().unwrap_or(Path::new("."));
-    let memory = summary::available_memory();
     let origin = Origin { name: &name, text: &text, folder, tables: &[], memory };
     read(&shown, origin, sets)
 }
@@ -97,10 +110,22 @@ pub fn load_kept(
 /// # Errors
 /// All faults of the scene.
 pub fn load_smoke(path: &Path, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
-    let smoke = load(path, sets)?.smoke_spacing;
+    load_smoke_within(path, sets, summary::available_memory())
+}
+
+/// Reads a scene file at its `smoke` spacing, within so much memory (B; None: any).
+///
+/// # Errors
+/// All faults of the scene.
+pub fn load_smoke_within(
+    path: &Path,
+    sets: &[(String, String)],
+    memory: Option<f64>,
+) -> Result<Scene, SceneFaults> {
+    let smoke = load_within(path, sets, memory)?.smoke_spacing;
     let mut sets = sets.to_vec();
     sets.push(("spacing".to_owned(), format!("{smoke:e}")));
-    load(path, &sets)
+    load_within(path, &sets, memory)
 }
 
 fn read(shown: &str, origin: Origin<'_>, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {

@@ -1,5 +1,7 @@
 //! What a scene will be, without running it: the figures of `sphecs check`.
 
+use std::path::{Path, PathBuf};
+
 use glam::DVec3;
 
 use super::geometry::Shape;
@@ -10,9 +12,11 @@ use crate::physics::inlet::Feed;
 /// Memory of a particle in components, arrays, cell list and output, B: a generous round figure (docs/performance.md).
 pub const BYTES_PER_PARTICLE: f64 = 500.0;
 
-/// Bytes of a particle in a frame: position, velocity, density, pressure in f32 and its zone.
-const BYTES_PER_FRAME_2D: f64 = 6.0 * 4.0 + 2.0;
-const BYTES_PER_FRAME_3D: f64 = 8.0 * 4.0 + 2.0;
+/// Bytes of a particle in a frame before compression: its position in f64, velocity, density, pressure and tag in f32, its zone and its
+/// passages.
+pub fn frame_bytes(dimensions: usize) -> f64 {
+    (12 * dimensions + 3 * 4 + 1 + 4) as f64
+}
 
 /// The figures of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,17 +53,11 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
     }
     let speed = scene.reference_velocity;
     let viscosity = scene.fluid.viscosity;
-    let smoothing = scene.scheme.smoothing_ratio() * scene.spacing;
-    // The signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
-    let courant_step = scene.time.cfl * smoothing / (scene.fluid.sound_speed + speed);
-    let viscous_step = scene.time.viscous * smoothing * smoothing / viscosity;
-    let steps = (scene.time.end / courant_step.min(viscous_step)).ceil();
-    let frames = (scene.time.end / scene.output.every).floor() + 1.0;
+    let courant_step = courant_step(scene);
+    let viscous_step = viscous_step(scene);
+    let steps = steps_to(scene, scene.time.end);
+    let frames = (scene.time.end / scene.output.every).floor().min(steps) + 1.0;
     let moving = (seeds.len() - by_zone[Zone::Wall as usize]) as f64;
-    let frame = match scene.dimensions {
-        2 => BYTES_PER_FRAME_2D,
-        _ => BYTES_PER_FRAME_3D,
-    };
     let worst_fit = worst_fit(scene);
     Summary {
         by_zone,
@@ -70,10 +68,29 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
         steps,
         frames,
         memory: seeds.len() as f64 * BYTES_PER_PARTICLE,
-        output: frames * moving * frame,
+        output: frames * moving * frame_bytes(scene.dimensions),
         worst_fit,
         notes: notes(scene, worst_fit),
     }
+}
+
+fn smoothing_length(scene: &Scene) -> f64 {
+    scene.scheme.smoothing_ratio() * scene.spacing
+}
+
+/// The step that sound allows, s, with the signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
+fn courant_step(scene: &Scene) -> f64 {
+    scene.time.cfl * smoothing_length(scene) / (scene.fluid.sound_speed + scene.reference_velocity)
+}
+
+/// The step that viscosity allows, s.
+fn viscous_step(scene: &Scene) -> f64 {
+    scene.time.viscous * smoothing_length(scene).powi(2) / scene.fluid.viscosity
+}
+
+/// Steps to a time, s.
+pub fn steps_to(scene: &Scene, until: f64) -> f64 {
+    (until / courant_step(scene).min(viscous_step(scene))).ceil()
 }
 
 fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
@@ -212,10 +229,25 @@ pub fn estimated_volume(domain: &Shape, reach: f64, dimensions: usize) -> f64 {
     volume * f64::from(hits) / f64::from(total)
 }
 
-/// Memory that is free on this machine, B; None where the system does not tell.
+/// Memory that is free for this process, B: of the machine, or of its control group if that has less, as under a batch system. None where the
+/// system does not tell.
 pub fn available_memory() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
     let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kilobytes * 1024.0)
+    Some(
+        group_memory(Path::new("/sys/fs/cgroup"))
+            .map_or(kilobytes * 1024.0, |left| left.min(kilobytes * 1024.0)),
+    )
+}
+
+/// What the control group of this process and those above it leave, B; None without a limit.
+fn group_memory(root: &Path) -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let own = text.lines().find_map(|line| line.strip_prefix("0::/"))?;
+    let number = |path: PathBuf| std::fs::read_to_string(path).ok()?.trim().parse::<f64>().ok();
+    let left =
+        |folder: &Path| Some(number(folder.join("memory.max"))? - number(folder.join("memory.current"))?);
+    let folder = root.join(own);
+    folder.ancestors().take_while(|place| place.starts_with(root)).filter_map(left).min_by(f64::total_cmp)
 }

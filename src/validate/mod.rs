@@ -198,6 +198,7 @@ fn sail(
         steps: None,
         checkpoint_every: None,
         most_wall_time: None,
+        allow_oversize: false,
         console: Console::Quiet,
     };
     match run::run(scene, &run_options) {

@@ -68,7 +68,11 @@ pub fn too_many(
             file.spacing.span,
             format!("gives about {count:.2e} particles, that is {needed:.1} GB; {have}"),
         )
-        .help(format!("raise `spacing` to at least `{least:.2e}`")),
+        .help(format!(
+            "raise `spacing` to at least `{least:.2e}`{}",
+            // Particle numbers end where they end.
+            if memory.is_some() { ", or begin all the same by `--allow-oversize`" } else { "" }
+        )),
     )
 }
 
