@@ -260,7 +260,7 @@ fn blow_up_says_where_and_keeps_the_frames() {
 
 /// A run that would last for long, once its first frame is on the disk.
 fn long_run(out: &Path) -> Child {
-    let mut command = sphecs(["run", "scenes/quickstart.ron", "--until", "1e6", "--out"]);
+    let mut command = sphecs(["run", "scenes/quickstart.ron", "--until", "1e6", "--allow-oversize", "--out"]);
     let mut child = command.arg(out).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("started");
     wait_for(|| {
         assert!(child.try_wait().expect("a state").is_none(), "the run ended by itself");

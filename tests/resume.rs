@@ -133,7 +133,7 @@ fn a_stopped_run_leaves_the_same_bytes_when_resumed() {
 
 /// A run that would last for long.
 fn long_run(out: &Path, more: &[&str]) -> Child {
-    let mut command = run(QUICK, out, &["--until", "1e6"]);
+    let mut command = run(QUICK, out, &["--until", "1e6", "--allow-oversize"]);
     command.args(more).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started")
 }
 

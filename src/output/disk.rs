@@ -86,6 +86,7 @@ pub fn bytes(count: u64) -> String {
         10_000..10_000_000 => format!("{:.0} kB", size / 1e3),
         10_000_000..10_000_000_000 => format!("{:.0} MB", size / 1e6),
         10_000_000_000..10_000_000_000_000 => format!("{:.1} GB", size / 1e9),
+        u64::MAX => "more than 1.8e7 TB".to_owned(),
         _ => format!("{:.3e} TB", size / 1e12),
     }
 }
@@ -102,6 +103,7 @@ mod tests {
             (42_000_000, "42 MB"),
             (12_300_000_000, "12.3 GB"),
             (2 << 50, "2.252e3 TB"),
+            (u64::MAX, "more than 1.8e7 TB"),
         ] {
             assert_eq!(bytes(count), text);
         }
