@@ -65,12 +65,20 @@ fn prepare() {
 }
 
 /// Writes a NetCDF-4 file whole or not at all.
+///
+/// On a full disk `nc_close` looks for what is still open in a file that HDF5 has given up, and crashes (libnetcdf 4.9.0). So everything is
+/// flushed before, where a refusal is only an error, and a file that was refused is left open: the process is about to end.
 fn write_file(path: &Path, fill: impl FnOnce(&mut FileMut) -> Result<(), Fault>) -> Result<(), OutputError> {
     prepare();
     let written = ::netcdf::create(disk::partial_name(path)).map_err(Fault::from).and_then(|mut file| {
-        fill(&mut file)?;
-        // Without an explicit close the data of a full disk would be lost in silence.
-        Ok(file.close()?)
+        match fill(&mut file).and_then(|()| Ok(file.sync()?)) {
+            // Without an explicit close the data of a full disk would be lost in silence.
+            Ok(()) => Ok(file.close()?),
+            Err(fault) => {
+                std::mem::forget(file);
+                Err(fault)
+            }
+        }
     });
     if let Err(fault) = written {
         let error = match fault {

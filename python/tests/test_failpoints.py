@@ -1,0 +1,21 @@
+"""A short version of scripts/failpoints: kills and full disks at some of the calls that change a file."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from conftest import binary
+
+DRIVER = Path(__file__).resolve().parents[2] / "scripts/failpoints/failpoints.py"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the shim is one of Linux's loader")
+def test_kills_and_full_disks_cost_nothing():
+    assert shutil.which("cc"), "a C compiler, which linking the program needs too"
+    command = [sys.executable, DRIVER, "--every", "149", "--full", "8", "--sphecs", binary()]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "no byte differs" in done.stdout
