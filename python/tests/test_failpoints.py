@@ -1,4 +1,4 @@
-"""A short version of scripts/failpoints: kills and full disks at some of the calls that change a file."""
+"""A short version of scripts/reliability/failpoints.py: kills and full disks at some of the calls that change a file."""
 
 import shutil
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 
 from conftest import binary
 
-DRIVER = Path(__file__).resolve().parents[2] / "scripts/failpoints/failpoints.py"
+DRIVER = Path(__file__).resolve().parents[2] / "scripts/reliability/failpoints.py"
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the shim is one of Linux's loader")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Kills a run, and one gone on with, at every call that changes a file, and fills its disk at many of them.
 
-    scripts/failpoints/failpoints.py [--every N] [--full N] [--sphecs PROGRAM]
+    scripts/reliability/failpoints.py [--every N] [--full N] [--sphecs PROGRAM]
 
 Needs a C compiler on Linux. For each call of a short run with a checkpoint at every step: the process is killed before it, behind it, or in
 the middle of a write; `sphecs info` must read what is left, `sphecs resume` must go on to the same bytes as a run without a break, and

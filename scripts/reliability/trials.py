@@ -1,0 +1,44 @@
+"""What the drivers of this folder share: running the program, and comparing what two runs left."""
+
+import filecmp
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ["particles.nc", "monitor.nc", "monitor.csv", "probes.nc", "probes.csv"]
+SCENES = sorted((ROOT / "scenes").glob("*.ron"))
+QUICK = ROOT / "scenes/quickstart.ron"
+
+
+def fail(message):
+    """Ends the driver: the first fault is the one to look at."""
+    sys.exit(f"FAILED: {message}")
+
+
+def ends(program, arguments, code=0, what="", environment=None):
+    """Runs the program to its end; its output. Fails if it ends with another code."""
+    command = [str(program), *map(str, arguments)]
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    if code is not None and done.returncode != code:
+        fail(f"{what}: `{' '.join(command)}` ended with {done.returncode}, not {code}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def same(whole, other, what):
+    """Fails unless two run folders have the same results, byte by byte, and the second nothing left over."""
+    for name in RESULTS:
+        if (whole / name).exists() != (other / name).exists():
+            fail(f"{what}: {name} is in one of both only")
+        if (whole / name).exists() and not filecmp.cmp(whole / name, other / name, shallow=False):
+            fail(f"{what}: {name} differs")
+    strays = [path for pattern in ("*.partial", "journal*", ".probe*") for path in other.rglob(pattern)]
+    strays += list(other.parent.glob(f".{other.name}.*"))
+    if strays:
+        fail(f"{what}: left over: {strays}")
+
+
+def summary(folder):
+    """How a run ended."""
+    return json.loads((folder / "summary.json").read_text())
