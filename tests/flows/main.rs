@@ -4,6 +4,7 @@
 //! * [`rest`]: what must not move, and water under gravity
 //! * [`channel`]: flows along plane walls, against their exact solutions
 //! * [`edac`]: the scheme with an evolved pressure
+//! * [`walls`]: every wall model, plane and curved
 //! * [`shipped`]: the shipped scenes at their smoke spacings, step by step
 
 mod channel;
@@ -11,6 +12,7 @@ mod edac;
 mod periodic;
 mod rest;
 mod shipped;
+mod walls;
 
 use std::path::{Path, PathBuf};
 

@@ -19,8 +19,9 @@ pub fn walls(file: Option<&Spanned<WallsFile>>, check: &mut Checker<'_>) -> (Wal
         let model = WallModel::default();
         return (Walls { model, parts }, Vec::new());
     };
-    let WallModel::Image { velocity_cap, .. } = file.model;
-    if velocity_cap.is_some_and(|cap| cap.is_nan() || cap < 1.0) {
+    if let WallModel::Image { velocity_cap: Some(cap), .. } = file.model
+        && (cap.is_nan() || cap < 1.0)
+    {
         check.report(Fault::placeless(
             "`velocity_cap` of the walls is less than 1: the image velocity would point the wrong way",
         ));
