@@ -234,6 +234,15 @@ pub enum InletVelocity {
         /// Speeds, m/s.
         speeds: Vec<Vec<f64>>,
     },
+    /// Speed along `towards` by the mass that it brings: rate(t) × profile(x) × `scale`.
+    Metered {
+        /// kg/s (per metre of depth in 2D), or kg/(s m²), in time.
+        rate: Expression,
+        /// Shape over the plane.
+        profile: Expression,
+        /// Speed over rate and profile: see [`meter`](super::build::meter).
+        scale: f64,
+    },
     /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about `at`,
     /// driven by `body_force` (m/s²), with the fluid's viscosity.
     PoiseuilleStartup {

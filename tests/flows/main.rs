@@ -1,5 +1,6 @@
 //! Flows with a known answer, driven as a user of the library drives them.
 //!
+//! * [`metered`]: inlets by the mass they bring
 //! * [`periodic`]: conservation, decay and stability without walls
 //! * [`rest`]: what must not move, and water under gravity
 //! * [`channel`]: flows along plane walls, against their exact solutions
@@ -9,6 +10,7 @@
 
 mod channel;
 mod edac;
+mod metered;
 mod periodic;
 mod rest;
 mod shipped;

@@ -2,7 +2,8 @@
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
 //! 2. [`shapes`], [`boundaries`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
-//! 3. [`whole`]: what only the parts together show, once each of them is sound
+//! 3. [`meter`]: speeds of the inlets that are given by the mass they bring, of the rows that the fill gives them
+//! 4. [`whole`]: what only the parts together show, once each of them is sound
 
 use std::path::Path;
 
@@ -17,6 +18,7 @@ use super::schema::SceneFile;
 pub mod boundaries;
 pub mod checker;
 pub mod layout;
+pub mod meter;
 pub mod patches;
 pub mod scheme;
 pub mod section;
@@ -154,6 +156,9 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         reference_velocity: 0.0,
         reference_length: 0.0,
     };
+    if check.blemishes() == before {
+        meter::meter(&mut scene, file, check);
+    }
     settings::derive(&mut scene, file);
     Some(scene)
 }

@@ -274,6 +274,10 @@ fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fa
             (InletVelocity::Normal(expression), Written::Normal(formula)) => {
                 finite(expression, formula, &points, &all_times);
             }
+            (
+                InletVelocity::Metered { rate: expression, .. },
+                Written::MassFlow { rate: formula, .. } | Written::MassFlux { flux: formula, .. },
+            ) => finite(expression, formula, &[DVec3::ZERO], &all_times),
             (InletVelocity::Components(components), Written::Components(formulas)) => {
                 for (expression, formula) in components.iter().zip(&formulas.value) {
                     finite(expression, formula, &points, &all_times);

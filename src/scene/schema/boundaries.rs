@@ -97,6 +97,23 @@ pub enum InletVelocityFile {
         /// CSV file beside the scene.
         file: Text,
     },
+    /// Mass that flows in, kg/s, in 2D kg/s per metre of depth; the speed along `towards` is the profile, scaled so that all rows of
+    /// particles together carry it.
+    MassFlow {
+        /// Rate, kg/s: a number or an expression of t.
+        rate: Formula,
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        #[serde(default)]
+        profile: Option<Formula>,
+    },
+    /// Mass that flows in per area of the inlet, kg/(s m²); otherwise as `MassFlow`.
+    MassFlux {
+        /// Flux, kg/(s m²): a number or an expression of t.
+        flux: Formula,
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        #[serde(default)]
+        profile: Option<Formula>,
+    },
     /// Exact start-up of plane Poiseuille flow from rest.
     PoiseuilleStartup {
         /// Half the gap, m, default half the section.

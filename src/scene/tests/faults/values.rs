@@ -44,6 +44,22 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
 }
 
 #[test]
+fn an_inlet_by_its_mass_has_a_rate_in_time_and_a_profile_in_space() {
+    let normal = "Normal(\"v0 * y\")";
+    let report =
+        check(normal, "MassFlow(rate: \"1 + y\")", "`rate` of an inlet must depend on t alone", "\"1 + y\"");
+    assert!(report.contains("what varies over the plane goes into `profile`"), "{report}");
+    let flux = "MassFlux(flux: 3, profile: \"y*t\")";
+    let report = check(normal, flux, "`profile` of an inlet must depend on x, y and z alone", "\"y*t\"");
+    assert!(report.contains("what varies in time goes into `flux`"), "{report}");
+    let backwards = "MassFlow(rate: 1, profile: \"0.2 - y\")";
+    check(normal, backwards, "`profile` of an inlet carries nothing into the domain", "\"0.2 - y\"");
+    check(normal, "MassFlow(rate: \"1/(t - 0.5)\")", "a field is not finite", "\"1/(t - 0.5)\"");
+    let report = check(normal, "MassFlow(rate: 1, mass: 1)", "unknown field `mass`", "mass");
+    assert!(report.contains("allowed: `rate`, `profile`"), "{report}");
+}
+
+#[test]
 fn expression_faults_point_into_the_text() {
     let report = check("\"v0 * y\"", "\"v0 * velo\"", "unknown name `velo`", "velo");
     assert!(report.contains("at Some((14, 88))"), "{report}");
