@@ -18,6 +18,7 @@
 
 use std::path::Path;
 
+pub mod body;
 pub mod build;
 pub mod constants;
 pub mod expression;
@@ -28,6 +29,7 @@ pub mod inflow;
 pub mod lattice;
 pub mod model;
 pub mod notation;
+pub mod rings;
 pub mod rows;
 pub mod schema;
 pub mod scheme;

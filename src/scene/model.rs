@@ -5,9 +5,11 @@
 
 use glam::DVec3;
 
+pub use super::body::{Body, BodyReference, ForcesEvery};
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
+pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
 use crate::physics::eos::Tait;
 use crate::physics::inlet::{Feed, InletPressure};
@@ -47,6 +49,8 @@ pub struct Scene {
     pub layout: Layout,
     /// Walls.
     pub walls: Walls,
+    /// Parts of the wall whose force and torque are written.
+    pub bodies: Vec<Body>,
     /// Inlets; a particle's `patch` is an index into this.
     pub inlets: Vec<Inlet>,
     /// Outlets; a particle's `patch` is an index into this.
@@ -138,6 +142,8 @@ pub struct Layout {
     pub zones: Vec<Shape>,
     /// Regions of the wall parts from the second on; the first part is the rest.
     pub wall_regions: Vec<Shape>,
+    /// Cylinders whose wall particles stand on rings.
+    pub rings: Vec<Rings>,
     /// Whether there are walls at all.
     pub walled: bool,
 }
@@ -312,6 +318,8 @@ pub struct OutputSettings {
     pub monitor_every: f64,
     /// Interval between checkpoints, s of wall time.
     pub checkpoint_every: f64,
+    /// How often the forces on bodies are written.
+    pub forces: ForcesEvery,
     /// Probes.
     pub probes: Vec<Probe>,
 }

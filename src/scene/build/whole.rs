@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::bodies;
 use crate::particles::zone::Zone;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
@@ -31,6 +32,7 @@ pub fn check(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     // These look at values in whose places harmless ones stand if there are faults.
     if faults.is_empty() {
         probes(scene, file, faults);
+        bodies::have_particles(scene, file, &places, faults);
         fields(scene, file, &places, faults);
     }
 }

@@ -48,6 +48,22 @@ pub struct WallPartFile {
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// How its particles stand behind the surface, default on the lattice of the fluid.
+    #[serde(default)]
+    pub fill: Option<Spanned<WallFillFile>>,
+}
+
+/// How the particles of a part of the walls stand behind its surface.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum WallFillFile {
+    /// On rings in a cylinder, in 2D: the first half a spacing behind the surface, the next a spacing further in.
+    Concentric {
+        /// Centre of the cylinder, m.
+        center: Vector,
+        /// Its radius, m.
+        radius: Number,
+    },
 }
 
 /// An inlet.
