@@ -15,6 +15,7 @@ use crate::particles::zone::Zone;
 use crate::pass::sampling::Sampler;
 use crate::scene::model::{ParticleSeed, Precision, Scene, Scheme};
 use crate::scene::spawn;
+use crate::systems::bodies::{Bodies, BodyForcesRow};
 use crate::systems::checkpoint::{Kept, particles};
 use crate::systems::clock::Clock;
 use crate::systems::core_plugins::{
@@ -296,6 +297,11 @@ impl Simulation {
     pub fn monitor_row(&mut self) -> MonitorRow {
         (self.typed.refresh)(&mut self.world);
         (self.typed.monitor_row)(&mut self.world)
+    }
+
+    /// Force and torque of the fluid on the bodies of the scene, as the last step had them at its beginning.
+    pub fn body_forces(&self) -> &BodyForcesRow {
+        &self.world.resource::<Bodies>().row
     }
 
     /// Velocity (m/s), pressure (Pa) and density (kg/m³) of the fluid at points, by corrected kernel sums;

@@ -20,6 +20,7 @@ use sphecs::particles::components::{
 use sphecs::scene::model::Scene;
 use sphecs::scene::{load_smoke, load_str};
 use sphecs::simulation::Simulation;
+use sphecs::systems::bodies::Bodies;
 use sphecs::systems::boundaries::rows::PatchRows;
 use sphecs::systems::checkpoint::Kept;
 use sphecs::systems::failure::{Failure, check_state};
@@ -258,6 +259,7 @@ fn not_kept() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<PatchRows>(), "collected anew at each sort"),
         (TypeId::of::<Spare<f64>>(), "buffer"),
         (TypeId::of::<Sums<f64, 2>>(), "summed anew in every step"),
+        (TypeId::of::<Bodies>(), "summed anew in every step, from what the scene says"),
         (TypeId::of::<TransitionLists>(), "buffer"),
         (TypeId::of::<ParticleId>(), "kept: number of a column"),
         (TypeId::of::<Position>(), "kept: arrays and reservoir"),

@@ -18,8 +18,21 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// Frames every 25 steps, rows every 8, at the step of the coarse quick scene.
 const OUTPUT: [&str; 4] = ["--set", "output.every=0.013", "--set", "output.monitor_every=0.0043"];
 
+/// Forces in every step, where there are walls.
+const BODIES: [&str; 2] =
+    ["--set", "bodies=[(part: \"walls\", velocity: 0.1, area: 0.04, mean: (0.0, 0.02))]"];
+
 /// Files of a finished run that depend on the flow alone.
-const RESULTS: [&str; 5] = ["particles.nc", "monitor.nc", "monitor.csv", "probes.nc", "probes.csv"];
+const RESULTS: [&str; 8] = [
+    "particles.nc",
+    "monitor.nc",
+    "monitor.csv",
+    "probes.nc",
+    "probes.csv",
+    "forces.nc",
+    "forces.csv",
+    "forces_mean.csv",
+];
 
 fn sphecs<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sphecs"));
@@ -30,6 +43,9 @@ fn sphecs<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Command {
 fn run(scene: &str, out: &Path, more: &[&str]) -> Command {
     let mut command = sphecs(["run", scene, "--smoke", "--quiet", "--out"]);
     command.arg(out).args(OUTPUT).args(more);
+    if scene == QUICK {
+        command.args(BODIES);
+    }
     command
 }
 

@@ -10,6 +10,7 @@ use super::checkpoint::store::Store;
 use super::checkpoint::{Checkpoint, Facts, cut};
 use super::disk;
 use super::error::OutputError;
+use super::forces::ForcesWriter;
 use super::frame::Frame;
 use super::header::Header;
 use super::journal::{self, FrameWriter};
@@ -23,6 +24,7 @@ use super::summary::Summary;
 use super::table::TableWriter;
 use crate::math::column::Columns;
 use crate::math::lanes::InstructionSet;
+use crate::systems::bodies::BodyForcesRow;
 use crate::systems::clock::Clock;
 use crate::systems::monitor::MonitorRow;
 
@@ -63,6 +65,7 @@ pub struct RunFolder {
     frames: Option<FrameWriter>,
     monitor: MonitorWriter,
     probes: Option<ProbeWriter>,
+    forces: Option<ForcesWriter>,
     /// Frames handed over.
     submitted: u64,
     _lock: Lock,
@@ -167,10 +170,15 @@ impl RunFolder {
             true => None,
             false => Some(ProbeWriter::go_on(path, header, probes, facts.probes_bytes)?),
         };
+        let forces = match header.bodies.is_empty() {
+            true => None,
+            false => Some(ForcesWriter::go_on(path, header, facts.forces_bytes)?),
+        };
         Ok(Self {
             frames: Some(FrameWriter::start(&journal, header, facts.frames, Store::of(path))?),
             monitor: MonitorWriter::go_on(path, header, facts.monitor_bytes)?,
             probes,
+            forces,
             submitted: facts.frames,
             path: path.to_path_buf(),
             header: header.clone(),
@@ -206,8 +214,11 @@ impl RunFolder {
     /// The error that stopped the writing of an earlier frame, or [`OutputError::Io`].
     pub fn checkpoint(&mut self, clock: &Clock, state: Columns) -> Result<(), OutputError> {
         let Some(frames) = &mut self.frames else { return Ok(()) };
-        let tables =
-            || std::iter::once(self.monitor.table()).chain(self.probes.iter().map(ProbeWriter::table));
+        let tables = || {
+            let written =
+                std::iter::once(self.monitor.table()).chain(self.probes.iter().map(ProbeWriter::table));
+            written.chain(self.forces.iter().map(ForcesWriter::table))
+        };
         let facts = Facts {
             scene_sha256: self.header.fingerprint(),
             version: self.header.version.clone(),
@@ -217,6 +228,7 @@ impl RunFolder {
             frames: self.submitted,
             monitor_bytes: self.monitor.table().length(),
             probes_bytes: self.probes.as_ref().map_or(0, |probes| probes.table().length()),
+            forces_bytes: self.forces.as_ref().map_or(0, |forces| forces.table().length()),
         };
         let handles = tables().map(TableWriter::handle).collect::<Result<Vec<_>, OutputError>>()?;
         frames.checkpoint(Checkpoint { facts, state }, handles)
@@ -238,6 +250,17 @@ impl RunFolder {
     /// [`OutputError::Io`] when the system refuses.
     pub fn monitor(&mut self, row: &MonitorRow) -> Result<(), OutputError> {
         self.monitor.append(row)
+    }
+
+    /// Appends a row to `forces.csv`, in a run that has bodies.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn forces(&mut self, row: &BodyForcesRow) -> Result<(), OutputError> {
+        match &mut self.forces {
+            Some(forces) => forces.append(row),
+            None => Ok(()),
+        }
     }
 
     /// Appends to `probes.csv`.

@@ -5,7 +5,7 @@ use sha2::{Digest, Sha256};
 
 use super::frame::Frame;
 use crate::particles::zone::Zone;
-use crate::scene::model::{Precision, ProbeKind, Scene};
+use crate::scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
 
 /// Facts of a run that stand from its first step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -71,6 +71,33 @@ pub struct Header {
     pub wall_parts: Vec<String>,
     /// Declared probes.
     pub probes: Vec<ProbeHeader>,
+    /// Bodies whose forces are written.
+    #[serde(default)]
+    pub bodies: Vec<BodyHeader>,
+}
+
+/// A body as its results need it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyHeader {
+    /// Name of the part of the walls.
+    pub name: String,
+    /// References of its coefficients.
+    pub reference: Option<BodyReference>,
+    /// Interval of the time mean and of the spectrum, s.
+    pub mean: (f64, f64),
+    /// Whether means and spectrum are of the running mean over five rows.
+    pub five_point_mean: bool,
+}
+
+impl BodyHeader {
+    fn of(body: &Body) -> Self {
+        Self {
+            name: body.name.clone(),
+            reference: body.reference,
+            mean: (finite(body.mean.0), finite(body.mean.1)),
+            five_point_mean: body.five_point_mean,
+        }
+    }
 }
 
 /// A probe as its results need it.
@@ -151,6 +178,7 @@ impl Header {
                     mean: probe.mean.map(|(from, to)| (finite(from), finite(to))),
                 })
                 .collect(),
+            bodies: scene.bodies.iter().map(BodyHeader::of).collect(),
         }
     }
 
@@ -175,6 +203,8 @@ impl Header {
     pub fn change(&mut self, scene: &Scene, changes: Vec<(String, String)>) {
         self.end = finite(scene.time.end);
         self.every = finite(scene.output.every);
+        // The interval of a mean may follow from the end.
+        self.bodies = scene.bodies.iter().map(BodyHeader::of).collect();
         self.changes = changes;
     }
 

@@ -12,6 +12,7 @@ pub mod checkpoint;
 pub(crate) mod disk;
 pub mod error;
 pub mod folder;
+pub mod forces;
 pub mod frame;
 pub mod header;
 pub mod info;

@@ -1,4 +1,4 @@
-//! `sphecs pack`: the journal and the CSV files become `particles.nc`, `monitor.nc` and `probes.nc`.
+//! `sphecs pack`: the journal and the CSV files become `particles.nc`, `monitor.nc`, `probes.nc` and `forces.nc`.
 //!
 //! Nothing is removed before what replaces it is whole and durable, so that a kill during the packing costs
 //! nothing either: packing again starts from the journal.
@@ -14,7 +14,7 @@ use super::header::Header;
 use super::journal;
 use super::netcdf::particles::{self, ParticleFile, Slots};
 use super::results::read_header;
-use super::{monitor, probes};
+use super::{forces, monitor, probes};
 
 /// Name of the file of all frames in the run folder.
 pub const PARTICLES: &str = "particles.nc";
@@ -54,6 +54,7 @@ pub(crate) fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, Outp
     remove_folder(&folder.join(PACKED_JOURNAL))?;
     packed.files.extend(monitor::pack(folder, header)?);
     packed.files.extend(probes::results::pack(folder, header)?);
+    packed.files.extend(forces::pack(folder, header)?);
     Ok(packed)
 }
 

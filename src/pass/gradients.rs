@@ -25,7 +25,7 @@ use crate::math::linear::invert;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::wall::image;
+use crate::physics::wall::{WallModel, image};
 
 /// Most columns beside the coordinates: velocity, density, image distance and normal in 3D.
 const MOST_COLUMNS: usize = 3 + 2 + 3;
@@ -64,8 +64,12 @@ impl<R: Real, const D: usize> WithShape for GradientPass<'_, R, D> {
     fn run<K: KernelShape>(self) {
         let columns = &self.sums.columns;
         let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
+        let velocity = match (self.pair.wall_model, self.has_walls) {
+            (WallModel::Dummy, true) => &self.sums.velocity_seen,
+            _ => self.level.columns(self.particles),
+        };
         for d in 0..D {
-            neighbours[d] = &self.level.columns(self.particles)[d];
+            neighbours[d] = &velocity[d];
             neighbours[D + 2 + d] = &self.particles.wall_normal[d];
         }
         neighbours[D] = &self.particles.density;
@@ -153,8 +157,9 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
             v_a[d] = L::splat(self.source.columns[d][row]);
         }
         let wall_distance = self.particles.wall_distance[row].to_f64();
-        let inverse_distance = L::constant(image::inverse_distance(wall_distance, self.pair.spacing));
-        let cap = L::constant(self.pair.velocity_cap.unwrap_or(f64::INFINITY));
+        let model = self.pair.wall_model;
+        let inverse_distance = L::constant(model.inverse_distance(wall_distance, self.pair.spacing));
+        let cap = L::constant(model.largest_factor());
         let columns = self.source.columns.len();
         let (has_walls, free_slip) = (columns > D + 1, columns > D + 2);
         let mass = L::constant(self.pair.mass);

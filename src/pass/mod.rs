@@ -19,6 +19,7 @@
 //! number of threads. Each ordered pair is computed for its own row: nothing is scattered, nothing is locked.
 
 pub mod blocks;
+pub mod body;
 pub mod density;
 pub mod edac;
 pub mod gradients;
@@ -34,5 +35,6 @@ pub mod strain;
 pub mod stress;
 pub mod sums;
 pub mod wall_distance;
+pub mod wall_velocity;
 pub mod walls;
 pub mod waves;

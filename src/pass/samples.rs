@@ -3,16 +3,20 @@
 use glam::DVec3;
 
 use super::density::sum_density;
+use super::neighbours::Neighbours;
 use super::rates::{RatesSummary, VelocityLevel, sum_rates};
 use super::settings::PairSettings;
 use super::strain::sum_density_and_strain;
 use super::sums::PairSums;
+use super::wall_velocity::find_velocity_seen;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::Kernel;
 use crate::math::real::Real;
 use crate::particles::arrays::{ParticleArrays, SpareColumns};
 use crate::particles::rows::Row;
+use crate::particles::zone::Zone;
 use crate::physics::eos::Tait;
+use crate::physics::wall::WallModel;
 
 /// Spacing of all samples, m.
 pub const SPACING: f64 = 0.01;
@@ -108,8 +112,17 @@ impl<R: Real, const D: usize> Sample<R, D> {
         sum_density_and_strain(&self.pair, &self.grid, &mut self.particles, level, &mut self.sums);
     }
 
+    /// Velocities that dummy walls show, where walls are dummies.
+    pub fn velocity_seen(&mut self) {
+        if self.pair.wall_model == WallModel::Dummy {
+            let level = VelocityLevel::Present;
+            find_velocity_seen(&self.pair, &self.grid, &self.particles, level, &mut self.sums);
+        }
+    }
+
     /// Accelerations.
     pub fn rates(&mut self) -> RatesSummary {
+        self.velocity_seen();
         sum_rates(&self.pair, &self.grid, &mut self.particles, VelocityLevel::Present, &mut self.sums)
     }
 
@@ -127,6 +140,37 @@ impl<R: Real, const D: usize> Sample<R, D> {
         let all = columns.into_iter().chain(vectors.into_iter().flatten());
         all.map(|column| rows.iter().map(|&row| column[row].to_f64()).collect()).collect()
     }
+}
+
+/// The velocity that dummy particles show, neighbour by neighbour: of rows that are no walls their own.
+pub fn dummy_velocity<R: Real, const D: usize>(sample: &Sample<R, D>, row: usize) -> [f64; D] {
+    let particles = &sample.particles;
+    let of = |row: usize| -> [f64; D] { std::array::from_fn(|d| particles.velocity[d][row].to_f64()) };
+    if particles.zone[row] != Zone::Wall {
+        return of(row);
+    }
+    let (mut sum, mut weights) = ([0.0; D], 0.0);
+    let point = std::array::from_fn(|d| particles.position[d][row]);
+    Neighbours::new(&sample.grid, particles).for_each(point, |b, _, r2| {
+        if particles.zone[b] != Zone::Wall {
+            let weight = sample.pair.w(r2.sqrt());
+            weights += weight;
+            for (sum, v) in sum.iter_mut().zip(of(b)) {
+                *sum += v * weight;
+            }
+        }
+    });
+    let wall = of(row);
+    if weights <= 1e-12 {
+        return wall;
+    }
+    let mean = sum.map(|sum| sum / weights);
+    if !sample.pair.wall_part(particles.patch[row]).free_slip {
+        return std::array::from_fn(|d| 2.0 * wall[d] - mean[d]);
+    }
+    let normal: [f64; D] = std::array::from_fn(|d| particles.wall_normal[d][row].to_f64());
+    let into: f64 = (0..D).map(|d| (mean[d] - wall[d]) * normal[d]).sum();
+    std::array::from_fn(|d| mean[d] - 2.0 * into * normal[d])
 }
 
 /// Asserts that two sets of columns agree to `tolerance` of the largest number of each column.

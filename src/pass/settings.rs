@@ -8,7 +8,7 @@ use crate::physics::edac::Edac;
 use crate::physics::eos::Tait;
 use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
-use crate::physics::wall::WallPressure;
+use crate::physics::wall::WallModel;
 
 /// Settings of the pair passes. Made by [`PairSettings::new`] with the defaults of a scene; set the rest by field.
 #[derive(Clone, Debug)]
@@ -39,10 +39,8 @@ pub struct PairSettings {
     pub shifting: Shifting,
     /// p_b − p_a in place of p_a + p_b where p_a < 0 and the support is full.
     pub tensile_control: bool,
-    /// Largest factor 1 + d_b/d_a of the image velocity; None: no cap.
-    pub velocity_cap: Option<f64>,
-    /// Where the pressure of a wall particle comes from.
-    pub wall_pressure: WallPressure,
+    /// How walls enter the sums.
+    pub wall_model: WallModel,
     /// Body force per mass, m/s²: the hydrostatic part of a wall's pressure.
     pub body_force: [f64; 3],
     /// Wall parts, by the patch index of their rows.
@@ -71,7 +69,7 @@ pub struct WallPartSettings {
 }
 
 impl PairSettings {
-    /// Inviscid fluid, defaults for everything else: Fickian shifting, tensile control, no cap, walls extrapolated,
+    /// Inviscid fluid, defaults for everything else: Fickian shifting, tensile control, image walls without a cap,
     /// no body force.
     pub fn new(kernel: Kernel, dimensions: usize, spacing: f64, smoothing_ratio: f64, tait: Tait) -> Self {
         Self {
@@ -88,8 +86,7 @@ impl PairSettings {
             noise_damping: 0.0,
             shifting: Shifting::default(),
             tensile_control: true,
-            velocity_cap: None,
-            wall_pressure: WallPressure::default(),
+            wall_model: WallModel::default(),
             body_force: [0.0; 3],
             wall_parts: Vec::new(),
             lanes: InstructionSet::best(),

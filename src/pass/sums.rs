@@ -11,6 +11,7 @@ use super::settings::PairSettings;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
+use crate::physics::wall::WallModel;
 
 /// Sums per row and buffers of the passes. Rows are those of the particle arrays; only fluid rows are written.
 #[derive(Debug)]
@@ -34,6 +35,9 @@ pub struct PairSums<R, const D: usize> {
     pub stress: [Vec<R>; 6],
     /// Stress found for wall rows until all of them are.
     pub(super) wall_stress: [Vec<R>; 6],
+    /// Velocities as the fluid's viscous term sees them, m/s, of all rows: of walls those of `physics/wall/dummy.rs`. Empty unless
+    /// walls are dummy particles.
+    pub velocity_seen: [Vec<R>; D],
     pub(super) columns: PairColumns<R>,
     pub(super) packs: PackPool<R>,
 }
@@ -54,6 +58,8 @@ pub(super) struct PairColumns<R> {
     walls_by_chunk: Vec<u32>,
     /// Pressure found for wall rows, Pa, until all of them are.
     pub wall_pressure: Vec<R>,
+    /// 1 for the wall rows of the body whose force is summed, 0 for all others.
+    pub body: Vec<R>,
 }
 
 impl<R: Real, const D: usize> Default for PairSums<R, D> {
@@ -68,6 +74,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             eddy_viscosity: Vec::new(),
             stress: std::array::from_fn(|_| Vec::new()),
             wall_stress: std::array::from_fn(|_| Vec::new()),
+            velocity_seen: std::array::from_fn(|_| Vec::new()),
             columns: PairColumns::default(),
             packs: PackPool::default(),
         }
@@ -149,18 +156,37 @@ impl<R: Real> PairColumns<R> {
         for_each_part(0..particles.len(), self.flow.as_mut_slice(), &work);
     }
 
-    /// Fills the columns that say where the walls are, with the sign that tells free-slip walls from others; returns whether there
-    /// are any.
+    /// Fills the column that says which rows are those of a part of the wall.
+    pub(super) fn find_body<const D: usize>(&mut self, part: u16, particles: &ParticleArrays<R, D>) {
+        self.body.resize(particles.len(), R::default());
+        let work = |rows: Range<usize>, body: &mut [R]| {
+            for (body, row) in body.iter_mut().zip(rows) {
+                let is_part = particles.zone[row] == Zone::Wall && particles.patch[row] == part;
+                *body = if is_part { R::from_f64(1.0) } else { R::default() };
+            }
+        };
+        for_each_part(0..particles.len(), self.body.as_mut_slice(), &work);
+    }
+
+    /// Fills the columns that say where the walls are, as the wall model has the distances, with the sign that tells free-slip
+    /// walls from others; returns whether there are any.
     pub(super) fn find_images<const D: usize>(
         &mut self,
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
     ) -> bool {
         let has_walls = self.find_walls(pair, particles) > 0;
-        if has_walls && pair.has_free_slip() {
+        let model = pair.wall_model;
+        if has_walls && (pair.has_free_slip() || model == WallModel::Ghost) {
             let work = |rows: Range<usize>, images: &mut [R]| {
                 for (image, row) in images.iter_mut().zip(rows) {
-                    if particles.zone[row] == Zone::Wall && pair.wall_part(particles.patch[row]).free_slip {
+                    if particles.zone[row] != Zone::Wall {
+                        continue;
+                    }
+                    if model == WallModel::Ghost {
+                        *image = R::from_f64(model.image_distance(image.to_f64()));
+                    }
+                    if pair.wall_part(particles.patch[row]).free_slip {
                         *image = R::default() - *image;
                     }
                 }

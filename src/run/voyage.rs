@@ -20,7 +20,7 @@ use crate::output::pack::Packed;
 use crate::output::probes::ProbeSet;
 use crate::output::summary::{LedgerCounts, StageTime, Status, Summary};
 use crate::particles::zone::Zone;
-use crate::scene::model::Scene;
+use crate::scene::model::{ForcesEvery, Scene};
 use crate::simulation::{Simulation, Stop};
 use crate::systems::checkpoint::record;
 use crate::systems::clock::Clock;
@@ -171,6 +171,7 @@ impl Voyage {
                 }
                 return Ok(Halt::Flow(stop));
             }
+            self.write_forces()?;
             self.take_pace();
         }
     }
@@ -232,6 +233,16 @@ impl Voyage {
             self.write_frame()?;
         }
         self.log.output_time += started.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// The forces that the last step was made with. A row of the monitor at its beginning has them beside it.
+    fn write_forces(&mut self) -> Result<(), OutputError> {
+        let row = self.simulation.body_forces();
+        let every_step = self.simulation.scene().output.forces == ForcesEvery::Step;
+        if every_step || self.log.last_row_step == Some(row.step) {
+            self.folder.forces(row)?;
+        }
         Ok(())
     }
 

@@ -11,6 +11,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
+use super::rings;
 use crate::particles::zone::Zone;
 
 /// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane count as fluid.
@@ -31,7 +32,13 @@ pub struct Place {
 pub fn places(scene: &Scene) -> Vec<Place> {
     let filler = Filler::new(scene);
     match &scene.layout.fill {
-        Fill::Lattice(lattice) => filler.lattice(lattice),
+        Fill::Lattice(lattice) => {
+            let mut places = filler.lattice(lattice);
+            if !scene.layout.rings.is_empty() {
+                rings::replace(scene, &mut places);
+            }
+            places
+        }
         Fill::WallFitted { lower, upper, rows } => {
             super::rows::points(scene, lower, upper, *rows, filler.reach)
                 .into_iter()

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::model::{Inlet, InletVelocity};
+use super::model::{Inlet, InletVelocity, Patch};
 use crate::physics::inlet::poiseuille::startup_velocity;
 
 impl Inlet {
@@ -28,6 +28,10 @@ impl Inlet {
                 };
                 towards * interpolated(times.len(), |row| times[row], time, profile)
             }
+            InletVelocity::Metered { rate, profile, scale } => {
+                let shape = profile.value(point.x, point.y, point.z, 0.0);
+                towards * (rate.value(0.0, 0.0, 0.0, time) * shape * scale)
+            }
             InletVelocity::PoiseuilleStartup { half_width, body_force } => {
                 towards * startup_velocity(across, time, *half_width, *body_force, viscosity)
             }
@@ -47,7 +51,7 @@ impl Inlet {
         }
         let (before, after) = ((time - moment).max(0.0), time + moment);
         let rate = (velocity(point, after) - velocity(point, before)) / (after - before);
-        if !matches!(self.velocity, InletVelocity::Normal(_) | InletVelocity::Components(_)) {
+        if matches!(self.velocity, InletVelocity::TimeTable(_) | InletVelocity::ProfileTable { .. }) {
             return rate;
         }
         let here = velocity(point, time);
@@ -58,6 +62,16 @@ impl Inlet {
         let curvature: DVec3 =
             self.patch.across.into_iter().filter(|across| *across != DVec3::ZERO).map(second).sum();
         rate - curvature * viscosity
+    }
+}
+
+/// Normals nearer to an axis than this are along it.
+const ALONG_AN_AXIS: f64 = 1e-9;
+
+impl Patch {
+    /// Whether it lies slantwise to the lattice.
+    pub fn is_slantwise(&self) -> bool {
+        self.towards.abs().max_element() < 1.0 - ALONG_AN_AXIS
     }
 }
 
@@ -147,6 +161,19 @@ mod tests {
         assert!((table - DVec3::X * 4.0).length() < 1e-9, "{table}");
         let startup = InletVelocity::PoiseuilleStartup { half_width: 1.0, body_force: 0.1 };
         assert_eq!(inertia(startup), DVec3::X * 0.1);
+    }
+
+    #[test]
+    fn a_metered_inlet_has_its_profile_times_its_rate() {
+        let read = |text| Expression::read(text, &Constants::default()).unwrap();
+        let (rate, profile) = (read("6*t"), read("1 - y^2"));
+        let inlet = inlet(InletVelocity::Metered { rate, profile, scale: 0.5 });
+        assert!(
+            (inlet.velocity_at(0.0, DVec3::Y * 0.6, 2.0) - DVec3::X * (0.5 * 12.0 * 0.64)).length() < 1e-14
+        );
+        let inertia = inlet.inertia(0.02, DVec3::Y * 0.3, 0.5, 0.01, 1e-4);
+        // dv/dt − ν ∇²v = ½ 6 (1 − y²) + ν ½ 6 t 2.
+        assert!((inertia - DVec3::X * (3.0 * 0.91 + 0.02 * 3.0)).length() < 1e-9, "{inertia}");
     }
 
     #[test]

@@ -19,6 +19,7 @@
 
 use std::path::Path;
 
+pub mod body;
 pub mod build;
 pub mod constants;
 pub mod demand;
@@ -30,6 +31,7 @@ pub mod inflow;
 pub mod lattice;
 pub mod model;
 pub mod notation;
+pub mod rings;
 pub mod rows;
 pub mod schema;
 pub mod scheme;

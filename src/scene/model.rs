@@ -5,9 +5,11 @@
 
 use glam::DVec3;
 
+pub use super::body::{Body, BodyReference, ForcesEvery};
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
+pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
 use crate::physics::eos::Tait;
 use crate::physics::inlet::{Feed, InletPressure};
@@ -47,6 +49,8 @@ pub struct Scene {
     pub layout: Layout,
     /// Walls.
     pub walls: Walls,
+    /// Parts of the wall whose force and torque are written.
+    pub bodies: Vec<Body>,
     /// Inlets; a particle's `patch` is an index into this.
     pub inlets: Vec<Inlet>,
     /// Outlets; a particle's `patch` is an index into this.
@@ -138,6 +142,8 @@ pub struct Layout {
     pub zones: Vec<Shape>,
     /// Regions of the wall parts from the second on; the first part is the rest.
     pub wall_regions: Vec<Shape>,
+    /// Cylinders whose wall particles stand on rings.
+    pub rings: Vec<Rings>,
     /// Whether there are walls at all.
     pub walled: bool,
 }
@@ -234,6 +240,15 @@ pub enum InletVelocity {
         /// Speeds, m/s.
         speeds: Vec<Vec<f64>>,
     },
+    /// Speed along `towards` by the mass that it brings: rate(t) × profile(x) × `scale`.
+    Metered {
+        /// kg/s (per metre of depth in 2D), or kg/(s m²), in time.
+        rate: Expression,
+        /// Shape over the plane.
+        profile: Expression,
+        /// Speed over rate and profile: see [`meter`](super::build::meter).
+        scale: f64,
+    },
     /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about `at`,
     /// driven by `body_force` (m/s²), with the fluid's viscosity.
     PoiseuilleStartup {
@@ -303,6 +318,8 @@ pub struct OutputSettings {
     pub monitor_every: f64,
     /// Interval between checkpoints, s of wall time.
     pub checkpoint_every: f64,
+    /// How often the forces on bodies are written.
+    pub forces: ForcesEvery,
     /// Probes.
     pub probes: Vec<Probe>,
 }

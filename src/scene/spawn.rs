@@ -49,7 +49,7 @@ fn seed(scene: &Scene, place: Place) -> ParticleSeed {
             let surface = walls::surface(scene, position);
             let part = &scene.walls.parts[usize::from(surface.part)];
             seed.patch = surface.part;
-            seed.velocity = DVec3::from(part.velocity.each_ref().map(at));
+            seed.velocity = part.velocity_at(position + surface.normal * surface.distance, 0.0);
             seed.wall_distance = surface.distance;
             seed.wall_normal = surface.normal;
         }

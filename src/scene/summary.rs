@@ -159,6 +159,10 @@ fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
         InletVelocity::PoiseuilleStartup { half_width, body_force } => {
             steady_poiseuille(*body_force, *half_width, scene.fluid.viscosity)
         }
+        InletVelocity::Metered { .. } => places
+            .iter()
+            .flat_map(|p| times.iter().map(|t| inlet.velocity_at(0.0, *p, *t).length()))
+            .fold(0.0, f64::max),
         InletVelocity::Normal(speed) => places
             .iter()
             .flat_map(|p| times.iter().map(move |t| speed.value(p.x, p.y, p.z, *t).abs()))

@@ -3,7 +3,19 @@
 use glam::DVec3;
 
 use super::fill::confined_distance;
-use super::model::Scene;
+use super::model::{Scene, WallPart};
+
+impl WallPart {
+    /// Whether its surface ever moves.
+    pub fn moves(&self) -> bool {
+        self.velocity.iter().any(|component| component.constant() != Some(0.0))
+    }
+
+    /// Velocity at a point of its surface (m) and time (s), m/s.
+    pub fn velocity_at(&self, point: DVec3, time: f64) -> DVec3 {
+        DVec3::from(self.velocity.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
+    }
+}
 
 /// A wall particle's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 use bevy_ecs::schedule::IntoScheduleConfigs;
 use bevy_ecs::world::World;
 
+use super::bodies::{Bodies, sum_body_forces, sum_edac_body_forces};
 use super::boundaries::hold::{HeldAtWalls, hold_at_walls};
 use super::boundaries::inlets::apply_inlets;
 use super::boundaries::outlets::{OutletStates, apply_outlets, outlet_rates};
@@ -63,11 +64,12 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
         parts.keep::<RatesFound>("rates_found");
         parts.keep::<StepsSincePlain>("steps_since_plain");
         parts.world.init_resource::<AddedForces>();
+        parts.world.init_resource::<Bodies>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
         parts.stage.add_systems((
             sum_density::<R, D>.in_set(StageSystems::Density),
             sum_gradients::<R, D>.in_set(StageSystems::Gradients),
-            sum_rates::<R, D>.in_set(StageSystems::Rates),
+            (sum_rates::<R, D>, sum_body_forces::<R, D>).chain().in_set(StageSystems::Rates),
             add_forces::<R, D>.in_set(StageSystems::Forces),
             kick::<R, D>.in_set(StageSystems::Kick),
         ));
@@ -80,11 +82,12 @@ impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
         parts.keep::<Clock>("clock");
         parts.keep::<RatesFound>("rates_found");
         parts.world.init_resource::<AddedForces>();
+        parts.world.init_resource::<Bodies>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
         parts.world.insert_resource(ParticleArrays::<R, D> { evolves_pressure: true, ..Default::default() });
         parts.stage.add_systems((
             sum_volumes::<R, D>.in_set(StageSystems::Density),
-            sum_edac_rates::<R, D>.in_set(StageSystems::Rates),
+            (sum_edac_rates::<R, D>, sum_edac_body_forces::<R, D>).chain().in_set(StageSystems::Rates),
             add_forces::<R, D>.in_set(StageSystems::Forces),
             kick_and_drift::<R, D>.in_set(StageSystems::Kick),
         ));
@@ -107,8 +110,8 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
         parts.stage.add_systems(
             outlet_rates::<R, D>
                 .in_set(StageSystems::Rates)
-                .after(sum_rates::<R, D>)
-                .after(sum_edac_rates::<R, D>),
+                .after(sum_body_forces::<R, D>)
+                .after(sum_edac_body_forces::<R, D>),
         );
         parts.step.add_systems(
             hold_at_walls::<R, D>.in_set(StepSystems::Shift).after(shift::<R, D>).after(even_outlets::<R, D>),

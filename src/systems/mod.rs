@@ -22,6 +22,7 @@
 //! - [`stopwatch`]: wall-clock time by set
 //! - [`transitions`]: particles change zone
 
+pub mod bodies;
 pub mod boundaries;
 pub mod checkpoint;
 pub mod clock;

@@ -4,7 +4,7 @@ use bevy_ecs::resource::Resource;
 
 use crate::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
 use crate::physics::shifting::Shifting;
-use crate::physics::wall::{Slip, WallModel};
+use crate::physics::wall::Slip;
 use crate::scene::model::{BodyForce, Scene, Scheme};
 
 /// Settings of the pair sums in use.
@@ -14,7 +14,6 @@ pub struct Pair(pub PairSettings);
 /// The settings of a scene.
 pub fn pair_settings(scene: &Scene) -> PairSettings {
     let scheme = &scene.scheme;
-    let WallModel::Image { velocity_cap, pressure } = scene.walls.model;
     let mut pair = PairSettings::new(
         scheme.kernel(),
         scene.dimensions,
@@ -37,8 +36,7 @@ pub fn pair_settings(scene: &Scene) -> PairSettings {
             pair.tensile_control = false;
         }
     }
-    pair.velocity_cap = velocity_cap;
-    pair.wall_pressure = pressure;
+    pair.wall_model = scene.walls.model;
     if let BodyForce::Constant(force) = scene.body_force {
         pair.body_force = force.to_array();
     }

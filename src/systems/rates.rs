@@ -42,7 +42,7 @@ pub struct RatesFound {
 pub struct StepsSincePlain(pub u32);
 
 /// The velocities that the dissipative terms take in the present step: see `physics/integrator/verlet.rs`.
-fn level(since_plain: StepsSincePlain) -> VelocityLevel {
+pub fn level(since_plain: StepsSincePlain) -> VelocityLevel {
     if since_plain.0 == 0 { VelocityLevel::Present } else { VelocityLevel::Previous }
 }
 

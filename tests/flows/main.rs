@@ -1,16 +1,22 @@
 //! Flows with a known answer, driven as a user of the library drives them.
 //!
+//! * [`metered`]: inlets by the mass they bring
 //! * [`periodic`]: conservation, decay and stability without walls
 //! * [`rest`]: what must not move, and water under gravity
+//! * [`bodies`]: force and torque on what the fluid flows round
 //! * [`channel`]: flows along plane walls, against their exact solutions
 //! * [`edac`]: the scheme with an evolved pressure
+//! * [`walls`]: every wall model, plane and curved
 //! * [`shipped`]: the shipped scenes at their smoke spacings, step by step
 
+mod bodies;
 mod channel;
 mod edac;
+mod metered;
 mod periodic;
 mod rest;
 mod shipped;
+mod walls;
 
 use std::path::{Path, PathBuf};
 

@@ -122,6 +122,22 @@ pub fn dot<L: Lanes, const D: usize>(a: [L; D], b: [L; D]) -> L {
     sum
 }
 
+/// Adds a multiple of a vector of lanes to a sum.
+#[inline(always)]
+pub fn add_scaled<L: Lanes>(sum: &mut [L; 3], scale: L, vector: [L; 3]) {
+    for (sum, component) in sum.iter_mut().zip(vector) {
+        *sum = scale.mul_add(component, *sum);
+    }
+}
+
+/// Cross product of two vectors of lanes; in 2D along z alone.
+#[inline(always)]
+pub fn cross<L: Lanes, const D: usize>(a: [L; D], b: [L; D]) -> [L; 3] {
+    let component =
+        |i: usize, j: usize| if i < D && j < D { a[i] * b[j] - a[j] * b[i] } else { L::constant(0.0) };
+    [component(1, 2), component(2, 0), component(0, 1)]
+}
+
 impl Real for f64 {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {

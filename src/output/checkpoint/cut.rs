@@ -15,14 +15,15 @@ use crate::output::header::Header;
 use crate::output::netcdf::particles::ParticleFile;
 use crate::output::pack::{PACKED_JOURNAL, PARTICLES, remove_folder};
 use crate::output::probes::{results as probe_results, writer as probes};
-use crate::output::{disk, journal, monitor};
+use crate::output::{disk, forces, journal, monitor};
 
 /// Refuses a run folder whose files lead elsewhere: cutting back would cut there.
 ///
 /// # Errors
 /// [`OutputError::Request`] with the link.
 pub(crate) fn check_plain(run: &Path) -> Result<(), OutputError> {
-    let names = [journal::FOLDER, PARTICLES, PACKED_JOURNAL, store::FOLDER, monitor::CSV, probes::CSV];
+    let names =
+        [journal::FOLDER, PARTICLES, PACKED_JOURNAL, store::FOLDER, monitor::CSV, probes::CSV, forces::CSV];
     let linked = |path: &Path| fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink());
     match names.iter().map(|name| run.join(name)).find(|path| linked(path)) {
         Some(path) => Err(OutputError::Request(format!(
@@ -42,7 +43,12 @@ pub(crate) fn has_output(run: &Path, facts: &Facts) -> Result<(), String> {
     if frames < facts.frames {
         return Err(format!("counts {} frames, the run has {frames}", facts.frames));
     }
-    for (name, bytes) in [(monitor::CSV, facts.monitor_bytes), (probes::CSV, facts.probes_bytes)] {
+    let tables = [
+        (monitor::CSV, facts.monitor_bytes),
+        (probes::CSV, facts.probes_bytes),
+        (forces::CSV, facts.forces_bytes),
+    ];
+    for (name, bytes) in tables {
         let found = fs::metadata(run.join(name)).map_or(0, |data| data.len());
         if found < bytes {
             return Err(format!("counts {bytes} bytes of `{name}`, it has {found}"));
@@ -83,7 +89,8 @@ pub(crate) fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(),
     remove_partial(&journal)?;
     disk::sync_folder(&journal)?;
     remove_folder(&run.join(PACKED_JOURNAL))?;
-    for name in [PARTICLES, monitor::NETCDF, probe_results::NETCDF, probes::MEAN_CSV] {
+    let packed = [PARTICLES, monitor::NETCDF, probe_results::NETCDF, probes::MEAN_CSV];
+    for name in packed.into_iter().chain([forces::NETCDF, forces::means::CSV]) {
         remove(&run.join(name))?;
     }
     remove_partial(run)?;

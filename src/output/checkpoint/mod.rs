@@ -35,6 +35,9 @@ pub struct Facts {
     pub monitor_bytes: u64,
     /// Bytes of `probes.csv` up to there; 0 without probes.
     pub probes_bytes: u64,
+    /// Bytes of `forces.csv` up to there; 0 without bodies.
+    #[serde(default)]
+    pub forces_bytes: u64,
 }
 
 /// A state with its facts.

@@ -4,6 +4,7 @@
 //! Lengths in the loop are in units of h, volumes in units of that of the lattice, the kernel without its norm: the
 //! dimensions come back once per row.
 
+pub mod body;
 mod row;
 #[cfg(test)]
 mod tests;
@@ -92,20 +93,11 @@ impl<R: Real, const D: usize> WithShape for EdacPass<'_, R, D> {
             wall_normal,
             ..
         } = self.particles;
-        let PairSums { shift, divergence, pressure_rate, columns, packs, .. } = self.sums;
+        let PairSums { shift, divergence, pressure_rate, velocity_seen, columns, packs, .. } = self.sums;
         let layout = self.layout;
-        let mut neighbours: [&[R]; Layout::MOST_COLUMNS] = [&[]; Layout::MOST_COLUMNS];
-        let in_order = velocity
-            .iter()
-            .chain(drift.iter())
-            .chain([&*density, &*pressure])
-            .chain(layout.image_distance.map(|_| &columns.image_distance))
-            .chain(wall_normal.iter().filter(|_| layout.normal.is_some()));
-        let mut count = 0;
-        for (slot, column) in neighbours.iter_mut().zip(in_order) {
-            *slot = column;
-            count += 1;
-        }
+        let images = &columns.image_distance;
+        let vectors = [&*velocity, &*drift, &*wall_normal, &*velocity_seen];
+        let (neighbours, count) = layout.in_order(vectors, [&*density, &*pressure], images);
         let source = Source {
             grid: self.grid,
             position,
@@ -191,7 +183,8 @@ impl<K: KernelShape, R: Real, const D: usize> EdacBlock<'_, K, R, D> {
                 }
                 let point = self.pack.relative(self.source, row);
                 let distance = self.wall_distance[row].to_f64();
-                let rates = pair_loop.sum::<K, PLAIN, WALLS>(self.pack, self.source, point, row, distance);
+                let rates =
+                    pair_loop.sum::<K, PLAIN, WALLS, false>(self.pack, self.source, point, row, distance);
                 let mut speed = 0.0;
                 for d in 0..D {
                     acceleration[d][row - first] = R::from_f64(rates.acceleration[d]);

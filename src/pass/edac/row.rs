@@ -1,14 +1,14 @@
 //! The pair loop of one row: what every neighbour contributes to it.
 
 use crate::math::kernel::KernelShape;
-use crate::math::lanes::{Lanes, dot};
+use crate::math::lanes::{Lanes, add_scaled, cross, dot};
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
 use crate::pass::pack::{Pack, Source};
 use crate::pass::settings::PairSettings;
 use crate::physics::edac::{self, Edac};
-use crate::physics::wall::{WallPressure, image};
+use crate::physics::wall::{WallModel, WallPressure, image};
 
 /// Which of a pack's columns is what. The coordinates are the first `D`, velocity and drift the next.
 #[derive(Clone, Copy, Debug)]
@@ -21,13 +21,15 @@ pub(super) struct Layout {
     pub image_distance: Option<usize>,
     /// Wall normals, only where a wall is free-slip.
     pub normal: Option<usize>,
+    /// Velocities as the viscous term sees them, only where walls are dummy particles.
+    pub seen: Option<usize>,
     /// All columns, coordinates included.
     count: usize,
 }
 
 impl Layout {
-    /// Most columns beside the coordinates: velocity, drift, three scalars and normal in 3D.
-    pub const MOST_COLUMNS: usize = 3 + 3 + 3 + 3;
+    /// Most columns beside the coordinates: velocity, drift, three scalars, normal and velocity seen in 3D.
+    pub const MOST_COLUMNS: usize = 3 + 3 + 3 + 3 + 3;
 
     /// The columns that every pass has, and that of walls.
     #[inline(always)]
@@ -40,6 +42,7 @@ impl Layout {
             pressure: 3 * D + 1,
             image_distance: if walls { Some(of_flow) } else { None },
             normal: None,
+            seen: None,
             count: if walls { of_flow + 1 } else { of_flow },
         }
     }
@@ -50,7 +53,38 @@ impl Layout {
             layout.normal = Some(layout.count);
             layout.count += D;
         }
+        if has_walls && pair.wall_model == WallModel::Dummy {
+            layout.seen = Some(layout.count);
+            layout.count += D;
+        }
         layout
+    }
+}
+
+impl Layout {
+    /// The columns of a pack after the coordinates, and how many there are; the vectors are velocity, drift, wall normal and
+    /// velocity seen.
+    pub fn in_order<'a, R, const D: usize>(
+        &self,
+        [velocity, drift, wall_normal, seen]: [&'a [Vec<R>; D]; 4],
+        scalars: [&'a [R]; 2],
+        image_distance: &'a [R],
+    ) -> ([&'a [R]; Self::MOST_COLUMNS], usize) {
+        let of =
+            |columns: &'a [Vec<R>; D], there: bool| columns.iter().filter(move |_| there).map(Vec::as_slice);
+        let in_order = of(velocity, true)
+            .chain(of(drift, true))
+            .chain(scalars)
+            .chain(self.image_distance.map(|_| image_distance))
+            .chain(of(wall_normal, self.normal.is_some()))
+            .chain(of(seen, self.seen.is_some()));
+        let mut neighbours: [&[R]; Self::MOST_COLUMNS] = [&[]; Self::MOST_COLUMNS];
+        let mut count = 0;
+        for (slot, column) in neighbours.iter_mut().zip(in_order) {
+            *slot = column;
+            count += 1;
+        }
+        (neighbours, count)
     }
 }
 
@@ -77,6 +111,8 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
 struct Terms {
     printed: bool,
     mirrored: bool,
+    /// The divergence has the ghost's velocity in walls.
+    ghost: bool,
 }
 
 /// What a row has summed up, in SI units.
@@ -86,6 +122,8 @@ pub(super) struct RowRates<const D: usize> {
     pub pressure_rate: f64,
     pub divergence: f64,
     pub damping: f64,
+    /// The part of the acceleration that is pressure, and Σ x_ab × (the pair's acceleration), m²/s²; 0 unless asked for.
+    pub split: ([f64; D], [f64; 3]),
 }
 
 impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
@@ -96,8 +134,12 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             pair,
             edac,
             layout,
-            terms: Terms { printed: edac.printed, mirrored: pair.wall_pressure == WallPressure::Mirrored },
-            cap: L::constant(pair.velocity_cap.unwrap_or(f64::INFINITY)),
+            terms: Terms {
+                printed: edac.printed,
+                mirrored: pair.wall_model.pressure() == WallPressure::Mirrored,
+                ghost: pair.wall_model == WallModel::Ghost,
+            },
+            cap: L::constant(pair.wall_model.largest_factor()),
             limit: L::constant(pair.kernel.support_ratio().powi(2)),
             volume: pair.mass / pair.tait.reference_density,
             gradient_scale: pair.kernel_scale() / pair.smoothing_length,
@@ -108,7 +150,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
     /// Whether the loop has no terms beyond the plain ones: then it is compiled without their branches.
     #[inline(always)]
     pub fn is_plain(&self) -> bool {
-        self.terms == Terms::default() && self.layout.normal.is_none()
+        self.terms == Terms::default() && self.layout.normal.is_none() && self.layout.seen.is_none()
     }
 
     /// Whether there are walls: without them nothing is reflected.
@@ -117,9 +159,9 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.image_distance.is_some()
     }
 
-    /// Sums over a pack for the row at `point` (relative to the pack, in units of h).
+    /// Sums over a pack for the row at `point` (relative to the pack, in units of h); `SPLIT`: with pressure and moment apart.
     #[inline(always)]
-    pub fn sum<K: KernelShape, const PLAIN: bool, const WALLS: bool>(
+    pub fn sum<K: KernelShape, const PLAIN: bool, const WALLS: bool, const SPLIT: bool>(
         &self,
         pack: &Pack<L::Real>,
         source: &Source<L::Real, D>,
@@ -140,11 +182,13 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
 
         let mut x_a = [zero; D];
         let mut v_a = [zero; D];
+        let mut drift_a = [zero; D];
         // ρ_a g·(x_b − x_a) for the mirrored pressure of a wall, per x_ab/h.
         let mut weight_a = [zero; D];
         for d in 0..D {
             x_a[d] = L::splat(point[d]);
             v_a[d] = L::splat(own(layout.velocity + d));
+            drift_a[d] = L::splat(own(layout.drift + d));
             weight_a[d] = L::constant(-density * pair.body_force[d] * h);
         }
         let rho_a = L::constant(density);
@@ -152,7 +196,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let rho_0 = L::constant(reference);
         let own_square = L::constant((reference / density).powi(2));
         let half_of_stress = L::constant(-0.5 / density);
-        let inverse_distance = L::constant(image::inverse_distance(wall_distance, pair.spacing));
+        let inverse_distance = L::constant(pair.wall_model.inverse_distance(wall_distance, pair.spacing));
 
         let mut along_x = [zero; D];
         let mut along_v = [zero; D];
@@ -162,6 +206,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let mut damping = zero;
         let mut differences = zero;
         let mut neighbours = zero;
+        let mut pressures = [zero; D];
+        let mut turn = [[zero; 3]; 3];
 
         for entry in pack.entries::<L>(layout.count) {
             let mut x = [zero; D];
@@ -193,9 +239,13 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 image_distance = entry.column(column);
                 factor = image::velocity_factor(image_distance.abs(), inverse_distance, self.cap);
             }
+            let of_divergence = if terms.ghost { factor } else { one };
+            if terms.ghost {
+                xv = factor * xv;
+            }
             let slips = image_distance.less(zero);
             if let Some(normal) = layout.normal {
-                let product = image::free_slip_product(one, entry.vector(normal), x, v);
+                let product = image::free_slip_product(of_divergence, entry.vector(normal), x, v);
                 xv = L::select(slips, product, xv);
             }
             divergence = (volume * slope).mul_add(xv, divergence);
@@ -222,6 +272,11 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 drag = L::select(slips, zero, drag);
             }
             damping = damping + drag;
+            if let Some(seen) = layout.seen {
+                for d in 0..D {
+                    v[d] = v_a[d] - entry.column(seen + d);
+                }
+            }
 
             let pressed = edac::pressure_term(shared, difference);
             let drift_along = dot(entry.vector::<D>(layout.drift), x);
@@ -231,6 +286,14 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 along_x[d] = pressed.mul_add(x[d], along);
                 along_v[d] = drag.mul_add(v[d], along_v[d]);
                 push[d] = weight.mul_add(x[d], push[d]);
+            }
+            if SPLIT {
+                for d in 0..D {
+                    pressures[d] = pressed.mul_add(x[d], pressures[d]);
+                }
+                add_scaled(&mut turn[0], carried, cross(x, v_b));
+                add_scaled(&mut turn[1], drag, cross(x, v));
+                add_scaled(&mut turn[2], weight * dot(drift_a, x), cross(x, v_a));
             }
         }
 
@@ -258,11 +321,23 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             pressure_rate: density * squared_speed * inflow + diffusion,
             divergence: -inflow,
             damping: -nu.max(nu_of_pressure) * damping.sum().to_f64(),
+            split: ([0.0; D], [0.0; 3]),
         };
         for d in 0..D {
             let total = along_x[d].mul_add(along_x_scale, along_v[d] * along_v_scale);
             let carried = 0.5 * density * own(layout.velocity + d).to_f64() * drift_along;
             rates.acceleration[d] = total.sum().to_f64() + scale * (mean * push[d] + carried);
+            if SPLIT {
+                let pressed = (pressures[d] * along_x_scale).sum().to_f64();
+                rates.split.0[d] = pressed + scale * mean * push[d];
+            }
+        }
+        if SPLIT {
+            let own_half = L::constant(0.5 * density * scale);
+            rates.split.1 = std::array::from_fn(|c| {
+                let moment = turn[0][c].mul_add(along_x_scale, turn[1][c] * along_v_scale);
+                h * turn[2][c].mul_add(own_half, moment).sum().to_f64()
+            });
         }
         rates
     }

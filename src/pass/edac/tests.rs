@@ -1,14 +1,18 @@
 //! The rates of an evolved pressure against their formulas, conservation and rest.
 
+use glam::DVec3;
+
+use super::body::sum_body_force;
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::lattice::ETA_SQUARED;
+use crate::pass::body::Body;
 use crate::pass::density::sum_density;
 use crate::pass::neighbours::Neighbours;
-use crate::pass::samples::{SPACING, Sample, WATER, assert_close, noise, settings};
+use crate::pass::samples::{SPACING, Sample, WATER, assert_close, dummy_velocity, noise, settings};
 use crate::pass::settings::{PressureLaw, WallPartSettings};
-use crate::physics::wall::WallPressure;
+use crate::physics::wall::{WallModel, WallPressure};
 
 const NU: f64 = 1e-3;
 
@@ -56,6 +60,7 @@ fn density<R: Real, const D: usize>(sample: &mut Sample<R, D>) {
 
 fn rates<R: Real, const D: usize>(sample: &mut Sample<R, D>) -> EdacSummary {
     let edac = edac_of(&sample.pair);
+    sample.velocity_seen();
     sum_rates(&sample.pair, &edac, &sample.grid, &mut sample.particles, &mut sample.sums)
 }
 
@@ -69,7 +74,7 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D], [f
     let neighbours = Neighbours::new(&sample.grid, particles);
     let (mut mean, mut count) = (0.0, 0.0);
     let pressure_of = |b: usize, x: [f64; D]| {
-        if particles.zone[b] == Zone::Wall && pair.wall_pressure == WallPressure::Mirrored {
+        if particles.zone[b] == Zone::Wall && pair.wall_model.pressure() == WallPressure::Mirrored {
             let lift: f64 = (0..D).map(|d| pair.body_force[d] * x[d]).sum();
             particles.pressure[a] - particles.density[a] * lift
         } else {
@@ -101,18 +106,26 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D], [f
         let mut factor = 1.0;
         if wall {
             let image = particles.wall_distance[b] / particles.wall_distance[a].max(0.1 * SPACING);
-            factor = (1.0 + image).min(pair.velocity_cap.unwrap_or(f64::INFINITY));
+            factor = match pair.wall_model {
+                WallModel::Image { velocity_cap, .. } => {
+                    (1.0 + image).min(velocity_cap.unwrap_or(f64::INFINITY))
+                }
+                WallModel::Dummy => 1.0,
+                WallModel::Ghost => 2.0,
+            };
         }
         let drag = if slips { 0.0 } else { harmonic(pair.pair_viscosity()) * softened * factor };
-        let mut xv: f64 = (0..D).map(|d| x[d] * (v_a[d] - v_b[d])).sum();
+        let of_divergence = if wall && pair.wall_model == WallModel::Ghost { 2.0 } else { 1.0 };
+        let seen = if pair.wall_model == WallModel::Dummy { dummy_velocity(sample, b) } else { v_b };
+        let mut xv: f64 = (0..D).map(|d| x[d] * of_divergence * (v_a[d] - v_b[d])).sum();
         if slips {
             let normal =
                 |values: [f64; D]| -> f64 { (0..D).map(|d| particles.wall_normal[d][b] * values[d]).sum() };
-            xv = normal(x) * normal(std::array::from_fn(|d| v_a[d] - v_b[d]));
+            xv = of_divergence * normal(x) * normal(std::array::from_fn(|d| v_a[d] - v_b[d]));
         }
         for d in 0..D {
             let stress = 0.5 * (rho_a * v_a[d] * along(a) + rho_b * v_b[d] * along(b));
-            let force = -p_ab * x[d] + stress + drag * (v_a[d] - v_b[d]);
+            let force = -p_ab * x[d] + stress + drag * (v_a[d] - seen[d]);
             acceleration[d] += squares / m * force * slope;
             background[d] -= edac.background * WATER.reference_density * c * c / m * squares * x[d] * slope;
         }
@@ -171,17 +184,24 @@ fn rates_are_the_printed_sums() {
         check(evolved(kernel, 2, 1.3, usual), [13, 9]);
         check(evolved(kernel, 3, 1.2, usual), [7, 8, 5]);
         let edac = Edac { printed: true, average_pressure: false, background: 0.3, alpha: 1.5, ..usual };
-        check(PairSettings { velocity_cap: Some(1.5), ..evolved(kernel, 2, 1.5, edac) }, [12, 9]);
+        let wall_model = WallModel::Image { velocity_cap: Some(1.5), pressure: WallPressure::Extrapolated };
+        check(PairSettings { wall_model, ..evolved(kernel, 2, 1.5, edac) }, [12, 9]);
         let edac = Edac { lattice_normalised: false, ..usual };
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         let walled = PairSettings {
             wall_parts: vec![WallPartSettings::default(), free_slip],
-            wall_pressure: WallPressure::Mirrored,
+            wall_model: WallModel::Image { velocity_cap: None, pressure: WallPressure::Mirrored },
             body_force: [0.5, -9.81, 0.0],
             ..evolved(kernel, 2, 1.3, edac)
         };
         check(walled.clone(), [12, 9]);
-        check(PairSettings { dimensions: 3, ..walled }, [6, 9, 5]);
+        check(PairSettings { dimensions: 3, ..walled.clone() }, [6, 9, 5]);
+        for wall_model in [WallModel::Dummy, WallModel::Ghost] {
+            let walled = PairSettings { wall_model, ..walled.clone() };
+            check(PairSettings { wall_parts: Vec::new(), ..walled.clone() }, [13, 9]);
+            check(walled.clone(), [12, 9]);
+            check(PairSettings { dimensions: 3, ..walled }, [6, 9, 5]);
+        }
     }
 }
 
@@ -226,6 +246,38 @@ fn momentum_is_conserved_to_rounding_without_the_mean_pressure() {
             let size: f64 = column.iter().map(|a| a.abs()).sum();
             assert!(sum.abs() < 1e-12 * size, "Σ dv/dt = {sum} of {size}");
         }
+    }
+}
+
+#[test]
+fn a_body_gets_what_the_fluid_loses() {
+    for wall_model in [WallModel::default(), WallModel::Dummy, WallModel::Ghost] {
+        let edac = Edac { average_pressure: false, ..Edac::default() };
+        let pair = PairSettings { wall_model, ..evolved(Kernel::QuinticSpline, 2, 1.2, edac) };
+        let mut sample = sample::<f64, 2>(pair, [13, 11], false);
+        stir(&mut sample);
+        for row in 0..sample.particles.len() {
+            let height = (sample.particles.position[1][row] + 0.3) / SPACING - 3.9;
+            sample.particles.wall_distance[row] = height.abs().max(0.1) * SPACING;
+            if height < 0.0 {
+                sample.particles.zone[row] = Zone::Wall;
+                sample.particles.drift[0][row] = 0.0;
+                sample.particles.drift[1][row] = 0.0;
+            }
+        }
+        rates(&mut sample);
+        let mut body = Body::new(0, DVec3::ZERO);
+        let Sample { pair, grid, particles, sums } = &mut sample;
+        let found = sum_body_force(pair, &edac, grid, particles, sums, &mut body);
+        let (mut lost, mut size) = (DVec3::ZERO, 0.0);
+        for row in (0..particles.len()).filter(|&row| particles.zone[row] == Zone::Fluid) {
+            let [x, y] = particles.acceleration.each_ref().map(|column| column[row]);
+            lost -= DVec3::new(x, y, 0.0) * pair.mass;
+            size += x.hypot(y) * pair.mass;
+        }
+        let force = found.pressure_force + found.viscous_force;
+        assert!((force - lost).length() < 1e-12 * size, "{wall_model:?}: {force}, not {lost} of {size}");
+        assert!(found.pressure_force.length() > 1e-3 * size && found.viscous_force.length() > 1e-6 * size);
     }
 }
 

@@ -8,6 +8,8 @@
 //! Alvarado-Rodríguez et al. (2017), Eqs. 10 and 18. The body force is the integrator's. Lengths in the loop are in
 //! units of h, and the kernel without its norm: the dimensions come back once per row.
 
+pub mod body;
+mod layout;
 mod row;
 #[cfg(test)]
 mod tests;
@@ -15,7 +17,8 @@ mod tests;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use row::{Layout, PairLoop};
+use layout::Layout;
+use row::PairLoop;
 
 use super::blocks::for_each_block;
 use super::pack::{Only, Pack, Source};
@@ -126,25 +129,18 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             wall_normal,
             ..
         } = self.particles;
-        let PairSums { shift, divergence, eddy_viscosity, strain, stress, columns, packs, .. } = self.sums;
+        let PairSums {
+            shift, divergence, eddy_viscosity, strain, stress, velocity_seen, columns, packs, ..
+        } = self.sums;
         let layout = self.layout;
-        let mut neighbours: [&[R]; Layout::MOST_COLUMNS] = [&[]; Layout::MOST_COLUMNS];
         let velocity = match self.level {
-            VelocityLevel::Present => velocity,
-            VelocityLevel::Previous => velocity_before,
+            _ if layout.sees_dummies(self.pair) => &*velocity_seen,
+            VelocityLevel::Present => &*velocity,
+            VelocityLevel::Previous => &*velocity_before,
         };
-        let in_order = velocity
-            .iter()
-            .chain([&*density, &*pressure])
-            .chain(strain.iter().take(layout.strain_components::<D>()))
-            .chain(layout.image_distance.map(|_| &columns.image_distance))
-            .chain(wall_normal.iter().filter(|_| layout.normal.is_some()))
-            .chain(stress.iter().take(layout.stress_components::<D>()));
-        let mut count = 0;
-        for (slot, column) in neighbours.iter_mut().zip(in_order) {
-            *slot = column;
-            count += 1;
-        }
+        let images = &columns.image_distance;
+        let (neighbours, count) =
+            layout.in_order(velocity, [&*density, &*pressure], strain, images, wall_normal, stress);
         let source = Source {
             grid: self.grid,
             position,
@@ -231,7 +227,7 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     continue;
                 }
                 let point = self.pack.relative(self.source, row);
-                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS>(
+                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS, false>(
                     self.pack,
                     self.source,
                     point,

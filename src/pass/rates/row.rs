@@ -1,7 +1,8 @@
 //! The pair loop of one row: what every neighbour contributes to it.
 
+use super::layout::Layout;
 use crate::math::kernel::KernelShape;
-use crate::math::lanes::{Lanes, dot};
+use crate::math::lanes::{Lanes, add_scaled, cross, dot};
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
@@ -12,68 +13,6 @@ use crate::physics::shifting::{Shifting, vacondio};
 use crate::physics::sps;
 use crate::physics::viscosity::{Viscosity, artificial, laminar, reconstructed};
 use crate::physics::wall::{WallPressure, image};
-
-/// Which of a pack's columns is what. The coordinates are the first `D`, the velocity the next.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Layout {
-    velocity: usize,
-    density: usize,
-    pressure: usize,
-    /// Components of the rate of strain, only where noise is damped.
-    strain: Option<usize>,
-    /// Only where there are walls.
-    pub image_distance: Option<usize>,
-    /// Wall normals, only where a wall is free-slip.
-    pub normal: Option<usize>,
-    /// Components of T/ρ², only with sub-particle stress.
-    pub stress: Option<usize>,
-    /// All columns, coordinates included.
-    count: usize,
-}
-
-impl Layout {
-    /// Most columns beside the coordinates: velocity, three scalars, strain, normal and stress in 3D.
-    pub const MOST_COLUMNS: usize = 3 + 3 + 6 + 3 + 6;
-
-    /// The columns that every pass has, those of the damping and those of walls.
-    #[inline(always)]
-    const fn plain<const D: usize>(damped: bool, walls: bool) -> Self {
-        let of_flow = 2 * D + 2 + if damped { sps::components(D) } else { 0 };
-        Self {
-            velocity: D,
-            density: 2 * D,
-            pressure: 2 * D + 1,
-            strain: if damped { Some(2 * D + 2) } else { None },
-            image_distance: if walls { Some(of_flow) } else { None },
-            normal: None,
-            stress: None,
-            count: if walls { of_flow + 1 } else { of_flow },
-        }
-    }
-
-    pub fn new<const D: usize>(pair: &PairSettings, has_walls: bool) -> Self {
-        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0, has_walls);
-        if has_walls && pair.has_free_slip() {
-            layout.normal = Some(layout.count);
-            layout.count += D;
-        }
-        if matches!(pair.viscous_term, Viscosity::Sps { .. }) {
-            layout.stress = Some(layout.count);
-            layout.count += sps::components(D);
-        }
-        layout
-    }
-
-    /// Components of the rate of strain that are packed.
-    pub fn strain_components<const D: usize>(&self) -> usize {
-        if self.strain.is_some() { sps::components(D) } else { 0 }
-    }
-
-    /// Components of the stress that are packed.
-    pub fn stress_components<const D: usize>(&self) -> usize {
-        if self.stress.is_some() { sps::components(D) } else { 0 }
-    }
-}
 
 /// The settings of the loop, ready for lanes.
 pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
@@ -110,6 +49,8 @@ pub(super) struct RowRates<const D: usize> {
     pub divergence: f64,
     pub signal_speed: f64,
     pub damping: f64,
+    /// The part of the acceleration that is pressure, and Σ x_ab × (the pair's acceleration), m²/s²; 0 unless asked for.
+    pub split: ([f64; D], [f64; 3]),
 }
 
 impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
@@ -128,9 +69,9 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 artificial: artificial != 0.0,
                 printed,
                 vacondio: matches!(pair.shifting, Shifting::Vacondio { .. }),
-                mirrored: pair.wall_pressure == WallPressure::Mirrored,
+                mirrored: pair.wall_model.pressure() == WallPressure::Mirrored,
             },
-            cap: L::constant(pair.velocity_cap.unwrap_or(f64::INFINITY)),
+            cap: L::constant(pair.wall_model.largest_factor()),
             limit: L::constant(pair.kernel.support_ratio().powi(2)),
             speed_scale: L::constant(pair.tait.sound_speed / pair.tait.reference_density.powi(3)),
             artificial_mass: artificial * pair.mass,
@@ -158,9 +99,15 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.image_distance.is_some()
     }
 
-    /// Sums over a pack for the row at `point` (relative to the pack, in units of h).
+    /// Sums over a pack for the row at `point` (relative to the pack, in units of h); `SPLIT`: with pressure and moment apart.
     #[inline(always)]
-    pub fn sum<K: KernelShape, const PLAIN: bool, const DAMPED: bool, const WALLS: bool>(
+    pub fn sum<
+        K: KernelShape,
+        const PLAIN: bool,
+        const DAMPED: bool,
+        const WALLS: bool,
+        const SPLIT: bool,
+    >(
         &self,
         pack: &Pack<L::Real>,
         source: &Source<L::Real, D>,
@@ -208,7 +155,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let own_pressure =
             momentum::own_pressure(pressure, density, pair.tait.reference_density, pair.tensile_control);
         let own_pressure = L::constant(own_pressure);
-        let inverse_distance = L::constant(image::inverse_distance(wall_distance, pair.spacing));
+        let inverse_distance = L::constant(pair.wall_model.inverse_distance(wall_distance, pair.spacing));
         let speed_a = pair.tait.sound_speed_at(density);
         // Terms along x_ab that are not divided by ρ_a are multiplied by −ρ_a first.
         let artificial_scale = L::constant(-density * self.artificial_mass);
@@ -223,6 +170,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let mut signal = zero;
         let mut distance = zero;
         let mut neighbours = zero;
+        let mut pressed = [zero; D];
+        let mut turn = [[zero; 3]; 2];
 
         for entry in pack.entries::<L>(layout.count) {
             let mut x = [zero; D];
@@ -275,6 +224,11 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 p_b = L::select(is_wall, p_a + dot(weight_a, x), p_b);
             }
             let mut push = momentum::pressure_term(own_pressure, p_b, volume_slope);
+            if SPLIT {
+                for d in 0..D {
+                    pressed[d] = push.mul_add(x[d], pressed[d]);
+                }
+            }
             if terms.artificial {
                 let speed_b = rho_b * rho_b * rho_b * self.speed_scale;
                 let approach = imaged_xv * inverse_softened;
@@ -315,6 +269,9 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 along_x[d] = push.mul_add(x[d], along_x[d]);
                 along_v[d] = drag.mul_add(v[d], along_v[d]);
             }
+            if SPLIT {
+                add_scaled(&mut turn[1], drag, cross(x, v));
+            }
             if let Some(first) = layout.stress {
                 let mut stress = stress_a;
                 for (c, stress) in stress.iter_mut().enumerate().take(sps::components(D)) {
@@ -324,6 +281,9 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 let scale = slope * stress_scale;
                 for d in 0..D {
                     along_x[d] = scale.mul_add(product[d], along_x[d]);
+                }
+                if SPLIT {
+                    add_scaled(&mut turn[0], scale, cross(x, std::array::from_fn::<L, D, _>(|d| product[d])));
                 }
             }
 
@@ -353,11 +313,17 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             divergence: -self.gradient_scale * divergence.sum().to_f64(),
             signal_speed: speed_a + signal.largest().to_f64(),
             damping: -self.viscous_scale * damping.sum().to_f64(),
+            split: ([0.0; D], [0.0; 3]),
         };
         for d in 0..D {
             let total = along_x[d].mul_add(along_x_scale, along_v[d] * along_v_scale);
             rates.acceleration[d] = total.sum().to_f64();
             rates.shift[d] = shift_scale * shift[d].sum().to_f64();
+        }
+        if SPLIT {
+            rates.split.0 = pressed.map(|sum| (sum * along_x_scale).sum().to_f64());
+            let moment = |c: usize| turn[0][c].mul_add(along_x_scale, turn[1][c] * along_v_scale);
+            rates.split.1 = std::array::from_fn(|c| h * moment(c).sum().to_f64());
         }
         rates
     }

@@ -1,5 +1,10 @@
 //! Wall models: the door lists the rooms and holds the closed choices.
+//!
+//! To add a model: a room here; a variant of [`WallModel`] with an arm in each of its functions; in the pair loops, what it
+//! does to a velocity or pressure that these functions cannot say; a row of the table in docs/walls.md, measured.
 
+pub mod dummy;
+pub mod ghost;
 pub mod image;
 
 use serde::{Deserialize, Serialize};
@@ -17,6 +22,11 @@ pub enum WallModel {
         #[serde(default)]
         pressure: WallPressure,
     },
+    /// Dummy particles, Adami et al. (2012): velocity and pressure continue the kernel mean of the fluid's.
+    Dummy,
+    /// Ghost particles of Simcenter STAR-CCM+: for each fluid particle its own velocity turned about that of the wall, and
+    /// its own pressure with the weight between both.
+    Ghost,
 }
 
 impl Default for WallModel {
@@ -25,7 +35,47 @@ impl Default for WallModel {
     }
 }
 
-/// Pressure of an image particle.
+impl WallModel {
+    /// Where the pressure of a wall particle comes from.
+    pub fn pressure(self) -> WallPressure {
+        match self {
+            WallModel::Image { pressure, .. } => pressure,
+            WallModel::Dummy => WallPressure::Extrapolated,
+            WallModel::Ghost => WallPressure::Mirrored,
+        }
+    }
+
+    /// Largest factor by which the difference v_a − v_wall is continued into the wall.
+    pub fn largest_factor(self) -> f64 {
+        match self {
+            WallModel::Image { velocity_cap, .. } => velocity_cap.unwrap_or(f64::INFINITY),
+            WallModel::Dummy => 1.0,
+            WallModel::Ghost => ghost::FACTOR,
+        }
+    }
+
+    /// 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the wall.
+    #[inline(always)]
+    pub fn inverse_distance(self, distance: f64, spacing: f64) -> f64 {
+        match self {
+            WallModel::Image { .. } => image::inverse_distance(distance, spacing),
+            // A wall particle has the velocity that is seen.
+            WallModel::Dummy => 0.0,
+            WallModel::Ghost => ghost::INVERSE_DISTANCE,
+        }
+    }
+
+    /// d_b of the factor 1 + d_b/d_a, m, of a wall particle this far behind the surface.
+    #[inline(always)]
+    pub fn image_distance(self, distance: f64) -> f64 {
+        match self {
+            WallModel::Image { .. } | WallModel::Dummy => distance,
+            WallModel::Ghost => ghost::DISTANCE,
+        }
+    }
+}
+
+/// Pressure of a wall particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WallPressure {
     /// Adami et al. (2012): kernel mean of the fluid's pressure with its hydrostatic part.

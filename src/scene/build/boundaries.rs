@@ -7,11 +7,12 @@ use super::patches::{PatchFile, Site, patch};
 use super::tables;
 use crate::physics::inlet::InletPressure;
 use crate::physics::outlet::{OutletCondition, OutletPressure};
+use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
 use crate::scene::model::{Inlet, InletVelocity, Outlet};
 use crate::scene::notation::tree::Span;
 use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{InletFile, InletVelocityFile, Number, OutletFile, Text};
+use crate::scene::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
 
 /// Layers of an inlet's zone: [A] takes five.
 const INLET_LAYERS: f64 = 5.0;
@@ -111,6 +112,8 @@ fn velocity(
             Some(InletVelocity::TimeTable(rows))
         }
         InletVelocityFile::ProfileTable { file: path } => tables::profile_table(path, folder, check),
+        InletVelocityFile::MassFlow { rate, profile } => metered(rate, "rate", profile.as_ref(), check),
+        InletVelocityFile::MassFlux { flux, profile } => metered(flux, "flux", profile.as_ref(), check),
         InletVelocityFile::PoiseuilleStartup { half_width: given, body_force } => {
             Some(InletVelocity::PoiseuilleStartup {
                 half_width: given.as_ref().map_or(half_width, |given| check.positive(given, "m")),
@@ -118,6 +121,34 @@ fn velocity(
             })
         }
     }
+}
+
+/// A rate in time and a profile in space, not yet scaled to each other: see [`meter`](super::meter).
+fn metered(
+    rate: &Formula,
+    name: &str,
+    profile: Option<&Formula>,
+    check: &mut Checker<'_>,
+) -> Option<InletVelocity> {
+    let mut expression = |formula: &Formula, name: &str, strangers: &[usize], rule: &str, help: &str| {
+        let expression = check.formula(formula);
+        if expression.depends_on(strangers) {
+            let title = format!("`{name}` of an inlet {rule}");
+            check.report(Fault::new(title, formula.span, rule).help(help));
+            return None;
+        }
+        Some(expression)
+    };
+    let (of_time, of_place) = ("must depend on t alone", "must depend on x, y and z alone");
+    let found = expression(rate, name, &[0, 1, 2], of_time, "what varies over the plane goes into `profile`");
+    let shape = match profile {
+        None => Some(Expression::Constant(1.0)),
+        Some(profile) => {
+            let help = format!("what varies in time goes into `{name}`");
+            expression(profile, "profile", &[3], of_place, &help)
+        }
+    };
+    Some(InletVelocity::Metered { rate: found?, profile: shape?, scale: 1.0 })
 }
 
 fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64, f64)> {

@@ -1,8 +1,9 @@
 //! Scene file → scene: every check of values, all faults in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
-//! 3. [`whole`]: what only the parts together show, once each of them is sound
+//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
+//! 3. [`meter`]: speeds of the inlets that are given by the mass they bring, of the rows that the fill gives them
+//! 4. [`whole`]: what only the parts together show, once each of them is sound
 
 use std::path::Path;
 
@@ -14,9 +15,11 @@ use super::geometry::Shape;
 use super::model::{BodyForce, Fill, FluidProperties, Initial, Layout, Reservoir, Scene};
 use super::schema::SceneFile;
 
+pub mod bodies;
 pub mod boundaries;
 pub mod checker;
 pub mod layout;
+pub mod meter;
 pub mod patches;
 pub mod scheme;
 pub mod section;
@@ -90,7 +93,8 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
     };
     let time = settings::time(&file.time, &scheme, check);
     let output = settings::output(&file.output, time.end, check);
-    let (walls, wall_regions) = walls::walls(file.walls.as_ref(), check);
+    let (walls, wall_regions, rings) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
+    let bodies = bodies::bodies(file, (&walls, &wall_regions, &domain), time.end, check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), sound, check);
     let site = patches::Site {
         domain: &domain,
@@ -140,10 +144,12 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
             confines: joined(confines),
             zones,
             wall_regions,
+            rings,
             walled: file.walls.is_some(),
         },
         domain,
         walls,
+        bodies,
         inlets,
         outlets,
         periodic,
@@ -154,6 +160,9 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         reference_velocity: 0.0,
         reference_length: 0.0,
     };
+    if check.blemishes() == before {
+        meter::meter(&mut scene, file, check);
+    }
     settings::derive(&mut scene, file);
     Some(scene)
 }

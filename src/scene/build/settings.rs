@@ -80,7 +80,7 @@ pub fn output(file: &OutputFile, end: f64, check: &mut Checker<'_>) -> OutputSet
     }
     let checkpoint_every =
         file.checkpoint_every.as_ref().map_or(CHECKPOINT_EVERY, |number| check.positive(number, "s"));
-    OutputSettings { every, monitor_every, checkpoint_every, probes }
+    OutputSettings { every, monitor_every, checkpoint_every, forces: file.forces, probes }
 }
 
 fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {

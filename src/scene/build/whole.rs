@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::bodies;
 use crate::particles::zone::Zone;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
@@ -31,6 +32,7 @@ pub fn check(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     // These look at values in whose places harmless ones stand if there are faults.
     if faults.is_empty() {
         probes(scene, file, faults);
+        bodies::have_particles(scene, file, &places, faults);
         fields(scene, file, &places, faults);
     }
 }
@@ -278,6 +280,10 @@ fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fa
             (InletVelocity::Normal(expression), Written::Normal(formula)) => {
                 finite(expression, formula, &points, &all_times);
             }
+            (
+                InletVelocity::Metered { rate: expression, .. },
+                Written::MassFlow { rate: formula, .. } | Written::MassFlux { flux: formula, .. },
+            ) => finite(expression, formula, &[DVec3::ZERO], &all_times),
             (InletVelocity::Components(components), Written::Components(formulas)) => {
                 for (expression, formula) in components.iter().zip(&formulas.value) {
                     finite(expression, formula, &points, &all_times);

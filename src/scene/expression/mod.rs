@@ -72,6 +72,16 @@ impl Expression {
         }
     }
 
+    /// Whether it depends on any of these, of (x, y, z, t) by their place.
+    pub fn depends_on(&self, places: &[usize]) -> bool {
+        match self {
+            Expression::Constant(_) => false,
+            Expression::Formula(formula) => {
+                formula.variables[..formula.count].iter().any(|variable| places.contains(variable))
+            }
+        }
+    }
+
     /// The value if it depends on nothing.
     pub fn constant(&self) -> Option<f64> {
         match self {
@@ -149,6 +159,15 @@ mod tests {
     fn expressions_without_variables_are_folded() {
         let expression = Expression::read("2*(3 + sin(0))", &Constants::default()).map(|e| e.constant());
         assert_eq!(expression.ok().flatten(), Some(6.0));
+    }
+
+    #[test]
+    fn an_expression_knows_what_it_depends_on() {
+        let depends = |text: &str, places: &[usize]| {
+            Expression::read(text, &Constants::default()).expect("an expression").depends_on(places)
+        };
+        assert!(depends("y + t", &[0, 1]) && depends("y + t", &[3]) && !depends("y + t", &[0, 2]));
+        assert!(!depends("2 + 3", &[0, 1, 2, 3]));
     }
 
     #[test]

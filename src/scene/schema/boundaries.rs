@@ -48,6 +48,22 @@ pub struct WallPartFile {
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// How its particles stand behind the surface, default on the lattice of the fluid.
+    #[serde(default)]
+    pub fill: Option<Spanned<WallFillFile>>,
+}
+
+/// How the particles of a part of the walls stand behind its surface.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum WallFillFile {
+    /// On rings in a cylinder, in 2D: the first half a spacing behind the surface, the next a spacing further in.
+    Concentric {
+        /// Centre of the cylinder, m.
+        center: Vector,
+        /// Its radius, m.
+        radius: Number,
+    },
 }
 
 /// An inlet.
@@ -96,6 +112,23 @@ pub enum InletVelocityFile {
     ProfileTable {
         /// CSV file beside the scene.
         file: Text,
+    },
+    /// Mass that flows in, kg/s, in 2D kg/s per metre of depth; the speed along `towards` is the profile, scaled so that all rows of
+    /// particles together carry it.
+    MassFlow {
+        /// Rate, kg/s: a number or an expression of t.
+        rate: Formula,
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        #[serde(default)]
+        profile: Option<Formula>,
+    },
+    /// Mass that flows in per area of the inlet, kg/(s m²); otherwise as `MassFlow`.
+    MassFlux {
+        /// Flux, kg/(s m²): a number or an expression of t.
+        flux: Formula,
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        #[serde(default)]
+        profile: Option<Formula>,
     },
     /// Exact start-up of plane Poiseuille flow from rest.
     PoiseuilleStartup {

@@ -13,11 +13,13 @@ use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
 
+mod bodies;
 mod boundaries;
 mod output;
 mod shapes;
 
-pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallPartFile, WallsFile};
+pub use bodies::BodyFile;
+pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile};
 pub use output::{OutputFile, ProbeFile, ProbeKindFile};
 pub use shapes::{SectionFile, ShapeFile};
 
@@ -93,6 +95,9 @@ pub struct SceneFile {
     /// Everything at the domain's surface that is neither patch nor periodic, default no-slip images; `None` for no wall.
     #[serde(default = "WallsFile::standard")]
     pub walls: Option<Spanned<WallsFile>>,
+    /// Parts of the walls whose force and torque are written.
+    #[serde(default)]
+    pub bodies: Vec<BodyFile>,
     /// Fields at t = 0, default rest.
     #[serde(default)]
     pub initial: InitialFile,

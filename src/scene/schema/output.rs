@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::{Number, Text, Vector};
+use crate::scene::model::ForcesEvery;
 use crate::scene::notation::typed::Spanned;
 
 /// What is written and when.
@@ -14,6 +15,9 @@ pub struct OutputFile {
     /// Interval between rows of the monitor and the probes, s, default a tenth of `every`.
     #[serde(default)]
     pub monitor_every: Option<Number>,
+    /// How often the forces on bodies are written, default `Step`.
+    #[serde(default)]
+    pub forces: ForcesEvery,
     /// Interval between checkpoints, s of wall time, default 600.
     #[serde(default)]
     pub checkpoint_every: Option<Number>,

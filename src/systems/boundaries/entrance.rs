@@ -17,12 +17,9 @@ use glam::DVec3;
 
 use crate::scene::model::{Patch, Scene};
 
-/// Normals nearer to an axis than this are along it.
-const ALONG_AN_AXIS: f64 = 1e-9;
-
 /// Whether a patch lies slantwise to the lattice.
 pub fn is_slantwise(patch: &Patch) -> bool {
-    patch.towards.abs().max_element() < 1.0 - ALONG_AN_AXIS
+    patch.is_slantwise()
 }
 
 /// Whether too little is left behind a particle that crossed at a point (m) of an inlet that is filled once; `places` (m) are

@@ -1,57 +1,83 @@
 //! Velocity and pressure of wall particles.
+//!
+//! A wall particle has the velocity of the surface point in front of it, x_w + d_w n: that of its own place would, inside
+//! a cylinder that turns, be too slow by the depth, and the fluid would see a surface that lags.
 
 use std::ops::Range;
 
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::particles::rows::vector;
+use crate::particles::rows::{real_vector, vector};
 use crate::particles::zone::Zone;
 use crate::pass::blocks::for_each_part;
+use crate::pass::rates::VelocityLevel;
+use crate::pass::wall_velocity::find_velocity_seen;
 use crate::pass::walls::extrapolate_wall_pressure;
 use crate::physics::wall::{WallModel, WallPressure};
 use crate::scene::model::WallPart;
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
+use crate::systems::rates::{StepsSincePlain, Sums, level};
 use crate::systems::setup::SceneInUse;
 use bevy_ecs::system::{Res, ResMut};
 
-/// Sets the velocity of walls whose surface moves, and the pressure of wall particles from the flow next to them.
+/// Sets the velocity of walls whose surface moves, and pressure and velocity of wall particles from the flow next to them, as
+/// the wall model asks.
 pub fn apply_walls<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
+    since_plain: Option<Res<StepsSincePlain>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
     let time = clock.time;
     let parts = &scene.walls.parts;
-    let moves = |part: &WallPart| part.velocity.iter().any(|component| component.constant() != Some(0.0));
-    if parts.iter().any(moves) {
-        let ParticleArrays { zone, patch, position, velocity, .. } = &mut *arrays;
+    if parts.iter().any(WallPart::moves) {
+        let ParticleArrays {
+            zone,
+            patch,
+            position,
+            velocity,
+            velocity_before,
+            wall_distance,
+            wall_normal,
+            ..
+        } = &mut *arrays;
         let (zone, patch, position) = (&*zone, &*patch, &*position);
-        let work = |rows: Range<usize>, velocity: [&mut [R]; D]| {
+        let (wall_distance, wall_normal) = (&*wall_distance, &*wall_normal);
+        let work = |rows: Range<usize>, (velocity, before): Columns<R, D>| {
             for (at, row) in rows.enumerate() {
                 if zone[row] != Zone::Wall {
                     continue;
                 }
                 let part = &parts[usize::from(patch[row])];
-                if moves(part) {
-                    let x = vector(position, row);
+                if part.moves() {
+                    let depth = wall_distance[row].to_f64();
+                    let surface = vector(position, row) + real_vector(wall_normal, row) * depth;
+                    let now = part.velocity_at(surface, time);
                     for axis in 0..D {
-                        let speed = part.velocity[axis].value(x.x, x.y, x.z, time);
-                        velocity[axis][at] = R::from_f64(speed);
+                        before[axis][at] = velocity[axis][at];
+                        velocity[axis][at] = R::from_f64(now[axis]);
                     }
                 }
             }
         };
-        for_each_part(0..zone.len(), velocity.each_mut().map(Vec::as_mut_slice), &work);
+        let columns =
+            (velocity.each_mut().map(Vec::as_mut_slice), velocity_before.each_mut().map(Vec::as_mut_slice));
+        for_each_part(0..zone.len(), columns, &work);
     }
-    let WallModel::Image { pressure, .. } = scene.walls.model;
-    if pressure == WallPressure::Extrapolated {
+    if scene.walls.model.pressure() == WallPressure::Extrapolated {
         extrapolate_wall_pressure(&pair.0, &grid.0, &mut arrays, &mut sums.0);
     }
+    if scene.walls.model == WallModel::Dummy {
+        let level = since_plain.map_or(VelocityLevel::Present, |since| level(*since));
+        find_velocity_seen(&pair.0, &grid.0, &arrays, level, &mut sums.0);
+    }
 }
+
+/// Velocities, present and before, of a part's rows.
+type Columns<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D]);

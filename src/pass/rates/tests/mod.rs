@@ -2,17 +2,20 @@
 
 mod reference;
 
+use glam::DVec3;
 use reference::reference;
 
+use super::body::sum_body_force;
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
+use crate::pass::body::{Body, BodySum};
 use crate::pass::samples::{SPACING, Sample, WATER, assert_close, noise, settings};
 use crate::pass::settings::WallPartSettings;
 use crate::physics::shifting::Shifting;
 use crate::physics::sps;
 use crate::physics::viscosity::Viscosity;
-use crate::physics::wall::WallPressure;
+use crate::physics::wall::{WallModel, WallPressure};
 
 const NU: f64 = 1e-3;
 
@@ -81,7 +84,9 @@ fn rates_are_the_printed_sums() {
         check(viscous(kernel, 3, 1.2), [7, 8, 5]);
         for (lattice_normalised, printed) in [(true, true), (false, true), (false, false)] {
             let viscous_term = Viscosity::Laminar { lattice_normalised, printed };
-            check(PairSettings { viscous_term, velocity_cap: Some(1.5), ..viscous(kernel, 2, 1.5) }, [12, 9]);
+            let wall_model =
+                WallModel::Image { velocity_cap: Some(1.5), pressure: WallPressure::Extrapolated };
+            check(PairSettings { viscous_term, wall_model, ..viscous(kernel, 2, 1.5) }, [12, 9]);
         }
         check(
             PairSettings {
@@ -103,12 +108,22 @@ fn rates_are_the_printed_sums() {
         check(
             PairSettings {
                 wall_parts: vec![WallPartSettings::default(), free_slip],
-                wall_pressure: WallPressure::Mirrored,
+                wall_model: WallModel::Image { velocity_cap: None, pressure: WallPressure::Mirrored },
                 body_force: [0.5, -9.81, 0.0],
                 ..viscous(kernel, 2, 1.3)
             },
             [12, 9],
         );
+        for wall_model in [WallModel::Dummy, WallModel::Ghost] {
+            let body_force = [0.5, -9.81, 0.0];
+            let plain = PairSettings { wall_model, body_force, ..viscous(kernel, 2, 1.3) };
+            let slippery = vec![WallPartSettings::default(), free_slip];
+            check(plain.clone(), [13, 9]);
+            check(PairSettings { wall_parts: slippery.clone(), ..plain.clone() }, [12, 9]);
+            check(PairSettings { wall_parts: slippery, dimensions: 3, ..plain.clone() }, [7, 8, 5]);
+            check(PairSettings { noise_damping: 0.2, ..plain.clone() }, [12, 9]);
+            check(PairSettings { viscous_term: Viscosity::Artificial { alpha: 0.1 }, ..plain }, [12, 9]);
+        }
     }
 }
 
@@ -130,6 +145,106 @@ fn two_particles_push_and_drag_each_other() {
     assert!((along[first] / push - 1.0).abs() < 1e-12 && (across[first] / -drag - 1.0).abs() < 1e-12);
     assert!((along[first] + along[second]).abs() < 1e-12 * push.abs());
     assert!((across[first] + across[second]).abs() < 1e-12 * drag.abs());
+}
+
+/// Settings of a wall that is a body, and its sums for a sample whose rates are found.
+fn body_of<const D: usize>(sample: &mut Sample<f64, D>, about: DVec3) -> BodySum {
+    sample.rates();
+    let mut body = Body::new(0, about);
+    let level = VelocityLevel::Present;
+    sum_body_force(&sample.pair, &sample.grid, &sample.particles, level, &mut sample.sums, &mut body)
+}
+
+const WALLS: [WallModel; 3] = [
+    WallModel::Image { velocity_cap: None, pressure: WallPressure::Extrapolated },
+    WallModel::Dummy,
+    WallModel::Ghost,
+];
+
+#[test]
+fn a_body_of_one_particle_gets_what_its_neighbour_loses() {
+    for wall_model in WALLS {
+        let pair =
+            PairSettings { wall_model, body_force: [0.0, -9.0, 0.0], ..viscous(Kernel::WendlandC2, 3, 1.3) };
+        let mut sample = Sample::<f64, 3>::lattice(pair, [2, 1, 1], false);
+        let [fluid, wall] = [0, 1].map(|id| sample.row(id));
+        sample.particles.zone[wall] = Zone::Wall;
+        sample.particles.position[1][wall] += 0.3 * SPACING;
+        for distance in &mut sample.particles.wall_distance {
+            *distance = 0.5 * SPACING;
+        }
+        sample.particles.pressure[fluid] = 50.0;
+        sample.particles.velocity[1][fluid] = 0.3;
+        sample.particles.velocity[2][fluid] = -0.2;
+        let about = DVec3::new(0.1, -0.2, 0.3);
+        let found = body_of(&mut sample, about);
+        let of =
+            |columns: &[Vec<f64>; 3], row: usize| DVec3::from(columns.each_ref().map(|column| column[row]));
+        let lost = of(&sample.particles.acceleration, fluid) * -sample.pair.mass;
+        let (force, torque) =
+            (found.pressure_force + found.viscous_force, found.pressure_torque + found.viscous_torque);
+        assert!((force - lost).length() < 1e-13 * lost.length(), "{force} {lost}");
+        let arm = of(&sample.particles.position, wall) - about;
+        let expected = arm.cross(lost);
+        assert!((torque - expected).length() < 1e-12 * expected.length(), "{torque} {expected}");
+        let along = of(&sample.particles.position, fluid) - of(&sample.particles.position, wall);
+        assert!(
+            found.pressure_force.cross(along).length()
+                < 1e-13 * found.pressure_force.length() * along.length()
+        );
+        // The velocity stands across x_ab in z and nearly so in y; F = −m · 4 ν m v/(ρ_a + ρ_b) · F_ab.
+        assert!(
+            found.viscous_force.length() > 0.0 && found.viscous_force.x == 0.0,
+            "{}",
+            found.viscous_force
+        );
+    }
+}
+
+#[test]
+fn bodies_get_what_the_fluid_loses() {
+    let viscous_terms = [
+        Viscosity::default(),
+        Viscosity::Artificial { alpha: 0.1 },
+        Viscosity::Sps { smagorinsky: 0.12, isotropic: 0.0066, lattice_normalised: true },
+    ];
+    for (wall_model, viscous_term) in
+        WALLS.into_iter().flat_map(|wall| viscous_terms.map(|term| (wall, term)))
+    {
+        let pair = PairSettings {
+            wall_model,
+            viscous_term,
+            tensile_control: false,
+            ..viscous(Kernel::WendlandC2, 2, 1.3)
+        };
+        let mut sample = Sample::<f64, 2>::lattice(pair, [13, 11], false);
+        sample.stir(0.3, 1.0);
+        for column in sample.sums.stress.iter_mut().take(sps::components(2)) {
+            *column = sample.particles.id.iter().map(|id| 0.1 * noise(id * 64 + 5)).collect();
+        }
+        for row in 0..sample.particles.len() {
+            sample.particles.pressure[row] = 100.0 * noise(8 * sample.particles.id[row] + 7);
+            let height = (sample.particles.position[1][row] + 0.3) / SPACING - 2.9;
+            sample.particles.wall_distance[row] = height.abs().max(0.1) * SPACING;
+            if height < 0.0 {
+                sample.particles.zone[row] = Zone::Wall;
+            }
+        }
+        let found = body_of(&mut sample, DVec3::ZERO);
+        let mut lost = DVec3::ZERO;
+        let mut size = 0.0;
+        for row in (0..sample.particles.len()).filter(|&row| sample.particles.zone[row] == Zone::Fluid) {
+            let [x, y] = sample.particles.acceleration.each_ref().map(|column| column[row]);
+            lost -= DVec3::new(x, y, 0.0) * sample.pair.mass;
+            size += x.hypot(y) * sample.pair.mass;
+        }
+        let force = found.pressure_force + found.viscous_force;
+        assert!(
+            (force - lost).length() < 1e-13 * size,
+            "{wall_model:?}, {viscous_term:?}: {force}, not {lost}"
+        );
+        assert!(found.pressure_force.length() > 0.0 && found.viscous_force.length() > 0.0);
+    }
 }
 
 #[test]

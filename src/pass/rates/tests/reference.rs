@@ -2,11 +2,11 @@
 
 use crate::particles::zone::Zone;
 use crate::pass::neighbours::Neighbours;
-use crate::pass::samples::{Sample, WATER};
+use crate::pass::samples::{Sample, WATER, dummy_velocity};
 use crate::physics::shifting::Shifting;
 use crate::physics::sps;
 use crate::physics::viscosity::Viscosity;
-use crate::physics::wall::WallPressure;
+use crate::physics::wall::{WallModel, WallPressure};
 
 /// The rates of a row by the formulas as they are printed, in SI units, neighbour by neighbour: acceleration, shift,
 /// divergence, signal.
@@ -32,10 +32,20 @@ pub fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D]
         let free_slip = wall && pair.wall_part(particles.patch[b]).free_slip;
         let mut factor = 1.0;
         if wall {
-            factor = 1.0 + particles.wall_distance[b] / particles.wall_distance[a];
-            factor = factor.min(pair.velocity_cap.unwrap_or(f64::INFINITY));
+            factor = match pair.wall_model {
+                WallModel::Image { velocity_cap, .. } => {
+                    let factor = 1.0 + particles.wall_distance[b] / particles.wall_distance[a];
+                    factor.min(velocity_cap.unwrap_or(f64::INFINITY))
+                }
+                WallModel::Dummy => 1.0,
+                WallModel::Ghost => 2.0,
+            };
         }
-        let v: [f64; D] = std::array::from_fn(|d| particles.velocity[d][a] - particles.velocity[d][b]);
+        let mut v_b: [f64; D] = std::array::from_fn(|d| particles.velocity[d][b]);
+        if pair.wall_model == WallModel::Dummy {
+            v_b = dummy_velocity(sample, b);
+        }
+        let v: [f64; D] = std::array::from_fn(|d| particles.velocity[d][a] - v_b[d]);
         let dot = |a: [f64; D], b: [f64; D]| (0..D).map(|d| a[d] * b[d]).sum::<f64>();
         let mut xv = factor * dot(x, v);
         if free_slip {
@@ -43,7 +53,7 @@ pub fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D]
             xv = factor * dot(x, normal) * dot(v, normal);
         }
         let mut p_b = particles.pressure[b];
-        if wall && pair.wall_pressure == WallPressure::Mirrored {
+        if wall && pair.wall_model.pressure() == WallPressure::Mirrored {
             p_b = p_a - rho_a * (0..D).map(|d| pair.body_force[d] * x[d]).sum::<f64>();
         }
         let tension = pair.tensile_control && p_a < 0.0 && rho_a >= 0.95 * WATER.reference_density;

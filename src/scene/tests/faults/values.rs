@@ -44,6 +44,53 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
 }
 
 #[test]
+fn an_inlet_by_its_mass_has_a_rate_in_time_and_a_profile_in_space() {
+    let normal = "Normal(\"v0 * y\")";
+    let report =
+        check(normal, "MassFlow(rate: \"1 + y\")", "`rate` of an inlet must depend on t alone", "\"1 + y\"");
+    assert!(report.contains("what varies over the plane goes into `profile`"), "{report}");
+    let flux = "MassFlux(flux: 3, profile: \"y*t\")";
+    let report = check(normal, flux, "`profile` of an inlet must depend on x, y and z alone", "\"y*t\"");
+    assert!(report.contains("what varies in time goes into `flux`"), "{report}");
+    let backwards = "MassFlow(rate: 1, profile: \"0.2 - y\")";
+    check(normal, backwards, "`profile` of an inlet carries nothing into the domain", "\"0.2 - y\"");
+    check(normal, "MassFlow(rate: \"1/(t - 0.5)\")", "a field is not finite", "\"1/(t - 0.5)\"");
+    let report = check(normal, "MassFlow(rate: 1, mass: 1)", "unknown field `mass`", "mass");
+    assert!(report.contains("allowed: `rate`, `profile`"), "{report}");
+}
+
+#[test]
+fn a_body_is_a_part_of_the_walls_with_all_its_references() {
+    let bodies = |body: &str| {
+        format!(
+            "walls: (slip: NoSlip, parts: [(name: \"lid\", region: Box(min: (0.0, 0.3), max: (1.0, 0.5)))]), bodies: [{body}]"
+        )
+    };
+    let walls = "walls: (slip: NoSlip)";
+    let report = check(walls, &bodies("(part: \"lit\")"), "the walls have no part `lit`", "\"lit\"");
+    assert!(report.contains("did you mean `lid`?") && report.contains("`walls`"), "{report}");
+    let lid = "\"lid\"";
+    let report =
+        check(walls, &bodies("(part: \"lid\", velocity: 1.0)"), "`area` of the body `lid` is missing", lid);
+    assert!(report.contains("give `area`") && report.contains("or neither"), "{report}");
+    check(walls, &bodies("(part: \"lid\", area: 1.0)"), "`velocity` of the body `lid` is missing", lid);
+    check(walls, &bodies("(part: \"lid\", length: 1.0)"), "`velocity` of the body `lid` is missing", lid);
+    check(
+        walls,
+        &bodies("(part: \"lid\", velocity: -2, area: 1.0)"),
+        "`velocity` must be finite and greater",
+        "-2",
+    );
+    let late = "(part: \"lid\", mean: (0.5, 2.5))";
+    check(walls, &bodies(late), "the interval of a time mean is wrong", "(0.5, 2.5)");
+    let far = bodies("(part: \"lid\")").replace("(0.0, 0.3), max: (1.0, 0.5)", "(5.0, 0.3), max: (6.0, 0.5)");
+    check(walls, &far, "the body `lid` has no particles", lid);
+    let ring = bodies("")
+        .replace("max: (1.0, 0.5))", "max: (1.0, 0.5)), fill: Concentric(center: (0.5, 0.2), radius: 0.1)");
+    check(walls, &ring, "the circle of `Concentric` is not the surface of the domain", "Concentric");
+}
+
+#[test]
 fn expression_faults_point_into_the_text() {
     let report = check("\"v0 * y\"", "\"v0 * velo\"", "unknown name `velo`", "velo");
     assert!(report.contains("at Some((14, 88))"), "{report}");

@@ -1,0 +1,41 @@
+//! Bodies: parts of the wall whose force and torque are written.
+
+use glam::DVec3;
+
+/// A part of the wall as a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name of the part.
+    pub name: String,
+    /// Index of the part.
+    pub part: u16,
+    /// Point that torques are about, m.
+    pub about: DVec3,
+    /// What forces are made dimensionless by; None: there are no coefficients.
+    pub reference: Option<BodyReference>,
+    /// Interval of the time mean and of the spectrum, s.
+    pub mean: (f64, f64),
+    /// Whether means, amplitudes and spectrum are of the running mean over five rows.
+    pub five_point_mean: bool,
+}
+
+/// References of the coefficients c = F/(½ ρ0 u∞² A) and of the Strouhal number f L/u∞.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BodyReference {
+    /// u∞, m/s, > 0.
+    pub velocity: f64,
+    /// A, m² (m in 2D), > 0.
+    pub area: f64,
+    /// L, m, > 0.
+    pub length: f64,
+}
+
+/// How often the forces on bodies are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum ForcesEvery {
+    /// In every step.
+    #[default]
+    Step,
+    /// In the steps that begin with a row of the monitor.
+    Row,
+}

@@ -1,0 +1,135 @@
+//! Force and torque on bodies against what is known of them: the figures of docs/bodies.md, which `--nocapture` prints.
+
+use std::f64::consts::PI;
+
+use sphecs::glam::DVec3;
+use sphecs::pass::body::BodySum;
+use sphecs::simulation::Simulation;
+
+use crate::channel::COUETTE;
+use crate::flow;
+use crate::walls::ANNULUS;
+
+const SCHEMES: [&str; 2] = ["Wcsph()", "EdacTvf()"];
+
+fn force(body: &BodySum) -> DVec3 {
+    body.pressure_force + body.viscous_force
+}
+
+/// A cylinder in a closed box of water under gravity.
+const SUBMERGED: &str = r#"Scene(
+    title: "Submerged cylinder", dimensions: 2, spacing: 0.04, smoke: 0.08,
+    fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+    domain: Difference([Box(min: (-0.6, -0.6), max: (0.6, 0.6)), Circle(center: (0.0, 0.0), radius: 0.24)]),
+    walls: (parts: [(name: "cylinder", region: Circle(center: (0.0, 0.0), radius: 0.4))]),
+    bodies: [(part: "cylinder"), (part: "walls")],
+    body_force: (0.0, -1.0),
+    time: (end: 10.0), output: (every: 0.1), reference: (velocity: 1.0, length: 1.0),
+)"#;
+
+/// Mean forces on cylinder and box over a tenth of a second, when the water has come to rest.
+fn at_rest(set: &[(&str, &str)]) -> (Simulation, [DVec3; 2]) {
+    let mut simulation = flow(SUBMERGED, set);
+    simulation.run_until(6.0).expect("water at rest");
+    let mut sums = [DVec3::ZERO; 2];
+    for _ in 0..50 {
+        simulation.step().expect("water at rest");
+        for (sum, body) in sums.iter_mut().zip(&simulation.body_forces().forces) {
+            *sum += force(body) / 50.0;
+        }
+    }
+    (simulation, sums)
+}
+
+/// Cylinder and box together carry the weight of the water, and the cylinder is lifted by what it displaces: the box alone would carry
+/// more. Rings stand for the round of the cylinder, a lattice for its stairs.
+#[test]
+fn a_submerged_cylinder_is_lifted_by_what_it_displaces() {
+    for (scheme, weight_band, bands) in
+        [(SCHEMES[0], 0.006, [0.075, 0.02]), (SCHEMES[1], 1e-4, [0.075, 0.015])]
+    {
+        for (fill, band) in
+            [None, Some("Concentric(center: (0.0, 0.0), radius: 0.24)")].into_iter().zip(bands)
+        {
+            let mut set = vec![("scheme", scheme)];
+            set.extend(fill.map(|fill| ("walls.parts.0.fill", fill)));
+            let (mut simulation, [cylinder, walls]) = at_rest(&set);
+            let weight = simulation.monitor_row().mass[0];
+            let lift = 1000.0 * PI * 0.24 * 0.24;
+            let (of_lift, of_weight) = (cylinder.y / lift - 1.0, (cylinder.y + walls.y) / -weight - 1.0);
+            println!(
+                "{scheme}, {}: lift off by {:.2} %, weight by {:.3} %, force aside {:.4} of the lift",
+                fill.unwrap_or("lattice"),
+                100.0 * of_lift,
+                100.0 * of_weight,
+                cylinder.x / lift
+            );
+            assert!(of_lift.abs() < band, "{scheme}, {fill:?}: {cylinder} N/m, not {lift} N/m");
+            assert!(
+                of_weight.abs() < weight_band,
+                "{scheme}, {fill:?}: {} of {weight} N/m",
+                cylinder.y + walls.y
+            );
+            assert!(cylinder.x.abs() < 0.001 * lift, "{scheme}, {fill:?}: {cylinder} N/m");
+        }
+    }
+}
+
+/// Steady Couette flow drags lid and floor with μ U/H per area, half a metre of it here: 50 N/m.
+#[test]
+fn a_lid_is_dragged_by_the_shear() {
+    for scheme in SCHEMES {
+        let set = [
+            ("scheme", scheme),
+            ("initial", "(velocity: (\"U*y\", 0.0))"),
+            ("bodies", "[(part: \"lid\", velocity: \"U\", area: 0.5), (part: \"walls\")]"),
+        ];
+        let mut simulation = flow(COUETTE, &set);
+        simulation.run_until(5.0).expect("a channel flow");
+        let row = simulation.body_forces();
+        let [lid, floor] = [0, 1].map(|body| row.forces[body].viscous_force.x);
+        println!("{scheme}: {lid} N/m on the lid, {floor} N/m on the floor, of 50");
+        assert!(
+            (lid / -50.0 - 1.0).abs() < 0.01 && (floor / 50.0 - 1.0).abs() < 0.01,
+            "{scheme}: {lid}, {floor}"
+        );
+    }
+}
+
+/// Torque on the turning inner and the outer cylinder, started as it ends, after the time in which shear crosses the gap of ten rows. The
+/// shear turns the outer one by 4π μ ω R² S²/(S² − R²) = 837.8 N per metre. The viscous sums are those of ν ∇²v, whose traction is
+/// μ ∂v/∂n; on a surface that turns it lacks the transposed gradient, 2 μ ω π R² = 314.2 N of torque on the inner one.
+#[test]
+fn cylinders_are_turned_by_the_shear_between_them() {
+    let torque = 4.0 * PI * 100.0 * 2.0 * 0.25 / 0.75;
+    let of_sums = torque - 2.0 * 100.0 * 2.0 * PI * 0.25;
+    let inner_rings = "Concentric(center: (0.0, 0.0), radius: 0.5)";
+    for (scheme, bands) in [(SCHEMES[0], [0.035, 0.07]), (SCHEMES[1], [0.06, 0.035])] {
+        for (fill, band) in [None, Some(inner_rings)].into_iter().zip(bands) {
+            let mut set = vec![
+                ("scheme", scheme),
+                ("bodies", "[(part: \"inner\"), (part: \"walls\", about: (0.0, 0.0))]"),
+            ];
+            set.extend(fill.map(|fill| ("walls.parts.0.fill", fill)));
+            let mut simulation = flow(ANNULUS, &set);
+            simulation.run_until(2.5).expect("a flow in a ring");
+            let (mut inner, mut outer) = (0.0, 0.0);
+            for _ in 0..100 {
+                simulation.step().expect("a flow in a ring");
+                let row = simulation.body_forces();
+                let about =
+                    |body: usize| row.forces[body].pressure_torque.z + row.forces[body].viscous_torque.z;
+                inner += about(0) / 100.0;
+                outer += about(1) / 100.0;
+            }
+            let (of_inner, of_outer) = (inner / -of_sums - 1.0, outer / torque - 1.0);
+            println!(
+                "{scheme}, {}: torque off by {:.2} % inside, {:.2} % outside",
+                fill.unwrap_or("lattice"),
+                100.0 * of_inner,
+                100.0 * of_outer
+            );
+            assert!(of_inner.abs() < band && of_outer.abs() < band, "{scheme}, {fill:?}: {inner}, {outer} N");
+        }
+    }
+}

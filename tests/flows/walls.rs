@@ -1,0 +1,189 @@
+//! Every wall model under both schemes against exact solutions: the figures of docs/walls.md, which `--nocapture` prints. The bands
+//! are some tenths above what was measured.
+
+use sphecs::glam::DVec3;
+use sphecs::physics::inlet::poiseuille::startup_velocity;
+use sphecs::simulation::Simulation;
+
+use crate::channel::{COUETTE, SLIPPERY, couette, largest_error};
+use crate::rest::BOX;
+use crate::{flow, fluid, shipped_flow};
+
+/// What a wall is made of, in the order of the tables below.
+const MODELS: [&str; 3] = ["Image()", "Dummy", "Ghost"];
+
+/// The schemes, in the order of the tables below.
+const SCHEMES: [&str; 2] = ["Wcsph()", "EdacTvf()"];
+
+/// Measures each model under each scheme and holds it to its band; `bands[scheme][model]`.
+#[track_caller]
+fn check(what: &str, bands: [[f64; 3]; 2], measure: impl Fn(&str, &str) -> f64) {
+    let mut faults = Vec::new();
+    for (scheme, bands) in SCHEMES.into_iter().zip(bands) {
+        for (model, band) in MODELS.into_iter().zip(bands) {
+            let error = measure(scheme, model);
+            println!("{what}, {scheme}, {model}: {:.4} % (at most {:.4} %)", 100.0 * error, 100.0 * band);
+            if error.is_nan() || error > band {
+                faults.push(format!("{what}, {scheme}, {model}: {error}, at most {band}"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// Largest error of u over the peak of the steady flow at 0.15 and 1 s of the start-up, 25 rows.
+#[test]
+fn poiseuille_starts_up_between_walls_of_every_model() {
+    check("Poiseuille", [[0.003, 0.0055, 0.013], [0.0033, 0.0055, 0.015]], |scheme, model| {
+        let walls = format!("(model: {model})");
+        let set = [("spacing", "4.0e-5"), ("scheme", scheme), ("walls", walls.as_str())];
+        let mut simulation = shipped_flow("poiseuille_periodic.ron", &set);
+        let mut error = 0.0_f64;
+        for time in [0.15, 1.0] {
+            simulation.run_until(time).expect("a channel flow");
+            let t = simulation.clock().time;
+            let exact = |y: f64| startup_velocity(y, t, 5e-4, 1e-4, 1e-6);
+            error = error.max(largest_error(&mut simulation, exact) / 1.25e-5);
+        }
+        error
+    });
+}
+
+/// Largest error of u over the lid's speed at 0.5 s of the start-up and of the steady flow, 20 rows.
+#[test]
+fn couette_flow_starts_up_between_walls_of_every_model() {
+    check("Couette", [[0.002, 0.0024, 0.01], [0.0033, 0.0033, 0.0105]], |scheme, model| {
+        couette_error(&[("scheme", scheme), ("walls.model", model)], |y, t| couette(y, t), &[0.5, 8.0])
+    });
+}
+
+/// Largest error of u at some times, s.
+fn couette_error(set: &[(&str, &str)], exact: impl Fn(f64, f64) -> f64, times: &[f64]) -> f64 {
+    let mut simulation = flow(COUETTE, set);
+    let mut error = 0.0_f64;
+    for &time in times {
+        simulation.run_until(time).expect("a channel flow");
+        let t = simulation.clock().time;
+        error = error.max(largest_error(&mut simulation, |y| exact(y, t)));
+    }
+    error
+}
+
+/// The same in single precision: the error is the model's, not that of the numbers.
+#[test]
+fn every_model_works_in_single_precision() {
+    check("Couette in F32", [[0.002, 0.0024, 0.01], [0.0033, 0.0033, 0.0105]], |scheme, model| {
+        let set = [("scheme", scheme), ("walls.model", model), ("precision", "F32")];
+        couette_error(&set, |y, t| couette(y, t), &[0.5])
+    });
+}
+
+/// Plane Couette flow in space, 10 rows.
+const SLAB: &str = r#"Scene(
+    title: "Plane Couette flow in space", dimensions: 3, spacing: 0.1, smoke: 0.1,
+    fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+    domain: Box(min: (0.0, 0.0, 0.0), max: (0.4, 1.0, 0.4)),
+    periodic: ["x", "z"],
+    walls: (parts: [(
+        name: "lid", region: Box(min: (-1.0, 0.9, -1.0), max: (2.0, 2.0, 2.0)), velocity: (1.0, 0.0, 0.0),
+    )]),
+    time: (end: 20.0), output: (every: 1.0), reference: (velocity: 1.0, length: 1.0),
+)"#;
+
+#[test]
+fn every_model_works_in_space() {
+    check("Couette in 3D", [[0.006, 0.006, 0.016], [0.007, 0.007, 0.011]], |scheme, model| {
+        let mut simulation = flow(SLAB, &[("scheme", scheme), ("walls.model", model)]);
+        simulation.run_until(1.0).expect("a channel flow");
+        let t = simulation.clock().time;
+        largest_error(&mut simulation, |y| couette(y, t))
+    });
+}
+
+/// u(y, t) under a lid that moves with sin(ωt): Im[sinh(ky)/sinh(k) exp(iωt)], k = (1 + i) √(ω/2ν), ν = 0.1 m²/s, ω = 4/s.
+fn oscillating(y: f64, t: f64) -> f64 {
+    let k = (4.0_f64 / 0.2).sqrt();
+    let sinh = |a: f64| (a.sinh() * a.cos(), a.cosh() * a.sin());
+    let ((a, b), (c, d)) = (sinh(k * y), sinh(k));
+    let (re, im) = ((a * c + b * d) / (c * c + d * d), (b * c - a * d) / (c * c + d * d));
+    re * (4.0 * t).sin() + im * (4.0 * t).cos()
+}
+
+/// A surface whose speed changes, after the start has died out; the dissipative terms of a leapfrog step see the surface's speed one
+/// step earlier, and not that of the start.
+#[test]
+fn a_lid_that_swings_drags_the_fluid_along() {
+    check("swinging lid", [[0.02, 0.025, 0.028], [0.02, 0.026, 0.029]], |scheme, model| {
+        let lid = "(\"sin(4*t)\", 0.0)";
+        let set = [("scheme", scheme), ("walls.model", model), ("walls.parts.0.velocity", lid)];
+        couette_error(&set, oscillating, &[6.0, 6.3, 6.6, 6.9])
+    });
+}
+
+/// Largest error of the pressure, over that of the whole depth, at points up to 0.1 m from lid and floor; 20 rows.
+#[test]
+fn water_in_a_box_carries_its_weight_on_walls_of_every_model() {
+    check("hydrostatic pressure", [[0.002; 3], [0.0007; 3]], |scheme, model| {
+        let walls = format!("(model: {model})");
+        let mut simulation = flow(BOX, &[("scheme", scheme), ("walls", walls.as_str())]);
+        simulation.run_until(8.0).expect("water at rest");
+        assert_eq!(simulation.monitor_row().through_walls, 0);
+        let heights = (0..9).map(|i| -0.4 + 0.1 * f64::from(i));
+        let points: Vec<DVec3> = heights.map(|y| DVec3::new(0.02, y, 0.0)).collect();
+        let samples = simulation.sample(&points);
+        let pressures: Vec<f64> = samples.iter().map(|sample| sample.expect("water").pressure).collect();
+        // The mean is that of the filling, which an evolved pressure keeps to the squares of what settled.
+        let mean = pressures.iter().sum::<f64>() / 9.0;
+        let off = points.iter().zip(&pressures).map(|(at, p)| (p - mean + 1000.0 * at.y).abs());
+        off.fold(0.0, f64::max) / 1000.0
+    });
+}
+
+/// Fluid between a cylinder that turns and one at rest, started as it ends.
+pub const ANNULUS: &str = r#"Scene(
+    title: "Fluid between two cylinders", dimensions: 2, spacing: 0.05, smoke: 0.1,
+    constants: {"R": 0.5, "S": 1.0, "w": 2.0, "B": "w/(1/R^2 - 1/S^2)", "A": "-B/S^2"},
+    fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+    domain: Difference([Circle(center: (0.0, 0.0), radius: "S"), Circle(center: (0.0, 0.0), radius: "R")]),
+    walls: (parts: [(
+        name: "inner", region: Circle(center: (0.0, 0.0), radius: 0.75), velocity: ("-w*y", "w*x"),
+    )]),
+    initial: (velocity: ("-(A + B/(x^2 + y^2))*y", "(A + B/(x^2 + y^2))*x")),
+    time: (end: 20.0), output: (every: 1.0), reference: (velocity: 1.0, length: 0.5),
+)"#;
+
+/// Root of the mean squared error of the velocity, over that of the turning surface, after the time in which shear crosses
+/// the gap of 10 rows: (S − R)²/ν.
+#[test]
+fn fluid_between_cylinders_turns_as_couette_has_it() {
+    check("annulus", [[0.047, 0.05, 0.05], [0.009, 0.027, 0.032]], |scheme, model| {
+        let mut simulation = flow(ANNULUS, &[("scheme", scheme), ("walls.model", model)]);
+        simulation.run_until(2.5).expect("a flow in a ring");
+        ring_error(&mut simulation)
+    });
+}
+
+fn ring_error(simulation: &mut Simulation) -> f64 {
+    let (w, inner, outer) = (2.0, 0.5_f64, 1.0_f64);
+    let b = w / (inner.powi(-2) - outer.powi(-2));
+    let states = fluid(simulation);
+    let square = |at: DVec3, v: DVec3| {
+        let rate = b / (at.x * at.x + at.y * at.y) - b / (outer * outer);
+        (v - DVec3::new(-at.y, at.x, 0.0) * rate).length_squared()
+    };
+    let sum: f64 = states.iter().map(|state| square(state.position, state.velocity)).sum();
+    (sum / states.len() as f64).sqrt() / (w * inner)
+}
+
+/// Share of its momentum that a stream loses along free-slip walls over 2 s.
+#[test]
+fn free_slip_walls_of_every_model_take_no_shear() {
+    check("free slip", [[1e-5; 3], [6e-5; 3]], |scheme, model| {
+        let mut simulation = flow(SLIPPERY, &[("scheme", scheme), ("walls.model", model)]);
+        let before = simulation.monitor_row().momentum.x;
+        simulation.run_until(2.0).expect("a stream");
+        let profile = largest_error(&mut simulation, |_| 1.0);
+        assert!(profile < 1e-3, "{scheme}, {model}: u is off by {profile} m/s");
+        (1.0 - simulation.monitor_row().momentum.x / before).abs()
+    });
+}
