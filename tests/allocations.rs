@@ -53,5 +53,11 @@ fn a_warm_step_allocates_nothing() {
     // Particles change zone in these. A list of rows may still become longer than it ever was, and doubles its room.
     check("constricted_r2", include_str!("../scenes/constricted_r2.ron"), &[("spacing", "2.22e-3")], 500, 2);
     check("duct3d", include_str!("../scenes/duct3d.ron"), &[("spacing", "0.03")], 300, 2);
+    // An even stream: a condition that lets the flow swing makes the reservoir grow.
+    let stream = include_str!("../scenes/acoustic_pulse.ron");
+    for condition in ["Hybrid()", "Mirror()", "ModifiedDoNothing()"] {
+        let sets = [("spacing", "0.02"), ("constants.A", "0.0"), ("outlets.0.condition", condition)];
+        check("acoustic_pulse", stream, &sets, 300, 2);
+    }
     assert!(found.is_empty(), "{found:#?}");
 }

@@ -209,7 +209,7 @@ fn structure_changes_in_one_set() {
 #[test]
 fn locals_are_buffers() {
     // What a system keeps in a `Local` no checkpoint sees: only buffers that each step fills anew may stand there.
-    const BUFFERS: [&str; 3] = ["PointFlows<D>", "Vec<WaveFound>", "Vec<f64>"];
+    const BUFFERS: [&str; 4] = ["OutletBuffers<R, D>", "PointFlows<D>", "Vec<WaveFound>", "Vec<f64>"];
     let mut faults = Vec::new();
     for source in sources(&["src"]) {
         for (at, _) in source.code.match_indices("Local<") {

@@ -84,8 +84,17 @@ const CHANNEL: &str = r#"Scene(
 /// The shipped scenes at their smoke spacings have few rows to share out.
 #[test]
 fn the_number_of_threads_changes_no_bit_where_rows_are_many() {
+    same_for_threads(&[]);
+    same_for_threads(&[("outlets.0.condition", "Hybrid()"), ("scheme", "EdacTvf()")]);
+    same_for_threads(&[("outlets.0.condition", "Mirror()")]);
+}
+
+#[track_caller]
+fn same_for_threads(sets: &[(&str, &str)]) {
+    let sets: Vec<(String, String)> =
+        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
     let mut runs = [1, 3].map(|threads| {
-        let scene = load_str("channel", CHANNEL, &[]).unwrap_or_else(|faults| panic!("{faults}"));
+        let scene = load_str("channel", CHANNEL, &sets).unwrap_or_else(|faults| panic!("{faults}"));
         let mut run = Simulation::from_scene(scene);
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads");
         pool.install(|| (0..160).for_each(|_| run.step().expect("a step")));

@@ -211,6 +211,11 @@ fn a_flow_backwards_is_fed_by_the_outlet_and_goes_to_the_reservoir() {
     check_backflow("WaveEquation()");
     check_backflow("WaveEquation(pressure: Reference(0.0))");
     check_backflow("Orlanski()");
+    check_backflow("DoNothing");
+    check_backflow("ModifiedDoNothing()");
+    check_backflow("Mirror()");
+    check_backflow("Characteristic(velocity: -0.03, pressure: 0.0)");
+    check_backflow("Hybrid()");
 }
 
 /// Puts the particles back where they stood, at rest, and one of them elsewhere. What entered since stays.

@@ -8,8 +8,9 @@ use crate::particles::components::{
 };
 use crate::particles::zone::Zone;
 use crate::systems::clock::Clock;
+use crate::systems::setup::Seats;
 
-/// The number stored in `zone` for a slot that no particle has yet: the reservoir may grow during a run.
+/// The number stored in `zone` for a slot that no particle has: the reservoir may grow during a run, and particles be deleted.
 pub const ABSENT: u8 = 255;
 
 /// One instant. Row i is the particle with number i.
@@ -37,7 +38,7 @@ pub struct Frame {
     pub zone: Vec<u8>,
     /// Index of the inlet, outlet or wall part; 0 for the others.
     pub patch: Vec<u16>,
-    /// Injections from the reservoir.
+    /// Injections from the reservoir, or how often the number was given anew.
     pub passage: Vec<u32>,
     /// Passive scalar.
     pub tag: Vec<f32>,
@@ -109,7 +110,8 @@ impl Frame {
             Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
         let mut particles =
             world.query::<(&ParticleId, &Position, &Velocity, &Thermodynamics, &Tracer, Roles)>();
-        frame.resize(particles.iter(world).count());
+        let numbers = world.get_resource::<Seats>().map_or(0, |seats| seats.0.len());
+        frame.resize(numbers.max(particles.iter(world).count()));
         for (id, position, velocity, thermodynamics, tracer, roles) in particles.iter(world) {
             let slot = id.0 as usize;
             if slot >= frame.len() {

@@ -15,7 +15,7 @@ use crate::math::real::Real;
 /// Positions are f64 always; the other columns are in the precision of the pair sums.
 #[derive(Resource, Clone, Debug)]
 pub struct ParticleArrays<R: Real, const D: usize> {
-    /// Number of the particle: dense, never reused for another particle.
+    /// Number of the particle: dense; no two rows but one that is to be dropped have the same.
     pub id: Vec<u32>,
     /// Zone of each row; `Zone::Reservoir` marks a row that the next sort drops.
     pub zone: Vec<Zone>,

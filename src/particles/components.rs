@@ -9,7 +9,8 @@ use bevy_ecs::bundle::Bundle;
 use bevy_ecs::component::Component;
 use glam::DVec3;
 
-/// Number of a particle: dense from 0, stable for the whole run. It is the `particle` index of `particles.nc`.
+/// Number of a particle: dense from 0, stable for the whole run; where a scene deletes what leaves, its number is given anew. It is
+/// the `particle` index of `particles.nc`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ParticleId(pub u32);
 
@@ -35,7 +36,7 @@ pub struct Thermodynamics {
 pub struct Tracer {
     /// Passive scalar.
     pub tag: f32,
-    /// How often the particle was taken from the reservoir and injected again.
+    /// How often the particle was taken from the reservoir and injected again, or its number was given anew.
     pub passages: u32,
 }
 

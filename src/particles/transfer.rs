@@ -2,7 +2,7 @@
 //!
 //! The arrays persist from step to step, so neither direction runs inside a step: [`gather`] only when a caller
 //! changed components, [`scatter`] only before somebody reads them. Role changes touch single entities and are
-//! made in both homes at once (`systems/transitions.rs`).
+//! made in both homes at once (`systems/transitions/`).
 
 use bevy_ecs::query::{Has, With, Without};
 use bevy_ecs::world::World;

@@ -8,7 +8,7 @@
 //! | [`gradients`] | fluid, inflow, outflow | velocity gradient, corrected where the support is cut |
 //! | [`stress`] | all | sub-particle stress from the gradient, extrapolated to walls |
 //! | [`strain`] | fluid, inflow, outflow | velocity gradient among the neighbours and rate of strain, summed with the density |
-//! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets |
+//! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets, by [`fits`] |
 //! | [`waves`] | outflow | what the wave equation of an outlet sums over its neighbours |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
@@ -22,6 +22,7 @@ pub mod blocks;
 pub mod body;
 pub mod density;
 pub mod edac;
+pub mod fits;
 pub mod gradients;
 pub mod neighbours;
 pub mod pack;

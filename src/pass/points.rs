@@ -1,65 +1,25 @@
-//! The fluid's fields at the points that inlets and outlets ask for: fits over packs.
+//! The fluid's fields at the points that inlets and outlets ask for, by the [`fits`](super::fits).
 //!
-//! ```text
-//! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i(x_b − x))²   →   f(x) = c_0,   φ_0 = 1, the others 0 at x
-//! ```
-//!
-//! Moving least squares, as in [`sampling`](super::sampling), which does the same neighbour by neighbour for probes. Here there
-//! are thousands of points a step: they are put into the order of the cells that they fall in, and those of one cell share its
-//! pack. What is found at a point depends on that pack alone, not on the other points.
+//! [`sampling`](super::sampling) does the same neighbour by neighbour for probes. Here there are thousands
+//! of points a step: they are put into the order of the cells that they fall in, and those of one cell share its pack. What is found at a point depends on that pack alone, not on the other points.
 
 use std::marker::PhantomData;
 
-use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
-use super::density::LEAST_Q2;
-use super::pack::{Entry, Only, Pack, Source};
-use super::sampling::solve_linear;
+use super::fits::{COLUMNS, PRESSURE, PointFit, PointFlow, VELOCITY, VOLUME};
+use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised};
-use crate::math::linear::solve;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
 /// Points that a thread takes at a time.
 const CHUNK: usize = 64;
-
-/// Columns beside the coordinates: volume of the fluid, pressure, velocity.
-const COLUMNS: usize = 2 + 3;
-/// Which of a pack's columns after its `D` coordinates is what.
-const VOLUME: usize = 0;
-const PRESSURE: usize = 1;
-const VELOCITY: usize = 2;
-
-/// What is fitted at each point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PointFit {
-    /// The pressure, by a linear basis.
-    Pressure,
-    /// The kernel mean of the pressure, and the velocity along the normal of a section by a basis that is linear along it and
-    /// quadratic over it: a kernel mean takes 3 % of the peak off a Poiseuille profile of 25 rows and lets the row at the wall
-    /// run ahead, which no outlet can follow.
-    Section {
-        /// Unit normal of the section.
-        normal: DVec3,
-        /// Unit vectors in it; the second is not looked at in 2D.
-        across: [DVec3; 2],
-    },
-}
-
-/// The flow found at a point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PointFlow {
-    /// Velocity along the normal of the section, m/s; 0 where only the pressure is fitted.
-    pub velocity: f64,
-    /// Pressure, Pa.
-    pub pressure: f64,
-}
 
 /// Points with what was found at them, kept from step to step.
 #[derive(Debug, Default)]
@@ -83,6 +43,30 @@ impl<const D: usize> PointFlows<D> {
         particles: &ParticleArrays<R, D>,
         sums: &mut PairSums<R, D>,
     ) {
+        self.find_in(fit, &particles.pressure, pair, grid, particles, sums);
+    }
+
+    /// Finds the kernel means of a column of the particles' over the fluid, as pressures.
+    pub fn find_mean<R: Real>(
+        &mut self,
+        column: &[R],
+        pair: &PairSettings,
+        grid: &CellGrid<D>,
+        particles: &ParticleArrays<R, D>,
+        sums: &mut PairSums<R, D>,
+    ) {
+        self.find_in(PointFit::Column, column, pair, grid, particles, sums);
+    }
+
+    fn find_in<R: Real>(
+        &mut self,
+        fit: PointFit,
+        pressure: &[R],
+        pair: &PairSettings,
+        grid: &CellGrid<D>,
+        particles: &ParticleArrays<R, D>,
+        sums: &mut PairSums<R, D>,
+    ) {
         sums.packs.prepare();
         sums.columns.find_fluid_volume(pair, particles);
         self.order.clear();
@@ -90,7 +74,7 @@ impl<const D: usize> PointFlows<D> {
         self.order.extend(cells.zip(0..));
         self.order.sort_unstable();
         self.in_order.resize(self.points.len(), None);
-        pair.kernel.with_shape(PointPass { fit, pair, grid, particles, sums, flows: self });
+        pair.kernel.with_shape(PointPass { fit, pressure, pair, grid, particles, sums, flows: self });
         self.found.resize(self.points.len(), None);
         for (&(_, number), &found) in self.order.iter().zip(&self.in_order) {
             self.found[number as usize] = found;
@@ -100,6 +84,7 @@ impl<const D: usize> PointFlows<D> {
 
 struct PointPass<'a, R: Real, const D: usize> {
     fit: PointFit,
+    pressure: &'a [R],
     pair: &'a PairSettings,
     grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
@@ -113,15 +98,14 @@ impl<R: Real, const D: usize> WithShape for PointPass<'_, R, D> {
     fn run<K: KernelShape>(self) {
         let mut columns: [&[R]; COLUMNS] = [&[]; COLUMNS];
         columns[VOLUME] = &self.sums.columns.fluid_volume;
-        columns[PRESSURE] = &self.particles.pressure;
+        columns[PRESSURE] = self.pressure;
         for d in 0..D {
             columns[VELOCITY + d] = &self.particles.velocity[d];
         }
-        let count = if self.fit == PointFit::Pressure { VELOCITY } else { VELOCITY + D };
         let source = Source {
             grid: self.grid,
             position: &self.particles.position,
-            columns: &columns[..count],
+            columns: &columns[..self.fit.columns(D)],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
             only: Only::All,
@@ -171,130 +155,15 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for PointBlock<'_, K
                 packed = Some(cell);
             }
             let at = self.pack.relative_to(self.source, point);
-            *found = match self.fit {
-                PointFit::Pressure => pressure::<K, L, D>(self.pack, at),
-                PointFit::Section { normal, across } if D == 2 => {
-                    section::<K, L, D, 4>(self.pack, at, normal, across)
-                }
-                PointFit::Section { normal, across } => section::<K, L, D, 7>(self.pack, at, normal, across),
-            };
+            *found = self.fit.at::<K, L, D>(self.pack, at, self.source.inverse_h);
         }
     }
-}
-
-/// x_b − x in units of h, and V_b w(q), of the neighbours in an entry.
-#[inline(always)]
-fn offset<K: KernelShape, L: Lanes, const D: usize>(entry: &Entry<'_, L>, at: [L::Real; D]) -> ([L; D], L) {
-    let mut offset = [L::constant(0.0); D];
-    let mut q2 = L::constant(LEAST_Q2);
-    for d in 0..D {
-        offset[d] = entry.column(d) - L::splat(at[d]);
-        q2 = offset[d].mul_add(offset[d], q2);
-    }
-    (offset, entry.column(D + VOLUME) * K::value(q2 * q2.inverse_sqrt()))
-}
-
-#[inline(always)]
-fn pressure<K: KernelShape, L: Lanes, const D: usize>(
-    pack: &Pack<L::Real>,
-    at: [L::Real; D],
-) -> Option<PointFlow> {
-    let mut moments = [[L::constant(0.0); 4]; 4];
-    let mut right = [L::constant(0.0); 4];
-    for entry in pack.entries::<L>(D + VELOCITY) {
-        let (offset, weight) = offset::<K, L, D>(&entry, at);
-        let mut basis = [L::constant(1.0); 4];
-        basis[1..=D].copy_from_slice(&offset);
-        add(&mut moments, &mut right, basis, D + 1, weight, entry.column(D + PRESSURE));
-    }
-    let moments = symmetric(moments, D + 1);
-    let right = right.map(|sum| sum.sum().to_f64());
-    if moments[0][0] <= 0.0 {
-        return None;
-    }
-    Some(PointFlow { velocity: 0.0, pressure: solve_linear(moments, right, D) })
-}
-
-#[inline(always)]
-fn section<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
-    pack: &Pack<L::Real>,
-    at: [L::Real; D],
-    normal: DVec3,
-    across: [DVec3; 2],
-) -> Option<PointFlow> {
-    let directions = [normal, across[0], across[1]];
-    let mut moments = [[L::constant(0.0); N]; N];
-    let mut right = [L::constant(0.0); N];
-    let mut pressure = L::constant(0.0);
-    for entry in pack.entries::<L>(D + VELOCITY + D) {
-        let (offset, weight) = offset::<K, L, D>(&entry, at);
-        let mut along = [L::constant(0.0); 3];
-        let mut velocity = L::constant(0.0);
-        for d in 0..D {
-            for (along, direction) in along.iter_mut().zip(directions) {
-                *along = offset[d].mul_add(L::constant(direction[d]), *along);
-            }
-            velocity = entry.column(D + VELOCITY + d).mul_add(L::constant(normal[d]), velocity);
-        }
-        let [n, s, t] = along;
-        let one = L::constant(1.0);
-        let mut basis = [one; N];
-        if N == 4 {
-            basis.copy_from_slice(&[one, n, s, s * s]);
-        } else {
-            basis.copy_from_slice(&[one, n, s, t, s * s, s * t, t * t]);
-        }
-        add(&mut moments, &mut right, basis, N, weight, velocity);
-        pressure = weight.mul_add(entry.column(D + PRESSURE), pressure);
-    }
-    let moments = symmetric(moments, N);
-    let weight = moments[0][0];
-    if weight <= 0.0 {
-        return None;
-    }
-    let right = right.map(|sum| sum.sum().to_f64() / weight);
-    let fitted = solve(moments.map(|row| row.map(|moment| moment / weight)), right);
-    Some(PointFlow {
-        // Where the neighbours do not span the basis, the kernel mean.
-        velocity: fitted.map_or(right[0], |coefficients| coefficients[0]),
-        pressure: pressure.sum().to_f64() / weight,
-    })
-}
-
-/// Adds neighbours to the lower triangle of the moments and to the right-hand side, of the first `count` functions.
-#[inline(always)]
-fn add<L: Lanes, const N: usize>(
-    moments: &mut [[L; N]; N],
-    right: &mut [L; N],
-    basis: [L; N],
-    count: usize,
-    weight: L,
-    value: L,
-) {
-    for i in 0..count {
-        let weighted = weight * basis[i];
-        right[i] = weighted.mul_add(value, right[i]);
-        for j in 0..=i {
-            moments[i][j] = weighted.mul_add(basis[j], moments[i][j]);
-        }
-    }
-}
-
-/// Both triangles of the moments, summed over the lanes.
-#[inline(always)]
-fn symmetric<L: Lanes, const N: usize>(moments: [[L; N]; N], count: usize) -> [[f64; N]; N] {
-    let mut all = [[0.0; N]; N];
-    for i in 0..count {
-        for j in 0..=i {
-            all[i][j] = moments[i][j].sum().to_f64();
-            all[j][i] = all[i][j];
-        }
-    }
-    all
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::math::kernel::Kernel;
     use crate::math::lanes::InstructionSet;
@@ -349,6 +218,42 @@ mod tests {
                 assert!((flow.velocity - parabola(at)).abs() < tolerance, "{} at {at:?}", flow.velocity);
                 assert!((flow.pressure - 4.0).abs() < tolerance);
             }
+        }
+    }
+
+    fn check_images<R: Real, const D: usize>(set: InstructionSet, tolerance: f64) {
+        let normal = DVec3::new(0.8, -0.6, 0.0);
+        let sum = |x: [f64; D]| x.iter().zip([2.0, -3.0, 5.0]).map(|(x, slope)| slope * x).sum::<f64>();
+        let (velocity, pressure) = (|x: [f64; D]| 1.0 - 0.5 * sum(x), |x: [f64; D]| 7.0 + sum(x));
+        let images = fitted::<R, D>(set, PointFit::Image { normal }, velocity, pressure);
+        for (at, found) in &images[..3] {
+            let image = found.expect("fluid").image;
+            let slope = 2.0 * 0.8 + 3.0 * 0.6;
+            let near = |found: f64, expected: f64| {
+                assert!((found - expected).abs() < tolerance, "{found}, not {expected} at {at:?}");
+            };
+            near(image.pressure, pressure(*at));
+            near(image.pressure_slope, slope);
+            near(image.velocity.x, velocity(*at));
+            near(image.velocity_slope.x, -0.5 * slope);
+        }
+        assert!(images[3].1.is_none());
+        let means = fitted::<R, D>(set, PointFit::Mean { normal }, |_| 2.0, |_| 4.0);
+        for (at, found) in &means[..3] {
+            let flow = found.expect("fluid");
+            let off = (flow.pressure - 4.0).abs().max((flow.velocity - 1.6).abs());
+            assert!(off < tolerance, "{flow:?} at {at:?}");
+        }
+        assert!(means[3].1.is_none());
+    }
+
+    #[test]
+    fn images_of_linear_fields_and_means_of_even_ones_are_exact_at_a_cut_support() {
+        for set in InstructionSet::available() {
+            check_images::<f64, 2>(set, 1e-9);
+            check_images::<f64, 3>(set, 1e-9);
+            check_images::<f32, 2>(set, 2e-3);
+            check_images::<f32, 3>(set, 2e-3);
         }
     }
 

@@ -284,6 +284,8 @@ pub struct Initial {
 pub struct Reservoir {
     /// Particles at the start.
     pub initial: usize,
+    /// Whether what leaves is stored for what enters; else it is deleted, and what enters is created.
+    pub recycle: bool,
     /// What happens when an inlet needs a particle and there is none.
     pub when_empty: WhenEmpty,
 }

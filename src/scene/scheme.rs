@@ -62,6 +62,11 @@ impl Scheme {
         }
     }
 
+    /// Radius of the kernel's support for particles of a spacing, m.
+    pub fn support(&self, spacing: f64) -> f64 {
+        self.kernel().support_ratio() * self.smoothing_ratio() * spacing
+    }
+
     /// The parameters of `Wcsph`, if it is the scheme.
     pub fn wcsph(&self) -> Option<&Wcsph> {
         match self {

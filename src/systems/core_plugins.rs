@@ -6,9 +6,10 @@ use bevy_ecs::world::World;
 use super::bodies::{Bodies, sum_body_forces, sum_edac_body_forces};
 use super::boundaries::hold::{HeldAtWalls, hold_at_walls};
 use super::boundaries::inlets::apply_inlets;
-use super::boundaries::outlets::{OutletStates, apply_outlets, outlet_rates};
+use super::boundaries::outlets::{OutletStates, apply_outlets};
 use super::boundaries::rows::PatchRows;
 use super::boundaries::walls::apply_walls;
+use super::boundaries::wave_zone::outlet_rates;
 use super::clock::Clock;
 use super::edac::{even_outlets, kick_and_drift, sum_edac_rates, sum_volumes};
 use super::failure::{Failure, check_state};
@@ -22,6 +23,7 @@ use super::rates::{RatesFound, StepsSincePlain, Sums, sum_density, sum_gradients
 use super::schedule::{Stage, StageSystems, StepSystems};
 use super::shift::shift;
 use super::stopwatch::Stopwatch;
+use super::transitions::stock::FreeNumbers;
 use super::transitions::{TransitionLists, transition};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -99,6 +101,7 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
         parts.keep::<OutletStates>("outlets");
         parts.keep::<HeldAtWalls>("held_at_walls");
+        parts.keep::<FreeNumbers>("free_numbers");
         parts.world.init_resource::<TransitionLists>();
         // Walls look at the pressure of inflow and outflow particles, so they come last.
         parts.stage.add_systems(

@@ -47,7 +47,7 @@ impl Resolution {
     }
 }
 
-/// The entity of each particle, by its number.
+/// The entity of each particle, by its number; `Entity::PLACEHOLDER` for a number that is free.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Seats(pub Vec<Entity>);
 
@@ -134,14 +134,14 @@ pub struct SavedParticle {
     pub surface: WallSurface,
 }
 
-/// Spawns the particles of a saved state, which come in the order of their numbers, and seats them.
-pub fn spawn_saved(world: &mut World, scene: &Scene, particles: &[SavedParticle]) {
+/// Spawns the particles of a saved state, which come in the order of their numbers, and seats them; a free number has none.
+pub fn spawn_saved(world: &mut World, scene: &Scene, particles: &[Option<SavedParticle>]) {
     let turbulent = scene.scheme.has_stress();
     let mut seats = vec![Entity::PLACEHOLDER; particles.len()];
     let mut spawned = Vec::new();
     for (zone, returned) in Zone::ALL.into_iter().flat_map(|zone| [(zone, false), (zone, true)]) {
         let is_in = |particle: &&SavedParticle| particle.zone == zone && particle.returned == returned;
-        let group: Vec<&SavedParticle> = particles.iter().filter(is_in).collect();
+        let group: Vec<&SavedParticle> = particles.iter().flatten().filter(is_in).collect();
         let state = group.iter().map(|particle| (particle.bundle, **particle));
         let mut spawn = Spawn { world, turbulent, seats: &mut spawned };
         match (zone, returned) {

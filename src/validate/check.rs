@@ -187,6 +187,10 @@ impl<'a> Check<'a> {
                 self.feature(when, take);
             }
             ValueFile::Series { run, table, .. } => self.table_of(run, table),
+            ValueFile::Departure { run, table, from, .. } => {
+                self.table_of(run, table);
+                self.table_of(from, table);
+            }
             ValueFile::Growth { run, probe, field, .. } => {
                 self.probe(run, probe);
                 self.field(field);

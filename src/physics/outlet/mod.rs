@@ -1,18 +1,35 @@
 //! Outlets: the door lists the rooms and holds the closed choices.
 //!
 //! - [`absorbing`]: an outlet pressure that lets plane sound waves leave
+//! - [`characteristic`]: the outgoing characteristic about reference values
 //! - [`continuation`]: a zone that carries a wave of sound on
 //! - [`convection`]: how fast an outflow zone is carried away
+//! - [`do_nothing`]: particles that keep what they had when they crossed
+//! - [`hybrid`]: the base flow is kept, sound leaves by its characteristic
+//! - [`mirror`]: the fluid's mirror image
+//! - [`modified_do_nothing`]: the same, carried away by the fluid
 //! - [`oblique`]: an outlet pressure that lets sound leave at any angle
 //! - [`wave`]: the outgoing wave equation
+//!
+//! `WaveEquation` and `Orlanski` set rates and share their rooms; each of the others sets what a particle has in every step, as an
+//! [`Outflow`].
 
 pub mod absorbing;
+pub mod characteristic;
 pub mod continuation;
 pub mod convection;
+pub mod do_nothing;
+pub mod hybrid;
+pub mod mirror;
+pub mod modified_do_nothing;
 pub mod oblique;
 pub mod wave;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
+
+use mirror::MirrorVariant;
+use modified_do_nothing::ShownVelocity;
 
 /// What an outflow particle does.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,6 +56,80 @@ pub enum OutletCondition {
         #[serde(default)]
         pressure: OutletPressure,
     },
+    /// Velocity and pressure stay as they were when the particle crossed: Negi et al. (2020), Eqs. 14–16.
+    DoNothing,
+    /// The same, but moved with the velocity of the fluid next to the plane: Negi et al. (2020), Eqs. 17 and 18.
+    ModifiedDoNothing {
+        /// Normal velocity that the fluid sees of its particles.
+        #[serde(default)]
+        shown: ShownVelocity,
+    },
+    /// Velocity and pressure of the fluid's mirror image: Negi et al. (2020), Eqs. 22–24.
+    Mirror {
+        /// What is made of the value and the slope at the image.
+        #[serde(default)]
+        variant: MirrorVariant,
+    },
+    /// The outgoing characteristic about reference values, nothing comes in: Negi et al. (2020), Eqs. 25–27. Its two fields have no
+    /// default: a stream of another velocity than this has a pressure of ρ0 c0 times the difference.
+    Characteristic {
+        /// Reference velocity along the outlet's normal, m/s.
+        velocity: f64,
+        /// Reference pressure, Pa.
+        pressure: f64,
+    },
+    /// The base flow is kept as by `DoNothing`, sound leaves as by `Characteristic` about it: Negi et al. (2020), Eqs. 28–31.
+    Hybrid {
+        /// Velocity u of the threshold: while |p − `pressure`| ≥ ½ ρ0 u² a particle's flow is taken for sound, m/s. None: the mean
+        /// speed of what enters, followed over `steps`.
+        #[serde(default)]
+        velocity: Option<f64>,
+        /// Pressure about which sound swings, Pa, default 0.
+        #[serde(default)]
+        pressure: f64,
+        /// Steps N of the time mean that is taken for the base flow, default 6.
+        #[serde(default = "usual_steps")]
+        steps: f64,
+    },
+}
+
+/// N of Negi et al. (2020), Sec. 3.4.
+fn usual_steps() -> f64 {
+    6.0
+}
+
+/// What a condition says of an outflow particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outflow {
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// Pressure, Pa.
+    pub pressure: f64,
+    /// Speed along the normal with which it moves, m/s.
+    pub speed: f64,
+}
+
+impl Outflow {
+    /// A particle whose velocity (m/s) is that with which it moves along the normal.
+    pub fn moving(velocity: DVec3, pressure: f64, normal: DVec3) -> Self {
+        Self { velocity, pressure, speed: velocity.dot(normal) }
+    }
+
+    /// The same with another velocity along the normal, m/s.
+    pub fn at_speed(self, speed: f64, normal: DVec3) -> Self {
+        Self { velocity: self.velocity + normal * (speed - self.velocity.dot(normal)), speed, ..self }
+    }
+}
+
+/// What the conditions that solve a wave equation have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveCondition {
+    /// Frame in which the wave equation is integrated.
+    pub frame: Frame,
+    /// Form of the transverse Laplacian; None where it is dropped.
+    pub transverse: Option<TransverseOperator>,
+    /// Pressure of the outflow particles.
+    pub pressure: OutletPressure,
 }
 
 /// Frame in which the wave equation of an outlet is integrated.
@@ -111,27 +202,20 @@ impl Default for OutletPressure {
 }
 
 impl OutletCondition {
-    /// Pressure of the outflow particles.
-    pub fn pressure(&self) -> OutletPressure {
+    /// The wave equation of the condition, if it solves one.
+    pub fn wave(&self) -> Option<WaveCondition> {
         match *self {
-            OutletCondition::WaveEquation { pressure, .. } | OutletCondition::Orlanski { pressure, .. } => {
-                pressure
+            OutletCondition::WaveEquation { frame, transverse, pressure } => {
+                Some(WaveCondition { frame, transverse: Some(transverse), pressure })
             }
-        }
-    }
-
-    /// Frame in which the wave equation is integrated.
-    pub fn frame(&self) -> Frame {
-        match *self {
-            OutletCondition::WaveEquation { frame, .. } | OutletCondition::Orlanski { frame, .. } => frame,
-        }
-    }
-
-    /// Form of the transverse Laplacian; None where it is dropped.
-    pub fn transverse(&self) -> Option<TransverseOperator> {
-        match *self {
-            OutletCondition::WaveEquation { transverse, .. } => Some(transverse),
-            OutletCondition::Orlanski { .. } => None,
+            OutletCondition::Orlanski { frame, pressure } => {
+                Some(WaveCondition { frame, transverse: None, pressure })
+            }
+            OutletCondition::DoNothing
+            | OutletCondition::ModifiedDoNothing { .. }
+            | OutletCondition::Mirror { .. }
+            | OutletCondition::Characteristic { .. }
+            | OutletCondition::Hybrid { .. } => None,
         }
     }
 }

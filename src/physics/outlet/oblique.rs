@@ -198,7 +198,7 @@ mod tests {
             .map(|point| (point % side, point / side))
             .map(|(i, j)| [at(i + side - 1, j), at(i + 1, j), at(i, j + side - 1), at(i, j + 1)])
             .collect();
-        let checkers = |point: u32| if (point % side + point / side) % 2 == 0 { 1.0 } else { -1.0 };
+        let checkers = |point: u32| if (point % side + point / side).is_multiple_of(2) { 1.0 } else { -1.0 };
         let mut state = Oblique::default();
         for _ in 0..400 {
             let mut pressure: Vec<f64> = (0..side * side).map(checkers).collect();

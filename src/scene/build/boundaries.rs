@@ -194,17 +194,40 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
     outlets.into_iter().collect()
 }
 
+/// The numbers of an outlet's condition.
 fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
-    let (target, time) = match file.value.pressure() {
-        OutletPressure::Frozen => return,
-        OutletPressure::Reference(target) => (target, 1.0),
-        OutletPressure::Relaxed { target, time } => (target, time),
-        OutletPressure::Absorbing { target, time, .. } => (target, time.unwrap_or(1.0)),
+    let mut positive = |value: f64, what: &str, unit: &str| {
+        if !(value.is_finite() && value > 0.0) {
+            let label = format!("is `{value}`{unit}, must be finite and greater than 0");
+            check.report(Fault::new(format!("{what} is not positive"), file.head, label));
+        }
     };
-    finite(target, "the pressure of an outlet", file.head, check);
-    if !(time.is_finite() && time > 0.0) {
-        let label = format!("is `{time}` s, must be finite and greater than 0");
-        let title = "the time constant of an outlet's pressure is not positive";
-        check.report(Fault::new(title, file.head, label));
-    }
+    let pressure = match file.value {
+        OutletCondition::WaveEquation { pressure, .. } | OutletCondition::Orlanski { pressure, .. } => {
+            let (target, time) = match pressure {
+                OutletPressure::Frozen => return,
+                OutletPressure::Reference(target) => (target, 1.0),
+                OutletPressure::Relaxed { target, time } => (target, time),
+                OutletPressure::Absorbing { target, time, .. } => (target, time.unwrap_or(1.0)),
+            };
+            positive(time, "the time constant of an outlet's pressure", " s");
+            target
+        }
+        OutletCondition::DoNothing
+        | OutletCondition::ModifiedDoNothing { .. }
+        | OutletCondition::Mirror { .. } => return,
+        OutletCondition::Characteristic { velocity, pressure } => {
+            finite(velocity, "the reference velocity of an outlet", file.head, check);
+            pressure
+        }
+        OutletCondition::Hybrid { velocity, pressure, steps } => {
+            positive(velocity.unwrap_or(1.0), "the velocity of an outlet's threshold", " m/s");
+            if !(steps.is_finite() && steps >= 1.0) {
+                let label = format!("is `{steps}` steps, must be finite and at least 1");
+                check.report(Fault::new("the time mean of an outlet is too short", file.head, label));
+            }
+            pressure
+        }
+    };
+    finite(pressure, "the pressure of an outlet", file.head, check);
 }

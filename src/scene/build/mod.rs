@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::expression::Constants;
 use super::faults::Fault;
 use super::geometry::Shape;
-use super::model::{BodyForce, Fill, FluidProperties, Initial, Layout, Reservoir, Scene};
+use super::model::{BodyForce, Fill, FluidProperties, Initial, Layout, Scene};
 use super::schema::SceneFile;
 
 pub mod bodies;
@@ -154,7 +154,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         outlets,
         periodic,
         initial,
-        reservoir: Reservoir { initial: 0, when_empty: file.reservoir.when_empty },
+        reservoir: settings::reservoir(&file.reservoir, check),
         time,
         output,
         reference_velocity: 0.0,

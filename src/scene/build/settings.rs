@@ -7,8 +7,10 @@ use crate::physics::inlet::Feed;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
 use crate::scene::fill;
-use crate::scene::model::{BodyForce, OutputSettings, Probe, ProbeKind, Scene, Scheme, TimeSettings};
-use crate::scene::schema::{OutputFile, ProbeKindFile, SceneFile, TimeFile};
+use crate::scene::model::{
+    BodyForce, OutputSettings, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
+};
+use crate::scene::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
 use crate::scene::summary;
 
 /// 2 or 3.
@@ -106,6 +108,27 @@ fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {
     }
 }
 
+/// The reservoir, whose particles [`derive`] counts; one that takes nothing has none.
+pub fn reservoir(file: &ReservoirFile, check: &mut Checker<'_>) -> Reservoir {
+    let recycle = file.recycle.as_ref().is_none_or(|recycle| recycle.value);
+    if let Some(recycle) = file.recycle.as_ref().filter(|recycle| !recycle.value) {
+        let mut excluded = |what: &str| {
+            check.report(Fault::new(
+                format!("`{what}` of a reservoir that takes nothing"),
+                recycle.span,
+                format!("is `false`: what leaves is deleted, so that `{what}` must not be given"),
+            ));
+        };
+        if file.particles.is_some() {
+            excluded("particles");
+        }
+        if file.when_empty == WhenEmpty::Stop {
+            excluded("when_empty: Stop");
+        }
+    }
+    Reservoir { initial: 0, when_empty: file.when_empty, recycle }
+}
+
 /// References must be positive if given.
 pub fn references(file: &SceneFile, check: &mut Checker<'_>) {
     if let Some(velocity) = &file.reference.velocity {
@@ -123,7 +146,8 @@ pub fn derive(scene: &mut Scene, file: &SceneFile) {
     let fed = scene.inlets.iter().filter(|inlet| inlet.feed == Feed::Fed);
     let inflow: f64 = fed.map(|inlet| inlet.patch.area / cell * (inlet.patch.depth / scene.spacing)).sum();
     let particles = file.reservoir.particles.as_ref().map(|p| p.value as usize);
-    scene.reservoir.initial = particles.unwrap_or((inflow - 1e-6).ceil() as usize);
+    let usual = if scene.reservoir.recycle { (inflow - 1e-6).ceil() as usize } else { 0 };
+    scene.reservoir.initial = particles.unwrap_or(usual);
     let length = file.reference.length.as_ref().map(|n| n.value);
     scene.reference_length = length.unwrap_or_else(|| narrowest(scene));
     let velocity = file.reference.velocity.as_ref().map(|n| n.value);

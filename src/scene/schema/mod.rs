@@ -255,6 +255,10 @@ pub struct ReservoirFile {
     /// What happens when there are none.
     #[serde(default)]
     pub when_empty: WhenEmpty,
+    /// Whether what leaves is stored for what enters, default true; with false it is deleted, what enters is created, and numbers of
+    /// deleted particles are given anew.
+    #[serde(default)]
+    pub recycle: Option<Spanned<bool>>,
 }
 
 /// End and time step.

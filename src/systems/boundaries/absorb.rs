@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::section::SectionPoints;
-use crate::pass::points::PointFlow;
+use crate::pass::fits::PointFlow;
 use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
 use crate::physics::outlet::continuation::Continuation;
 use crate::physics::outlet::convection::convective_velocity;
@@ -63,7 +63,9 @@ impl AbsorbingZone {
         mean: PointFlow,
         time_step: f64,
     ) {
-        let OutletPressure::Absorbing { target, time, waves } = outlet.condition.pressure() else {
+        let Some(OutletPressure::Absorbing { target, time, waves }) =
+            outlet.condition.wave().map(|wave| wave.pressure)
+        else {
             return;
         };
         let (density, sound_speed) = (scene.fluid.density, scene.fluid.sound_speed);

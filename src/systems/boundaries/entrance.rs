@@ -25,8 +25,7 @@ pub fn is_slantwise(patch: &Patch) -> bool {
 /// Whether too little is left behind a particle that crossed at a point (m) of an inlet that is filled once; `places` (m) are
 /// those of the particles in its zone.
 pub fn is_drained(patch: &Patch, scene: &Scene, crossed: DVec3, places: impl Iterator<Item = DVec3>) -> bool {
-    let scheme = &scene.scheme;
-    let support = scheme.kernel().support_ratio() * scheme.smoothing_ratio() * scene.spacing;
+    let support = scene.scheme.support(scene.spacing);
     let aside = |at: DVec3| {
         let offset = at - crossed;
         patch.across.iter().map(|across| offset.dot(*across).abs()).fold(0.0, f64::max)

@@ -32,8 +32,8 @@ pub fn move_inflow<R: Real, const D: usize>(
 
 /// Moves the particles of an outlet by one step, s.
 ///
-/// The rates are dissipative, so each step is a plain one: the leapfrog would let them grow. A particle moves along the normal only, in
-/// the moving frame with the convective velocity, in the fixed frame with its own, never back.
+/// The rates are dissipative, so each step is a plain one: the leapfrog would let them grow. A particle moves along the normal only, with
+/// the speed that its condition found; in the fixed frame of a wave equation with its own, never back.
 pub fn move_outflow<R: Real, const D: usize>(
     outlet: &Outlet,
     state: &OutletState,
@@ -42,20 +42,22 @@ pub fn move_outflow<R: Real, const D: usize>(
     arrays: &mut ParticleArrays<R, D>,
 ) {
     let normal = outlet.patch.towards;
-    let frame = outlet.condition.frame();
+    let frame = outlet.condition.wave().map(|wave| wave.frame);
     for (&row, &convective) in rows.iter().zip(&state.convective) {
         let row = row as usize;
         let v = arrays.velocity_of(row);
         let mut next = v + real_vector(&arrays.acceleration, row) * time_step;
         let speed = match frame {
-            Frame::Moving => {
+            // Its condition sets the velocity in the next step.
+            None => convective,
+            Some(Frame::Moving) => {
                 if convective < 0.0 {
                     // What flows back has the velocity with which it is drawn in, not the one with which it left.
                     next += normal * (convective - next.dot(normal));
                 }
                 convective
             }
-            Frame::Fixed => {
+            Some(Frame::Fixed) => {
                 next -= normal * next.dot(normal).min(0.0);
                 0.5 * (v + next).dot(normal)
             }

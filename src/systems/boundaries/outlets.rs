@@ -1,4 +1,7 @@
-//! Pressure, convective velocity and rates of outflow particles, by the condition of their outlet.
+//! Outlets: what each remembers, and which room applies its condition.
+//!
+//! A condition sets the pressure of its zone; under `Wcsph` the density follows from it, under `EdacTvf` it is summed. It says with
+//! which speed the zone moves along the normal, and what the fluid sees of its velocity.
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Local, Res, ResMut};
@@ -6,17 +9,21 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::absorb::AbsorbingZone;
+use super::hybrid::{HybridZone, apply_hybrid};
+use super::kept::{apply_characteristic, apply_do_nothing, apply_mirror, apply_modified_do_nothing};
 use super::rows::PatchRows;
-use crate::math::lattice::ETA_SQUARED;
+use super::wave_zone::apply_wave;
+use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
-use crate::pass::points::{PointFit, PointFlow, PointFlows};
-use crate::pass::waves::{WaveFound, sum_waves};
-use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
-use crate::physics::outlet::wave::WaveSetting;
-use crate::physics::outlet::{Frame, OutletPressure};
-use crate::scene::model::Outlet;
+use crate::pass::fits::{PointFit, PointFlow};
+use crate::pass::points::PointFlows;
+use crate::pass::settings::PairSettings;
+use crate::pass::sums::PairSums;
+use crate::physics::outlet::characteristic::References;
+use crate::physics::outlet::{Outflow, OutletCondition};
+use crate::scene::model::{Outlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
@@ -33,32 +40,137 @@ pub struct OutletStates(pub Vec<OutletState>);
 pub struct OutletState {
     /// State of an absorbing zone.
     pub absorbing: AbsorbingZone,
+    /// State of a hybrid zone.
+    pub hybrid: HybridZone,
     /// Mean normal velocity of the fluid next to the outlet, m/s.
     pub fluid_velocity: f64,
     /// Mean pressure of the fluid next to the outlet, Pa.
     pub fluid_pressure: f64,
-    /// Convective velocity of each outflow row of the outlet, m/s.
+    /// Speed along the normal with which each outflow row of the outlet moves, m/s.
     pub convective: Vec<f64>,
 }
 
-/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would see no fluid.
-const LAYERS_INSIDE: f64 = 1.0;
+impl OutletState {
+    /// The mean flow next to the outlet.
+    pub fn mean(&self) -> PointFlow {
+        PointFlow { velocity: self.fluid_velocity, pressure: self.fluid_pressure, ..PointFlow::default() }
+    }
+}
+
+/// What the conditions of a stage work on.
+pub struct OutletStage<'a, R: Real, const D: usize> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The outlet.
+    pub outlet: &'a Outlet,
+    /// Rows by patch.
+    pub rows: &'a PatchRows,
+    /// Outflow rows of the outlet.
+    pub zone: &'a [u32],
+    /// Number of the outlet.
+    pub index: usize,
+    /// Size of the last step, s.
+    pub time_step: f64,
+    /// Settings of the pair sums.
+    pub pair: &'a PairSettings,
+    grid: &'a CellGrid<D>,
+    buffers: &'a mut OutletBuffers<R, D>,
+    sums: &'a mut PairSums<R, D>,
+    /// The particles.
+    pub arrays: &'a mut ParticleArrays<R, D>,
+}
+
+/// Points with the fluid found at them, and a column that a mean is taken of; kept from step to step.
+#[derive(Default)]
+pub struct OutletBuffers<R: Real, const D: usize> {
+    flows: PointFlows<D>,
+    column: Vec<R>,
+}
+
+impl<R: Real, const D: usize> OutletStage<'_, R, D> {
+    /// Unit normal of the outlet.
+    pub fn normal(&self) -> DVec3 {
+        self.outlet.patch.towards
+    }
+
+    /// ρ0 c0, kg/(m² s).
+    pub fn impedance(&self) -> f64 {
+        self.scene.fluid.density * self.scene.fluid.sound_speed
+    }
+
+    /// Velocity (m/s) and pressure (Pa) of a row.
+    pub fn own(&self, row: usize) -> (DVec3, f64) {
+        (self.arrays.velocity_of(row), self.arrays.pressure[row].to_f64())
+    }
+
+    /// Fits the fluid at the places of the zone's particles, moved, and then at others.
+    pub fn find_at_zone(
+        &mut self,
+        fit: PointFit,
+        moved: impl Fn(DVec3) -> DVec3,
+        others: impl Iterator<Item = DVec3>,
+    ) {
+        let (zone, flows) = (self.zone, &mut self.buffers.flows);
+        let points = zone.iter().map(|&row| moved(self.arrays.position_of(row as usize))).chain(others);
+        flows.points.clear();
+        flows.points.extend(points.map(|point| std::array::from_fn(|axis| point[axis])));
+        flows.find(fit, self.pair, self.grid, self.arrays, self.sums);
+    }
+
+    /// Takes means over the fluid at the zone's particles of what rows have, 0 for those that are not named.
+    pub fn find_mean(&mut self, values: impl Iterator<Item = (usize, f64)>) {
+        let OutletBuffers { flows, column } = &mut *self.buffers;
+        column.clear();
+        column.resize(self.arrays.len(), R::default());
+        for (row, value) in values {
+            column[row] = R::from_f64(value);
+        }
+        flows.points.clear();
+        flows.points.extend(self.zone.iter().map(|&row| {
+            let point = self.arrays.position_of(row as usize);
+            std::array::from_fn(|axis| point[axis])
+        }));
+        flows.find_mean(column, self.pair, self.grid, self.arrays, self.sums);
+    }
+
+    /// What was found at the points.
+    pub fn found(&self) -> &[Option<PointFlow>] {
+        &self.buffers.flows.found
+    }
+
+    /// Mean of what was found where there is fluid; None where there is none anywhere.
+    pub fn mean_found(&self, value: impl Fn(&PointFlow) -> f64) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0);
+        for flow in self.found().iter().flatten() {
+            sum += value(flow);
+            count += 1;
+        }
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// Gives a row what the condition says.
+    pub fn set(&mut self, row: usize, outflow: Outflow, state: &mut OutletState) {
+        self.arrays.pressure[row] = R::from_f64(outflow.pressure);
+        if let Some(density) = self.pair.density_at(outflow.pressure) {
+            self.arrays.density[row] = R::from_f64(density);
+        }
+        set_real_vector(&mut self.arrays.velocity, row, outflow.velocity);
+        state.convective.push(outflow.speed);
+    }
+}
 
 fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
-    if rows.is_empty() {
-        return 0.0;
-    }
     rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
 }
 
-/// Sets pressure and density of outflow particles and finds their convective velocities.
+/// Sets pressure, density and velocity of outflow particles and finds with which speed they move.
 pub fn apply_outlets<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
-    mut flows: Local<PointFlows<D>>,
+    mut buffers: Local<OutletBuffers<R, D>>,
     mut states: ResMut<OutletStates>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
@@ -66,131 +178,42 @@ pub fn apply_outlets<R: Real, const D: usize>(
     let scene = &*scene.0;
     states.0.resize_with(scene.outlets.len(), OutletState::default);
     for (index, outlet) in scene.outlets.iter().enumerate() {
-        let normal = outlet.patch.towards;
-        let (zone, before) = (&rows.outflow[index], &rows.before_outlet[index]);
         let state = &mut states.0[index];
+        let before = &rows.before_outlet[index];
         if !before.is_empty() {
+            let normal = outlet.patch.towards;
             state.fluid_velocity = mean(before, |row| arrays.velocity_of(row).dot(normal));
             state.fluid_pressure = mean(before, |row| arrays.pressure[row].to_f64());
         }
-        set_pressure(outlet, zone, clock.time_step, &mut arrays);
-        let absorbs = matches!(outlet.condition.pressure(), OutletPressure::Absorbing { .. });
-        flows.points.clear();
-        let inside = |foot: DVec3| {
-            let point = foot - normal * (LAYERS_INSIDE * scene.spacing);
-            std::array::from_fn(|axis| point[axis])
-        };
-        flows.points.extend(zone.iter().map(|&row| {
-            let x = arrays.position_of(row as usize);
-            inside(x - normal * outlet.patch.along(x))
-        }));
-        if absorbs {
-            let section = state.absorbing.section(scene, outlet);
-            flows.points.extend(section.offsets.iter().map(|&offset| inside(outlet.patch.at + offset)));
-        }
-        let section = PointFit::Section { normal, across: outlet.patch.across };
-        flows.find(section, &pair.0, &grid.0, &arrays, &mut sums.0);
-        let (feet, points) = flows.found.split_at(zone.len());
-        let mean = PointFlow { velocity: state.fluid_velocity, pressure: state.fluid_pressure };
-        state.absorbing.advance(scene, outlet, points, mean, clock.time_step);
-        let impedance = scene.fluid.density * scene.fluid.sound_speed;
         state.convective.clear();
-        for (&row, found) in zone.iter().zip(feet) {
-            let row = row as usize;
-            let flow = found.unwrap_or(mean);
-            let own = arrays.pressure[row].to_f64();
-            let (pressure, velocity) = if absorbs {
-                state.absorbing.at(scene, outlet, arrays.position_of(row), flow)
-            } else {
-                (own, convective_velocity(flow.velocity, flow.pressure, own, impedance))
-            };
-            arrays.pressure[row] = R::from_f64(pressure);
-            state.convective.push(velocity);
-        }
-        // A pressure that a particle keeps from step to step must not lose its dynamic part again and again.
-        let given = matches!(
-            outlet.condition.pressure(),
-            OutletPressure::Reference(_) | OutletPressure::Absorbing { .. }
-        );
-        for (&row, &velocity) in zone.iter().zip(&state.convective) {
-            let row = row as usize;
-            let pressure = arrays.pressure[row].to_f64();
-            let pressure =
-                if given { backflow_pressure(pressure, velocity, scene.fluid.density) } else { pressure };
-            arrays.pressure[row] = R::from_f64(pressure);
-            match pair.0.density_at(pressure) {
-                Some(density) => arrays.density[row] = R::from_f64(density),
-                // The divergence drives an evolved pressure: it must see the velocity with which the zone moves, not that with
-                // which its particles crossed the plane, or the outlet throws back a quarter of a pulse of sound.
-                None if outlet.condition.frame() == Frame::Moving => {
-                    let own = arrays.velocity_of(row);
-                    let moved = own + normal * (velocity - own.dot(normal));
-                    set_real_vector(&mut arrays.velocity, row, moved);
-                }
-                None => {}
-            }
-        }
-    }
-}
-
-fn set_pressure<R: Real, const D: usize>(
-    outlet: &Outlet,
-    zone: &[u32],
-    time_step: f64,
-    arrays: &mut ParticleArrays<R, D>,
-) {
-    match outlet.condition.pressure() {
-        OutletPressure::Frozen => {}
-        OutletPressure::Reference(pressure) => {
-            for &row in zone {
-                arrays.pressure[row as usize] = R::from_f64(pressure);
-            }
-        }
-        OutletPressure::Relaxed { target, time } => {
-            let share = -(-time_step / time).exp_m1();
-            for &row in zone {
-                let pressure = arrays.pressure[row as usize].to_f64();
-                arrays.pressure[row as usize] = R::from_f64(pressure + share * (target - pressure));
-            }
-        }
-        // See `absorb`.
-        OutletPressure::Absorbing { .. } => {}
-    }
-}
-
-/// Rates of outflow particles by the wave equation of their outlet, and their shifting vector.
-///
-/// Rods that slide past each other bring particles close together, and a vortex carries such pairs back into the fluid, whose density sees them
-/// at once: so the zone is kept even by the same shifting as the fluid.
-pub fn outlet_rates<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
-    pair: Res<Pair>,
-    grid: Res<Grid<D>>,
-    rows: Res<PatchRows>,
-    mut waves: Local<Vec<WaveFound>>,
-    mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
-) {
-    let scene = &*scene.0;
-    for (outlet, rows) in scene.outlets.iter().zip(&rows.outflow) {
-        let setting = WaveSetting {
-            frame: outlet.condition.frame(),
-            transverse: outlet.condition.transverse(),
-            normal: outlet.patch.towards,
-            dimensions: scene.dimensions,
-            eta_squared: ETA_SQUARED,
-            viscosity: scene.fluid.viscosity,
+        let mut stage = OutletStage {
+            scene,
+            outlet,
+            rows: &rows,
+            zone: &rows.outflow[index],
+            index,
+            time_step: clock.time_step,
+            pair: &pair.0,
+            grid: &grid.0,
+            buffers: &mut buffers,
+            sums: &mut sums.0,
+            arrays: &mut arrays,
         };
-        sum_waves(&setting, &pair.0, &grid.0, &arrays, &mut sums.0, rows, &mut waves);
-        for (&row, wave) in rows.iter().zip(&*waves) {
-            let row = row as usize;
-            set_real_vector(&mut arrays.acceleration, row, wave.sums.rate(&setting));
-            let mut concentration = wave.concentration;
-            // Beyond the far end there is nothing: the normal part would empty the zone.
-            if outlet.patch.along(arrays.position_of(row)) > outlet.patch.depth - pair.0.support() {
-                concentration -= setting.normal * concentration.dot(setting.normal);
+        match outlet.condition {
+            OutletCondition::WaveEquation { .. } | OutletCondition::Orlanski { .. } => {
+                apply_wave(&mut stage, state);
             }
-            set_real_vector(&mut sums.0.shift, row, concentration);
+            OutletCondition::DoNothing => apply_do_nothing(&mut stage, state),
+            OutletCondition::ModifiedDoNothing { shown } => {
+                apply_modified_do_nothing(&mut stage, shown, state);
+            }
+            OutletCondition::Mirror { variant } => apply_mirror(&mut stage, variant, state),
+            OutletCondition::Characteristic { velocity, pressure } => {
+                apply_characteristic(&mut stage, References { velocity, pressure }, state);
+            }
+            OutletCondition::Hybrid { velocity, pressure, steps } => {
+                apply_hybrid(&mut stage, velocity, pressure, steps, state);
+            }
         }
     }
 }

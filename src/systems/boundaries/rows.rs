@@ -7,10 +7,15 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::blocks::with_lists;
+use crate::physics::outlet::OutletCondition;
 use crate::scene::model::Scene;
 
 /// Layers of fluid next to an outlet whose mean stands for the flow there.
 const ADJACENT_LAYERS: f64 = 3.0;
+
+/// Layers beyond the support of the zone's first particles from which a hybrid outlet knows the fluid: so long its mean has time
+/// to settle.
+const LAYERS_BEYOND_REACH: f64 = 3.0;
 
 /// Rows by patch, valid from one sort to the next.
 #[derive(Resource, Clone, Debug, Default)]
@@ -21,6 +26,8 @@ pub struct PatchRows {
     pub outflow: Vec<Vec<u32>>,
     /// Fluid rows in the last three layers before each outlet.
     pub before_outlet: Vec<Vec<u32>>,
+    /// Fluid rows that a hybrid outlet takes means of; of other outlets none.
+    pub in_reach: Vec<Vec<u32>>,
     /// The same of each part of the rows: kept, so that collecting allocates nothing.
     parts: Vec<PatchRows>,
 }
@@ -41,11 +48,13 @@ impl PatchRows {
         self.inflow.resize_with(scene.inlets.len(), Vec::new);
         self.outflow.resize_with(scene.outlets.len(), Vec::new);
         self.before_outlet.resize_with(scene.outlets.len(), Vec::new);
+        self.in_reach.resize_with(scene.outlets.len(), Vec::new);
         self.lists().for_each(Vec::clear);
     }
 
     fn lists(&mut self) -> impl Iterator<Item = &mut Vec<u32>> {
-        self.inflow.iter_mut().chain(&mut self.outflow).chain(&mut self.before_outlet)
+        let outlets = self.outflow.iter_mut().chain(&mut self.before_outlet).chain(&mut self.in_reach);
+        self.inflow.iter_mut().chain(outlets)
     }
 
     /// Collects the rows, in their order.
@@ -76,12 +85,22 @@ impl PatchRows {
             Zone::Inflow => self.inflow[usize::from(arrays.patch[row])].push(row as u32),
             Zone::Outflow => self.outflow[usize::from(arrays.patch[row])].push(row as u32),
             Zone::Fluid => {
-                let reach = ADJACENT_LAYERS * scene.spacing;
-                for (outlet, rows) in scene.outlets.iter().zip(&mut self.before_outlet) {
+                let adjacent = ADJACENT_LAYERS * scene.spacing;
+                let lists = self.before_outlet.iter_mut().zip(&mut self.in_reach);
+                for (outlet, (before, in_reach)) in scene.outlets.iter().zip(lists) {
                     let point = arrays.position_of(row);
                     let along = outlet.patch.along(point);
-                    if along > -reach && along < scene.spacing && outlet.patch.covers(point, scene.spacing) {
-                        rows.push(row as u32);
+                    let near = |reach: f64, margin: f64| {
+                        along > -reach && along < scene.spacing && outlet.patch.covers(point, margin)
+                    };
+                    if near(adjacent, scene.spacing) {
+                        before.push(row as u32);
+                    }
+                    if matches!(outlet.condition, OutletCondition::Hybrid { .. }) {
+                        let support = scene.scheme.support(scene.spacing);
+                        if near(support + LAYERS_BEYOND_REACH * scene.spacing, support) {
+                            in_reach.push(row as u32);
+                        }
                     }
                 }
             }

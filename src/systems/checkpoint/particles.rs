@@ -3,7 +3,7 @@
 //! ```text
 //! arrays.*      rows in their order, by number where a caller took the components: zone, patch, flags, positions, velocities at both
 //!               time levels, density, pressure, walls
-//! particle.*    by number: tag, passages, whether it came back through an inlet
+//! particle.*    by number, given or free: tag, passages, whether it came back through an inlet
 //! wall.*        surfaces behind which wall particles stand, in the precision of the scene
 //! stored.*      the reservoir in the order in which it is emptied
 //! grid.*        the box of the cell grid, which comes from the start of the run
@@ -12,6 +12,7 @@
 //! Everything else that a particle has follows from these: the components of one that is somewhere are its row, the stress is found
 //! anew before anybody reads it, and an entity is a seat.
 
+use bevy_ecs::entity::Entity;
 use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 use glam::DVec3;
@@ -32,6 +33,7 @@ use crate::systems::ledger::Ledger;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::setup::{InflowCapacity, SavedParticle, SceneInUse, Seats, Stored, spawn_saved};
+use crate::systems::transitions::stock::FreeNumbers;
 
 /// Puts the particles of a world.
 pub fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
@@ -141,8 +143,8 @@ pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -
         return Err(Misfit("its pressure does not follow from the scheme of the scene".to_owned()));
     }
     let stored = from.take::<u32>("stored.id")?;
-    let count = arrays.len() + stored.len();
-    let mut particles = vec![None; count];
+    let tag = from.take::<f32>("particle.tag")?;
+    let mut particles = vec![None; tag.len()];
     for row in 0..arrays.len() {
         let state = arrays.row(row);
         let thermodynamics = Thermodynamics { density: state.density, pressure: state.pressure };
@@ -151,9 +153,12 @@ pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -
         seat(&mut particles, SavedParticle { patch: state.patch, ..particle })?;
     }
     restore_stored(&stored, &mut particles, from)?;
-    // Every number once, and as many numbers as slots: none is empty.
-    let mut particles: Vec<SavedParticle> = particles.into_iter().flatten().collect();
-    restore_components(&mut particles, from)?;
+    // Every number once; only where particles are deleted nobody may have one.
+    if scene.reservoir.recycle && particles.iter().any(Option::is_none) {
+        let (found, slots) = (arrays.len() + stored.len(), particles.len());
+        return Err(Misfit(format!("it has {found} particles for {slots} numbers")));
+    }
+    restore_components(&mut particles, tag, from)?;
     spawn_saved(world, &scene, &particles);
     world.insert_resource(Stored(stored));
     world.insert_resource(arrays);
@@ -223,23 +228,28 @@ fn restore_stored(
     Ok(())
 }
 
-fn restore_components(particles: &mut [SavedParticle], from: &mut Columns) -> Result<(), Misfit> {
-    let tag = from.take_exactly::<f32>("particle.tag", particles.len())?;
+fn restore_components(
+    particles: &mut [Option<SavedParticle>],
+    tag: Vec<f32>,
+    from: &mut Columns,
+) -> Result<(), Misfit> {
     let passages = from.take_exactly::<u32>("particle.passages", particles.len())?;
     let returned = from.take_exactly::<u8>("particle.returned", particles.len())?;
     for (slot, particle) in particles.iter_mut().enumerate() {
+        let Some(particle) = particle else { continue };
         particle.bundle.tracer = Tracer { tag: tag[slot], passages: passages[slot] };
         particle.returned = returned[slot] != 0;
     }
     let walls = from.take::<u32>("wall.id")?;
     let distance = from.take_exactly::<f64>("wall.distance", walls.len())?;
     let normal = take_vectors("wall.normal", walls.len(), from)?;
-    let count = particles.iter().filter(|particle| particle.zone == Zone::Wall).count();
+    let count = particles.iter().flatten().filter(|particle| particle.zone == Zone::Wall).count();
     if count != walls.len() {
         return Err(Misfit(format!("it has {count} wall particles and {} wall surfaces", walls.len())));
     }
     for (at, id) in walls.into_iter().enumerate() {
-        let wall = particles.get_mut(id as usize).filter(|particle| particle.zone == Zone::Wall);
+        let wall = particles.get_mut(id as usize).and_then(Option::as_mut);
+        let wall = wall.filter(|particle| particle.zone == Zone::Wall);
         let wall =
             wall.ok_or_else(|| Misfit(format!("it has a wall surface of particle {id}, which is no wall")))?;
         wall.surface = WallSurface { distance: distance[at], normal: normal[at] };
@@ -261,6 +271,13 @@ pub fn check_ledger(world: &mut World) -> Result<(), Misfit> {
         return Err(Misfit(format!(
             "its ledger is of other openings than {inlets} inlets and {outlets} outlets"
         )));
+    }
+    let seats = &world.resource::<Seats>().0;
+    let mut free: Vec<u32> = world.resource::<FreeNumbers>().0.iter().map(|free| free.id).collect();
+    free.sort_unstable();
+    let empty = (0..).zip(seats).filter(|(_, seat)| **seat == Entity::PLACEHOLDER).map(|(id, _)| id);
+    if !free.iter().copied().eq(empty) {
+        return Err(Misfit(format!("its free numbers {free:?} are not those that no particle has")));
     }
     if ledger.by_zone == counted {
         return Ok(());

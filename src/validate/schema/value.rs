@@ -59,6 +59,20 @@ pub enum ValueFile {
         #[serde(default)]
         scale: Option<Number>,
     },
+    /// How far a column over time is from that of another run: √(Σ (f − f_other)²/Σ f_other²) over the samples of the first, between whose
+    /// times the other's are interpolated. Negi et al. (2020), Eq. 32.
+    Departure {
+        /// Run.
+        run: Text,
+        /// `monitor`, or a probe of the scene.
+        table: Text,
+        /// Name of the column without its unit.
+        column: Text,
+        /// The other run.
+        from: Text,
+        /// From when to when, s.
+        over: (Number, Number),
+    },
     /// Exponential growth, 1/s, of the amplitude of a wave along a line probe, while it is between two bounds.
     Growth {
         /// Run.

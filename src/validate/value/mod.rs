@@ -105,6 +105,7 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
             runs.extend(reference::run_of(reference));
             runs
         }
+        ValueFile::Departure { run, from, .. } => vec![&run.value, &from.value],
         ValueFile::Feature { run, .. }
         | ValueFile::Series { run, .. }
         | ValueFile::Growth { run, .. }
@@ -136,6 +137,15 @@ pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Reading, Stri
             };
             let scale = factor(scale);
             Reading { value: found.value / scale, error: found.error.map(|error| error / scale), ..found }
+        }
+        ValueFile::Departure { run, table, column, from, over } => {
+            let other = series::column(context.run(&from.value)?, &table.value, &column.value)?;
+            let of_member = |member: &RunResults| {
+                let (times, values) = series::column(member, &table.value, &column.value)?;
+                series::departure((&times, &values), (&other.0, &other.1), (over.0.value, over.1.value))
+            };
+            let members = context.members(&run.value)?.iter().map(of_member).collect::<Result<_, _>>()?;
+            Reading::over(&run.value, members)
         }
         ValueFile::Order { figures, spacings } => {
             let figure =
@@ -188,7 +198,9 @@ fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature
             let waves = waves.map_or(0.0, |waves| waves.value);
             waves::reflection(&*run.probe(&probe.value)?, waves, impedance.value, intervals)?
         }
-        ValueFile::Order { .. } | ValueFile::Formula(_) => return Err("not of a run".to_owned()),
+        ValueFile::Departure { .. } | ValueFile::Order { .. } | ValueFile::Formula(_) => {
+            return Err("not of one run".to_owned());
+        }
     };
     Ok(feature::Feature { value: found, at_least: false })
 }

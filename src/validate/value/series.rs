@@ -55,9 +55,54 @@ pub fn take(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> 
     })
 }
 
+/// Times, s, and values of a column.
+type Column<'a> = (&'a [f64], &'a [f64]);
+
+/// √(Σ (f − f_other)²/Σ f_other²) over the samples of the first column from one time to another (s) at which the other is known.
+///
+/// # Errors
+/// That there is nothing to compare, or that the other column is 0 throughout.
+pub fn departure(
+    (times, values): Column<'_>,
+    (other_times, other): Column<'_>,
+    over: (f64, f64),
+) -> Result<f64, String> {
+    let (mut squares, mut whole) = (0.0, 0.0);
+    for (&time, &value) in times.iter().zip(values).filter(|(time, _)| (over.0..=over.1).contains(*time)) {
+        let behind = other_times.partition_point(|&other| other < time);
+        let expected = match (behind.checked_sub(1), other_times.get(behind)) {
+            (_, Some(&at)) if at == time => other[behind],
+            (Some(before), Some(&at)) => {
+                let share = (time - other_times[before]) / (at - other_times[before]);
+                other[before] + share * (other[behind] - other[before])
+            }
+            _ => continue,
+        };
+        squares += (value - expected).powi(2);
+        whole += expected * expected;
+    }
+    if whole > 0.0 {
+        Ok((squares / whole).sqrt())
+    } else {
+        Err(format!("the other run has nothing but 0 from {} to {} s", over.0, over.1))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_departure_is_relative_to_the_other_and_interpolated() {
+        let other = (&[0.0, 2.0, 4.0][..], &[0.0, 4.0, 8.0][..]);
+        let of = |values: [f64; 3], over| departure((&[1.0, 2.0, 3.0], &values), other, over);
+        assert_eq!(of([2.0, 4.0, 6.0], (0.0, 4.0)), Ok(0.0));
+        assert_eq!(of([2.0, 4.0, 9.0], (2.5, 9.0)), Ok(0.5));
+        assert_eq!(of([4.0, 0.0, 6.0], (0.0, 2.5)), Ok((20.0_f64 / 20.0).sqrt()));
+        // What is beyond the other's end is left out, and without anything left there is no figure.
+        assert_eq!(departure((&[3.0, 5.0], &[6.0, 77.0]), other, (0.0, 9.0)), Ok(0.0));
+        assert!(departure((&[5.0], &[77.0]), other, (0.0, 9.0)).is_err());
+    }
 
     #[test]
     fn what_is_taken_is_of_the_interval() {

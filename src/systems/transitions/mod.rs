@@ -1,5 +1,8 @@
 //! Particles change zone: the only place where roles change during a run.
 //!
+//! - [`entry`]: a particle enters a zone
+//! - [`stock`]: where particles that leave go to, and where those that enter come from
+//!
 //! ```text
 //! Inflow → Fluid       across the inlet plane; a stored particle enters upstream (`boundaries/entrance.rs`)
 //! Fluid → Inflow       back across the inlet plane
@@ -16,38 +19,31 @@
 //! leave a hole in its row for ever. A slantwise inlet keeps its rows as long as its zone, whatever crosses; at one that
 //! is filled once nothing enters, and the run stops when it is drained.
 
+pub mod entry;
+pub mod stock;
+
 use std::ops::Range;
 
-use bevy_ecs::bundle::Bundle;
 use bevy_ecs::change_detection::Mut;
-use bevy_ecs::query::Without;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
 use super::boundaries::entrance::{InflowRow, is_drained, is_slantwise};
-use super::boundaries::inlets::inlet_velocity;
 use super::boundaries::rows::PatchRows;
-use super::clock::Clock;
 use super::failure::Failure;
 use super::ledger::Ledger;
-use super::neighbours::Grid;
-use super::setup::{InflowCapacity, SceneInUse, Seats, Stored};
+use super::setup::{SceneInUse, Seats};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::particles::components::{
-    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Returned, SpsStress, Thermodynamics, Tracer,
-    Velocity,
-};
-use crate::particles::rows::{Row, set_real_vector};
+use crate::particles::components::{Fluid, Inflow, Outflow, Returned};
+use crate::particles::rows::set_real_vector;
 use crate::particles::zone::Zone;
 use crate::pass::blocks::{for_each_part, with_lists};
-use crate::pass::neighbours::Neighbours;
 use crate::physics::inlet::Feed;
-use crate::scene::model::{Inlet, Patch, Scene, WhenEmpty};
-
-/// Two particles nearer than this over the spacing would clump: nothing is put there.
-const ROOM: f64 = 0.5;
+use crate::scene::model::{Inlet, Patch, Scene};
+use entry::{Entry, enter};
+use stock::leave;
 
 /// A change of zone that a row is due for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,17 +51,6 @@ struct Change {
     row: usize,
     zone: Zone,
     patch: u16,
-}
-
-/// A place where a stored particle enters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Entry {
-    place: DVec3,
-    zone: Zone,
-    patch: u16,
-    velocity: DVec3,
-    /// Whether the particle that crossed may have brought one here before.
-    again: bool,
 }
 
 /// The lists of a transition, kept from step to step.
@@ -222,10 +207,17 @@ fn apply<R: Real, const D: usize>(
                 });
                 let last = last.unwrap_or(inlet.along(point));
                 let places = behind.vacancies(inlet, last);
-                entries.extend(places.map(|place| Entry { place, zone, patch, velocity, again: false }));
+                entries.extend(places.map(|place| Entry {
+                    place,
+                    zone,
+                    patch,
+                    velocity,
+                    pressure: 0.0,
+                    again: false,
+                }));
             } else {
                 let place = point - inlet.towards * inlet.depth;
-                entries.push(Entry { place, zone, patch, velocity, again: returned });
+                entries.push(Entry { place, zone, patch, velocity, pressure: 0.0, again: returned });
             }
         }
         (Zone::Outflow, Zone::Fluid) => {
@@ -236,6 +228,7 @@ fn apply<R: Real, const D: usize>(
                 zone: Zone::Outflow,
                 patch: change.patch,
                 velocity: arrays.velocity_of(row),
+                pressure: arrays.pressure[row].to_f64(),
                 again: true,
             });
         }
@@ -257,18 +250,19 @@ fn apply<R: Real, const D: usize>(
         Zone::Wall | Zone::Reservoir => &mut entity,
     };
     match change.zone {
-        Zone::Fluid => entity.insert(Fluid),
-        Zone::Inflow => entity.insert((Inflow { inlet: change.patch }, Returned)),
-        Zone::Outflow => entity.insert(Outflow { outlet: change.patch }),
-        // The arrays drop the row at the next sort. What its components still hold depends on who looked last.
-        Zone::Wall | Zone::Reservoir => entity.insert((stored(scene, id, point), Reservoir)),
-    };
-    if change.zone == Zone::Reservoir {
-        if let Some(mut stress) = entity.get_mut::<SpsStress>() {
-            *stress = SpsStress::default();
+        Zone::Fluid => {
+            entity.insert(Fluid);
         }
-        set_real_vector(&mut arrays.velocity, row, DVec3::ZERO);
-        world.resource_mut::<Stored>().0.push(id);
+        Zone::Inflow => {
+            entity.insert((Inflow { inlet: change.patch }, Returned));
+        }
+        Zone::Outflow => {
+            entity.insert(Outflow { outlet: change.patch });
+        }
+        Zone::Wall | Zone::Reservoir => {
+            set_real_vector(&mut arrays.velocity, row, DVec3::ZERO);
+            leave(world, scene, id, point);
+        }
     }
 }
 
@@ -284,114 +278,4 @@ fn last_of_row<R: Real, const D: usize>(
     let places =
         world.resource::<PatchRows>().inflow_places(arrays, inlet).chain(coming.map(|entry| entry.place));
     places.filter_map(along).min_by(f64::total_cmp)
-}
-
-/// Whether no particle stands within half a spacing of a place.
-fn is_free<R: Real, const D: usize>(
-    world: &World,
-    arrays: &ParticleArrays<R, D>,
-    sorted: usize,
-    place: DVec3,
-    room: f64,
-) -> bool {
-    let mut free = true;
-    // Positions moved since the sort by less than the margin between the room and the support.
-    let neighbours = Neighbours::new(&world.resource::<Grid<D>>().0, arrays);
-    neighbours.for_each(std::array::from_fn(|axis| place[axis]), |row, _, r_squared| {
-        free &= arrays.zone[row] == Zone::Reservoir || r_squared > room * room;
-    });
-    free && (sorted..arrays.len()).all(|row| arrays.position_of(row).distance_squared(place) > room * room)
-}
-
-/// Whether an inflow zone has all its particles, those that came back from the fluid left out.
-fn is_full(world: &mut World, inlet: u16) -> bool {
-    let mut inflow = world.query_filtered::<&Inflow, Without<Returned>>();
-    let present = inflow.iter(world).filter(|inflow| inflow.inlet == inlet).count() as u64;
-    present >= world.resource::<InflowCapacity>().0[usize::from(inlet)]
-}
-
-fn enter<R: Real, const D: usize>(
-    world: &mut World,
-    scene: &Scene,
-    arrays: &mut ParticleArrays<R, D>,
-    entry: &Entry,
-) {
-    let sorted = world.resource::<Grid<D>>().0.starts().last().map_or(0, |&end| end as usize);
-    if entry.again && entry.zone == Zone::Inflow && is_full(world, entry.patch) {
-        return;
-    }
-    if entry.again && !is_free(world, arrays, sorted, entry.place, ROOM * scene.spacing) {
-        return;
-    }
-    let Some(id) = take_stored(world, scene) else { return };
-    let clock = *world.resource::<Clock>();
-    let (velocity, pressure) = match entry.zone {
-        Zone::Inflow => {
-            let inlet = &scene.inlets[usize::from(entry.patch)];
-            (inlet_velocity(inlet, scene.fluid.viscosity, entry.place, clock.time), 0.0)
-        }
-        // As its partner at the plane: between the two the column moves as one.
-        _ => (entry.velocity, 0.0),
-    };
-    let tag = scene.initial.tag.value(entry.place.x, entry.place.y, entry.place.z, clock.time);
-    let row = Row {
-        id,
-        zone: entry.zone,
-        patch: entry.patch,
-        fresh: true,
-        position: entry.place,
-        velocity,
-        velocity_before: velocity,
-        density: scene.fluid.tait().density(pressure),
-        pressure,
-        ..Row::default()
-    };
-    arrays.push(&row);
-    let mut ledger = world.resource_mut::<Ledger>();
-    ledger.by_zone[Zone::Reservoir as usize] -= 1;
-    ledger.by_zone[entry.zone as usize] += 1;
-    let entity = world.resource::<Seats>().0[id as usize];
-    let mut entity = world.entity_mut(entity);
-    if let Some(mut tracer) = entity.get_mut::<Tracer>() {
-        *tracer = Tracer { tag: tag as f32, passages: tracer.passages + 1 };
-    }
-    entity.remove::<Reservoir>();
-    entity.insert((Position(entry.place), Velocity(velocity)));
-    if entry.zone == Zone::Inflow {
-        entity.insert(Inflow { inlet: entry.patch });
-    } else {
-        entity.insert(Outflow { outlet: entry.patch });
-    }
-}
-
-/// State of a particle at rest in the reservoir, but for what it keeps: tag and passages.
-fn stored(scene: &Scene, id: u32, position: DVec3) -> impl Bundle {
-    (
-        ParticleId(id),
-        Position(position),
-        Velocity(DVec3::ZERO),
-        Thermodynamics { density: scene.fluid.density, pressure: 0.0 },
-    )
-}
-
-/// The number of a stored particle, or of a new one if the reservoir is empty and may grow.
-fn take_stored(world: &mut World, scene: &Scene) -> Option<u32> {
-    if let Some(id) = world.resource_mut::<Stored>().0.pop() {
-        return Some(id);
-    }
-    if scene.reservoir.when_empty == WhenEmpty::Stop {
-        world.resource_mut::<Failure>().reservoir_empty = true;
-        return None;
-    }
-    let id = world.resource::<Seats>().0.len() as u32;
-    let mut entity = world.spawn((stored(scene, id, DVec3::ZERO), Tracer::default(), Reservoir));
-    if scene.scheme.has_stress() {
-        entity.insert(SpsStress::default());
-    }
-    let entity = entity.id();
-    world.resource_mut::<Seats>().0.push(entity);
-    let mut ledger = world.resource_mut::<Ledger>();
-    ledger.grown += 1;
-    ledger.by_zone[Zone::Reservoir as usize] += 1;
-    Some(id)
 }

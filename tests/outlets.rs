@@ -1,0 +1,236 @@
+//! What every outlet condition owes: a uniform stream stays as it is, in 2D and 3D, forwards and backwards; sound leaves, with what comes
+//! back measured; a scene that says too little is told so. And what leaves is deleted where the scene says so.
+
+mod census;
+mod plug;
+
+use census::{census, of};
+use sphecs::glam::DVec3;
+use sphecs::particles::components::ParticleId;
+use sphecs::particles::zone::Zone;
+use sphecs::scene::load_str;
+use sphecs::simulation::Simulation;
+
+/// The conditions of Negi et al. (2020) on a stream of some velocity, m/s.
+fn conditions(velocity: &str) -> Vec<String> {
+    let mut conditions: Vec<String> = [
+        "DoNothing",
+        "ModifiedDoNothing()",
+        "ModifiedDoNothing(shown: Carried)",
+        "Mirror()",
+        "Mirror(variant: Linear)",
+        "Mirror(variant: Printed)",
+        "Hybrid()",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    conditions.push(format!("Characteristic(velocity: {velocity}, pressure: 0.0)"));
+    conditions
+}
+
+const SCHEMES: [&str; 2] = ["Wcsph(shifting: Fickian(coefficient: 2.0))", "EdacTvf()"];
+
+/// Runs a stream and checks that its velocity stays as it is.
+#[track_caller]
+fn check_stream(what: &str, mut simulation: Simulation, steps: usize, stream: DVec3, band: f64) {
+    for _ in 0..steps {
+        simulation.step().unwrap_or_else(|stop| panic!("{what}: {stop}"));
+    }
+    for particle in of(&census(&mut simulation), Zone::Fluid) {
+        let off = particle.velocity.distance(stream) / stream.length();
+        assert!(off < band, "{what}: particle {} moves with {}", particle.id, particle.velocity);
+    }
+    let passed = simulation.ledger();
+    let crossed = passed.left[0] + passed.left_back[0];
+    assert!(crossed > 0, "{what}: nothing crossed the outlet");
+}
+
+/// The lattice is even, so that no force is larger than the rounding of its sums (1e-16 c0²/Δ in f64), over 2 s of flow.
+#[test]
+fn a_uniform_stream_stays_as_it_is_forwards_and_backwards() {
+    for scheme in SCHEMES {
+        for velocity in ["0.1", "-0.03"] {
+            for condition in conditions(velocity) {
+                let sets = [
+                    ("constants.u", velocity),
+                    ("scheme", scheme),
+                    ("outlets.0.condition", condition.as_str()),
+                ];
+                let simulation = Simulation::from_scene(plug::scene(&sets));
+                let stream = DVec3::X * velocity.parse::<f64>().expect("a number");
+                check_stream(&format!("{scheme}, {velocity}, {condition}"), simulation, 500, stream, 1e-8);
+            }
+        }
+    }
+}
+
+/// A stream in 3D against the direction of the z axis.
+const DUCT: &str = r#"Scene(
+    title: "A duct across", dimensions: 3, spacing: 0.01, smoke: 0.01,
+    fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 1.0),
+    domain: Box(min: (0.0, 0.0, 0.0), max: (0.08, 0.08, 0.12)),
+    walls: None, periodic: ["x", "y"],
+    initial: (velocity: (0.0, 0.0, -0.1)),
+    inlets: [(at: (0.04, 0.04, 0.12), towards: (0.0, 0.0, -1.0), velocity: Normal(0.1))],
+    outlets: [(at: (0.04, 0.04, 0.0), towards: (0.0, 0.0, -1.0), condition: DoNothing)],
+    time: (end: 10.0), output: (every: 1.0),
+)"#;
+
+fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
+    let sets: Vec<(String, String)> =
+        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
+    Simulation::from_scene(load_str("outlet", text, &sets).unwrap_or_else(|faults| panic!("{faults:?}")))
+}
+
+/// Single precision loses 1e-7 of a pressure difference of ρ c0², a hundredth of which is c0² over the stream's own.
+#[test]
+fn a_uniform_stream_stays_as_it_is_in_3d_and_single_precision() {
+    for (precision, band) in [("F64", 1e-8), ("F32", 2e-3)] {
+        for scheme in SCHEMES {
+            for condition in conditions("0.1") {
+                let sets =
+                    [("precision", precision), ("scheme", scheme), ("outlets.0.condition", &condition)];
+                let what = format!("{precision}, {scheme}, {condition}");
+                check_stream(&what, simulation(DUCT, &sets), 50, DVec3::new(0.0, 0.0, -0.1), band);
+            }
+        }
+    }
+}
+
+/// A plug between walls that take no shear, turned so that nothing lies along the lattice.
+const TURNED: &str = r#"Scene(
+    title: "A plug askew", dimensions: 2, spacing: 0.01, smoke: 0.01,
+    constants: { "angle": 20.0, "c": "cos(angle*pi/180)", "s": "sin(angle*pi/180)", "L": 0.3, "D": 0.16 },
+    fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 1.5),
+    domain: Rotated(angle: "angle", shape: Box(min: (0.0, "-D/2"), max: ("L", "D/2"))),
+    walls: (slip: FreeSlip),
+    initial: (velocity: ("0.1*c", "0.1*s")),
+    inlets: [(at: (0.0, 0.0), towards: ("c", "s"), velocity: Normal(0.1))],
+    outlets: [(at: ("L*c", "L*s"), towards: ("c", "s"), condition: DoNothing)],
+    time: (end: 10.0), output: (every: 1.0),
+)"#;
+
+/// The particles at the walls settle at the start, and what sound this makes a condition may throw back. `Mirror` is left out: it has no
+/// anchor, and the stream had run away to 0.18 m/s by then.
+#[test]
+fn a_plug_leaves_through_a_plane_askew() {
+    for condition in
+        ["DoNothing", "ModifiedDoNothing()", "Characteristic(velocity: 0.1, pressure: 0.0)", "Hybrid()"]
+    {
+        let mut simulation = simulation(TURNED, &[("outlets.0.condition", condition)]);
+        simulation.run_until(0.6).unwrap_or_else(|stop| panic!("{condition}: {stop}"));
+        let towards = simulation.scene().outlets[0].patch.towards;
+        let row = simulation.monitor_row();
+        let along = row.momentum.dot(towards) / row.mass[Zone::Fluid as usize];
+        let across = row.momentum.perp_dot_2d(towards).abs() / row.mass[Zone::Fluid as usize];
+        assert!((along - 0.1).abs() < 0.02 && across < 0.01, "{condition}: {along} and {across} m/s");
+    }
+}
+
+/// The cross product in the plane.
+trait PerpDot {
+    fn perp_dot_2d(self, other: Self) -> f64;
+}
+
+impl PerpDot for DVec3 {
+    fn perp_dot_2d(self, other: Self) -> f64 {
+        self.x * other.y - self.y * other.x
+    }
+}
+
+/// What an outlet throws back of the pulse of `scenes/acoustic_pulse.ron` at its smoke spacing, σ = 10 Δ: largest |J3| over largest |J2|
+/// 5 σ before the plane.
+fn reflection(scheme: &str, condition: &str) -> f64 {
+    let sets = [("spacing", "0.02"), ("scheme", scheme), ("outlets.0.condition", condition)];
+    let mut simulation = simulation(include_str!("../scenes/acoustic_pulse.ron"), &sets);
+    let (mut out, mut back) = (0.0_f64, 0.0_f64);
+    while simulation.clock().time < 0.38 {
+        for _ in 0..2 {
+            simulation.step().unwrap_or_else(|stop| panic!("{condition}: {stop}"));
+        }
+        let sample = simulation.sample(&[DVec3::new(3.0, 0.0, 0.0)])[0].expect("fluid");
+        let swing = 1000.0 * 10.0 * (sample.velocity.x - 0.2);
+        out = out.max((sample.pressure + swing).abs());
+        back = back.max((sample.pressure - swing).abs());
+    }
+    back / out
+}
+
+/// The two conditions that let sound out are held to what they are for (measured 0.008, 0.011 and 0.043, 0.018); of the others it is told
+/// that they do not (1.30 and 0.33, 0.97 and 0.35, 0.97 and 0.93, 0.88 and what `Mirror` has under `EdacTvf`).
+#[test]
+fn sound_leaves_or_comes_back_as_the_condition_says() {
+    let expected = [
+        ("Characteristic(velocity: 0.2, pressure: 0.0)", [(0.0, 0.03), (0.0, 0.03)]),
+        ("Hybrid()", [(0.0, 0.06), (0.0, 0.08)]),
+        ("DoNothing", [(0.1, 2.0), (0.1, 0.5)]),
+        ("ModifiedDoNothing()", [(0.7, 1.1), (0.1, 0.5)]),
+        ("ModifiedDoNothing(shown: Carried)", [(0.7, 1.1), (0.7, 1.1)]),
+        ("Mirror()", [(0.1, 1.1), (0.1, 1.1)]),
+    ];
+    for (condition, bands) in expected {
+        for (scheme, band) in ["Wcsph()", "EdacTvf()"].into_iter().zip(bands) {
+            let found = reflection(scheme, condition);
+            println!("{scheme}, {condition}: R = {found:.3}");
+            assert!((band.0..band.1).contains(&found), "{scheme}, {condition}: R = {found}, not in {band:?}");
+        }
+    }
+}
+
+#[test]
+fn a_condition_that_says_too_little_or_nonsense_is_told_so() {
+    let expected = [
+        ("Characteristic()", "field `velocity` is missing"),
+        ("Characteristic(velocity: 0.1)", "field `pressure` is missing"),
+        ("DoNothin", "did you mean `DoNothing`"),
+        ("Mirror(variant: Newman)", "did you mean `Neumann`"),
+        ("Hybrid(steps: 0)", "at least 1"),
+        ("Hybrid(velocity: -1.0)", "greater than 0"),
+    ];
+    for (condition, word) in expected {
+        let sets = [("outlets.0.condition".to_owned(), condition.to_owned())];
+        let faults = load_str("outlet", DUCT, &sets).err().unwrap_or_else(|| panic!("{condition} was taken"));
+        let message = format!("{:?}", miette::Report::new(faults));
+        assert!(message.contains(word), "{condition}: {message}");
+    }
+    let with = |value: &str| {
+        let sets = [("reservoir".to_owned(), value.to_owned())];
+        format!("{:?}", load_str("outlet", DUCT, &sets).err().map(miette::Report::new))
+    };
+    assert!(with("(recycle: false, particles: 3)").contains("`particles` must not be given"));
+    assert!(with("(recycle: false, when_empty: Stop)").contains("`when_empty: Stop` must not be given"));
+}
+
+/// A stream whose particles are deleted when they leave.
+const DELETING: [(&str, &str); 4] = [
+    ("reservoir", "(recycle: false)"),
+    ("outlets.0.condition", "DoNothing"),
+    ("domain", "Box(min: (0.0, 0.0), max: (0.163, 0.08))"),
+    ("outlets.0.at", "(0.163, 0.04)"),
+];
+
+#[test]
+fn what_leaves_is_deleted_and_its_number_given_anew() {
+    let mut simulation = Simulation::from_scene(plug::scene(&DELETING));
+    let initial = simulation.ledger().initial;
+    let mut largest = 0;
+    for step in 0..900 {
+        simulation.step().unwrap_or_else(|stop| panic!("{stop}"));
+        let ledger = simulation.ledger();
+        assert!(ledger.balances(), "step {step}: {ledger:?}");
+        assert_eq!(ledger.count(Zone::Reservoir), 0, "step {step}");
+        if step % 50 == 0 {
+            let total = ledger.total();
+            let world = simulation.world_mut();
+            let mut ids: Vec<u32> = world.query::<&ParticleId>().iter(world).map(|id| id.0).collect();
+            ids.sort_unstable();
+            largest = ids.last().copied().unwrap_or(0).max(largest);
+            ids.dedup();
+            assert_eq!(ids.len() as u64, total, "step {step}: a number is given twice");
+        }
+    }
+    let ledger = simulation.ledger();
+    // Everything has left once; a row enters before one leaves.
+    assert!(ledger.created > initial && ledger.deleted > initial && ledger.grown == 0, "{ledger:?}");
+    assert!(u64::from(largest) < initial + 24, "numbers up to {largest} for {initial} particles");
+}
