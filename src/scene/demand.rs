@@ -92,11 +92,12 @@ mod tests {
 
     #[test]
     fn the_interval_that_fits_fits() {
-        let scene = quickstart(&[("output.every", "1e-3")]);
+        let rows = ("output.monitor_every", "0.01");
+        let scene = quickstart(&[("output.every", "1e-3"), rows]);
         let demand = Demand::of(&scene, None, None);
         let room = 0.3 * demand.bytes();
         let every = demand.fitting_interval(1e-3, room).expect("an interval");
-        let scene = quickstart(&[("output.every", &format!("{every:e}"))]);
+        let scene = quickstart(&[("output.every", &format!("{every:e}")), rows]);
         let fitted = Demand::of(&scene, None, None);
         // Two frames more than intervals: the first and the last.
         assert!((fitted.bytes() / room - 1.0).abs() < 0.02, "{fitted:?} for {room}");

@@ -50,12 +50,18 @@ fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f
     found
 }
 
-/// Every fluid particle has the same neighbours as every other: then a fluid at rest has the same density everywhere.
+/// Every fluid particle has the same neighbours as every other: then a fluid at rest has the same density everywhere. Rings in a wall are
+/// no lattice: what sees them is left out.
 fn check_uniform(scene: &Scene) {
     let seeds = seeds(scene);
     let scheme = &scene.scheme;
     let support = scheme.kernel().support_ratio() * scheme.smoothing_ratio() * scene.spacing;
-    let fluid: Vec<usize> = (0..seeds.len()).filter(|i| seeds[*i].zone == Zone::Fluid).collect();
+    let sees_rings = |place: DVec3| {
+        scene.walls.rings.iter().any(|rings| place.distance(rings.centre) < rings.radius + support)
+    };
+    let fluid: Vec<usize> = (0..seeds.len())
+        .filter(|i| seeds[*i].zone == Zone::Fluid && !sees_rings(seeds[*i].position))
+        .collect();
     let expected = neighbourhood(scene, &seeds, fluid[fluid.len() / 2], support);
     let step = (fluid.len() / 1500).max(1);
     for index in fluid.into_iter().step_by(step) {
