@@ -108,7 +108,7 @@ fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {
     }
 }
 
-/// The reservoir, whose particles [`derive`] counts; one that takes nothing has none.
+/// The reservoir, whose particles [`derive()`] counts; one that takes nothing has none.
 pub fn reservoir(file: &ReservoirFile, check: &mut Checker<'_>) -> Reservoir {
     let recycle = file.recycle.as_ref().is_none_or(|recycle| recycle.value);
     if let Some(recycle) = file.recycle.as_ref().filter(|recycle| !recycle.value) {

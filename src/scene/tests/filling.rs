@@ -57,7 +57,7 @@ fn check_uniform(scene: &Scene) {
     let scheme = &scene.scheme;
     let support = scheme.kernel().support_ratio() * scheme.smoothing_ratio() * scene.spacing;
     let sees_rings = |place: DVec3| {
-        scene.walls.rings.iter().any(|rings| place.distance(rings.centre) < rings.radius + support)
+        scene.layout.rings.iter().any(|rings| place.distance(rings.centre) < rings.radius + support)
     };
     let fluid: Vec<usize> = (0..seeds.len())
         .filter(|i| seeds[*i].zone == Zone::Fluid && !sees_rings(seeds[*i].position))
