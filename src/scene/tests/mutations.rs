@@ -103,8 +103,13 @@ fn texts() -> Vec<String> {
         .collect()
 }
 
+/// Texts tried: as many as `PROPTEST_CASES` says; the long version in docs/RELIABILITY.md has a million.
+fn cases() -> u32 {
+    if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 600 }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn mutated_scenes_are_read_or_refused(
