@@ -147,7 +147,9 @@ fn the_longest_steps_that_a_scene_may_have_pass_nothing_that_is_not_finite() {
 #[test]
 fn an_acceleration_that_stops_time_is_caught() {
     let mut simulation = start(&[("body_force", "(1e12, 0.0)")]);
-    assert!(steps_to_blow_up(&mut simulation, 1).is_some());
+    assert_eq!(steps_to_blow_up(&mut simulation, 1), Some(0));
+    let fault = simulation.fault().expect("a fault");
+    assert!(fault.found.contains("step"), "{}", fault.found);
 }
 
 #[test]

@@ -102,3 +102,11 @@ fn what_is_too_large_is_begun_when_it_is_asked_for() {
     let (code, message, _) = run("quickstart", &sets, &["--steps", "2"]);
     assert_eq!(code, Some(0), "{message}");
 }
+
+#[test]
+fn what_fits_at_the_smoke_spacing_runs_there() {
+    let (code, message, left) = run("quickstart", &["spacing=1e-9"], &["--smoke", "--steps", "2"]);
+    assert_eq!(code, Some(0), "{message}");
+    assert!(left);
+    is_refused("quickstart", &["spacing=-1.0"], 2, &["spacing", ".ron:"]);
+}

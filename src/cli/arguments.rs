@@ -263,8 +263,8 @@ mod tests {
             assert_eq!(run.input.scene, PathBuf::from("flow.ron"));
             let expected = [("fluid.sound_speed", "1.0"), ("title", "\"a=b\"")];
             assert!(run.input.sets.iter().map(|(path, value)| (path.as_str(), value.as_str())).eq(expected));
-            assert_eq!(run.threads.map(NonZeroUsize::get), Some(2));
-            assert!(run.words.verbose && !run.words.quiet && !run.force && run.steps.is_none());
+            assert_eq!(run.pace.threads.map(NonZeroUsize::get), Some(2));
+            assert!(run.words.verbose && !run.words.quiet && !run.force && run.pace.steps.is_none());
         }
     }
 

@@ -25,15 +25,6 @@ pub struct RunArguments {
     /// Folder for the results [default: `runs/` and the name of the scene]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads to compute with [default: all cores]; the results are the same bits for any number
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
-    /// Stop at this time, s, in place of the scene's end
-    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
-    pub until: Option<f64>,
-    /// Stop after this many steps, if the end is not reached before
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub steps: Option<u64>,
     #[command(flatten)]
     #[expect(
         missing_docs,
@@ -69,15 +60,6 @@ pub struct ResumeArguments {
     /// Change a value of the scene that does not change the flow, as `time.end=4.0`; repeatable
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
     pub sets: Vec<(String, String)>,
-    /// Threads to compute with [default: all cores]; the results are the same bits for any number
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
-    /// Stop at this time, s [default: as the run was to]
-    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
-    pub until: Option<f64>,
-    /// Stop after this many steps, those before included [default: as the run was to]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub steps: Option<u64>,
     #[command(flatten)]
     #[expect(
         missing_docs,
@@ -95,9 +77,18 @@ pub struct ResumeArguments {
     pub words: WordArguments,
 }
 
-/// Wall time of a run and of its checkpoints.
+/// How far a run goes and with what, and its checkpoints.
 #[derive(Args, Debug)]
 pub struct PaceArguments {
+    /// Threads to compute with [default: all cores]; the results are the same bits for any number
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Stop at this time, s [default: the scene's end; in a resumed run where it was to stop]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    pub until: Option<f64>,
+    /// Stop after this many steps, if the end is not reached before; in a resumed run those before included
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub steps: Option<u64>,
     /// Wall time between checkpoints, as `90s`, `10min`, `2h` or `0:10:00` [default: the scene's, 10min if it has none]
     #[arg(long, value_name = "WALLTIME", value_parser = wall_time)]
     pub checkpoint_every: Option<f64>,

@@ -6,7 +6,8 @@
 //! behind the far end of a zone. With `jitter` fluid points then leave the lattice; zones and walls stay even.
 
 use glam::DVec3;
-use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, ParallelIterator};
+use rayon::slice::ParallelSliceMut;
 
 use super::geometry::Shape;
 use super::lattice::Lattice;
@@ -105,11 +106,15 @@ impl<'a> Filler<'a> {
         let point = |index: usize| lattice.point(cell(index), dimensions);
         // What each point is, in one piece of memory, then the places in another: many small ones would stay with the
         // allocator when the flow has long begun.
-        let mut roles = Vec::new();
-        (0..counts.iter().product())
-            .into_par_iter()
-            .map(|index| self.classify(point(index)).map(|place| (place.zone, place.patch)))
-            .collect_into_vec(&mut roles);
+        let mut roles = vec![None; counts.iter().product()];
+        let axis = dimensions - 1;
+        roles.par_chunks_mut(counts[axis].max(1)).enumerate().for_each(|(row, roles)| {
+            let first = row * roles.len();
+            let places = self.row((first..first + roles.len()).map(point), lattice.spacing[axis]);
+            for (role, place) in roles.iter_mut().zip(places) {
+                *role = place.map(|place| (place.zone, place.patch));
+            }
+        });
         let mut places = Vec::with_capacity(roles.iter().flatten().count());
         let found = roles.iter().enumerate().filter_map(|(index, role)| role.map(|role| (index, role)));
         places.extend(found.map(|(index, (zone, patch))| Place { position: point(index), zone, patch }));
@@ -121,6 +126,27 @@ impl<'a> Filler<'a> {
             }
         }
         places
+    }
+
+    /// What points along a line at equal distances are. A distance changes by no more than the way between two points, so that far
+    /// outside and deep inside the one before decides.
+    fn row(&self, points: impl Iterator<Item = DVec3>, spacing: f64) -> impl Iterator<Item = Option<Place>> {
+        let hair = HAIR * self.scene.spacing;
+        // Of the last point whose distance was found, moved on by the way since: the least and the most that it can be.
+        let (mut least, mut most) = (0.0, 0.0);
+        points.map(move |point| {
+            (least, most) = (least - spacing, most + spacing);
+            let known = if least > self.reach + hair {
+                least
+            } else if most < -self.margin() - hair {
+                most
+            } else {
+                let distance = confined_distance(self.scene, point);
+                (least, most) = (distance, distance);
+                distance
+            };
+            self.role(point, known)
+        })
     }
 
     /// A fluid particle's place off the lattice; as it was where it would leave the fluid.
@@ -138,7 +164,11 @@ impl<'a> Filler<'a> {
     }
 
     fn classify(&self, point: DVec3) -> Option<Place> {
-        let distance = confined_distance(self.scene, point);
+        self.role(point, confined_distance(self.scene, point))
+    }
+
+    /// What a point at a distance from the confines is. Beyond the walls and deeper than the margin any such distance will do.
+    fn role(&self, point: DVec3, distance: f64) -> Option<Place> {
         // A layer exactly at the thickness is out of every fluid particle's reach.
         if distance > self.reach - HAIR * self.scene.spacing {
             return None;
@@ -161,10 +191,14 @@ impl<'a> Filler<'a> {
         place(Zone::Fluid, 0)
     }
 
+    /// A point deeper than this is inside whatever stands around it, m.
+    fn margin(&self) -> f64 {
+        0.25 * self.scene.spacing
+    }
+
     fn inside(&self, point: DVec3, distance: f64) -> bool {
-        let margin = 0.25 * self.scene.spacing;
         // Between parts of a union that touch, the distance is near zero deep inside: look around.
-        distance < -margin
+        distance < -self.margin()
             || (distance <= HAIR * self.scene.spacing
                 && self
                     .probes
@@ -217,4 +251,41 @@ pub fn periodic_distance(shape: &Shape, periodic: &[Option<(f64, f64)>; 3], poin
         }
     }
     distance
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene::load_smoke;
+
+    /// What a row skips is what each of its points by itself would be.
+    #[test]
+    fn rows_are_filled_as_their_points_one_by_one() {
+        for name in
+            ["square_bend", "cylinder_re20", "constricted_r2", "kelvin_helmholtz_periodic", "inclined_plates"]
+        {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.ron"));
+            let scene = load_smoke(&path, &[]).unwrap();
+            let filler = Filler::new(&scene);
+            let (low, high) = scene.layout.confines.bounds();
+            let spacing = 0.37 * scene.spacing;
+            for along in 0..scene.dimensions {
+                // Lines through the whole box, some of them on its edge.
+                for share in [0.0, 0.03, 0.31, 0.5, 0.77, 1.0] {
+                    let start = (low + share * (high - low)).with_z(0.0);
+                    let point = |step: usize| {
+                        let mut point = start;
+                        point[along] = low[along] - scene.spacing + step as f64 * spacing;
+                        point
+                    };
+                    let count = ((high[along] - low[along]) / spacing) as usize + 6;
+                    let row: Vec<_> = filler.row((0..count).map(point), spacing).collect();
+                    let single: Vec<_> = (0..count).map(|step| filler.classify(point(step))).collect();
+                    assert_eq!(row, single, "{name}, axis {along} at {share}");
+                }
+            }
+        }
+    }
 }

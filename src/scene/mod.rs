@@ -43,6 +43,7 @@ pub mod walls;
 mod tests;
 
 use build::Origin;
+use expression::Constants;
 use faults::{Fault, SceneFaults};
 use model::Scene;
 use notation::reader::{self, Reading};
@@ -124,23 +125,44 @@ pub fn load_smoke_within(
     sets: &[(String, String)],
     memory: Option<f64>,
 ) -> Result<Scene, SceneFaults> {
-    let smoke = load_within(path, sets, memory)?.smoke_spacing;
+    let Ok(text) = std::fs::read_to_string(path) else {
+        return load_within(path, sets, memory);
+    };
+    // What is wrong with either spacing shows in the scene as it stands.
+    let Some(smoke) = smoke_spacing(&text, sets) else {
+        return load_within(path, sets, memory);
+    };
     let mut sets = sets.to_vec();
     sets.push(("spacing".to_owned(), format!("{smoke:e}")));
     load_within(path, &sets, memory)
+}
+
+/// The smoke spacing of a scene whose two spacings are sound, m; nothing is filled to find it.
+fn smoke_spacing(text: &str, sets: &[(String, String)]) -> Option<f64> {
+    let edited = paths::apply(text, sets).ok()?;
+    let (_, file, _) = parts(&edited.text).ok()?;
+    let [spacing, smoke] = file.map(|file| [file.spacing.value, file.smoke.value])?;
+    (spacing.is_finite() && spacing > 0.0 && smoke.is_finite() && smoke > 0.0).then_some(smoke)
+}
+
+/// Constants and sections of a text with what is wrong with them, or its faults alone where nothing can be made of it.
+fn parts(text: &str) -> Result<(Constants, Option<SceneFile>, Vec<Fault>), Vec<Fault>> {
+    let Reading { root, mut faults, lost } = reader::read(text);
+    if lost {
+        return Err(faults);
+    }
+    let constants = constants::read(&root, &mut faults);
+    let (file, typed_faults) = typed::read::<SceneFile>(&root, &constants);
+    faults.extend(typed_faults);
+    Ok((constants, file, faults))
 }
 
 fn read(shown: &str, origin: Origin<'_>, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
     let refused = |faults| SceneFaults::new(shown, origin.text, faults);
     let edited = paths::apply(origin.text, sets).map_err(refused)?;
     let text = edited.text.as_str();
-    let Reading { root, mut faults, lost } = reader::read(text);
-    if lost {
-        return Err(SceneFaults::new(shown, text, faults));
-    }
-    let constants = constants::read(&root, &mut faults);
-    let (file, typed_faults) = typed::read::<SceneFile>(&root, &constants);
-    faults.extend(typed_faults);
+    let (constants, file, mut faults) =
+        parts(text).map_err(|faults| SceneFaults::new(shown, text, faults))?;
     let origin = Origin { text, ..origin };
     let mut scene = None;
     if let Some(file) = &file {

@@ -359,3 +359,15 @@ fn what_will_not_act_or_not_last_is_noted() {
     let drained = notes(&once);
     assert!(drained.contains("inlet 0 is filled once") && drained.contains("0.500 s"), "{drained}");
 }
+
+#[test]
+fn volumes_are_estimated_to_two_per_cent_in_thin_shapes_too() {
+    for name in ["square_bend.ron", "quickstart.ron", "duct3d.ron", "cylinder_re20.ron"] {
+        let scene = smoke(name);
+        let cell = scene.spacing.powi(scene.dimensions as i32);
+        let places = crate::scene::fill::places(&scene);
+        let fluid = places.iter().filter(|place| place.zone != Zone::Wall).count() as f64 * cell;
+        let estimate = summary::estimated_volume(&scene.container, 0.0, scene.dimensions);
+        assert!((estimate / fluid - 1.0).abs() < 0.02, "{name}: {estimate} for {fluid}");
+    }
+}
