@@ -13,6 +13,7 @@ use crate::particles::arrays::ParticleArrays;
 pub use crate::particles::sample::Sample;
 use crate::particles::zone::Zone;
 use crate::pass::sampling::Sampler;
+use crate::pass::section::{self, Section};
 use crate::scene::model::{ParticleSeed, Precision, Scene, Scheme};
 use crate::scene::spawn;
 use crate::systems::bodies::{Bodies, BodyForcesRow};
@@ -48,7 +49,9 @@ struct Typed {
     save: fn(&mut World, &mut Columns),
     refresh: fn(&mut World),
     monitor_row: fn(&mut World) -> MonitorRow,
+    gather: fn(&mut World),
     sample: fn(&World, &[DVec3]) -> Vec<Option<Sample>>,
+    mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
 }
 
 /// What a world begins with.
@@ -190,7 +193,9 @@ impl Simulation {
                 },
                 save: particles::save::<R, D>,
                 monitor_row: monitor::monitor_row::<R, D>,
+                gather: home::gather::<R, D>,
                 sample: sample::<R, D>,
+                mass_flows: mass_flows::<R, D>,
             },
             scene,
         })
@@ -311,6 +316,12 @@ impl Simulation {
         (self.typed.sample)(&self.world, points)
     }
 
+    /// Mass flow through sections of the flow along their normals, kg/s (per metre of depth in 2D).
+    pub fn mass_flows(&mut self, sections: &[&Section]) -> Vec<f64> {
+        (self.typed.gather)(&mut self.world);
+        (self.typed.mass_flows)(&self.world, sections)
+    }
+
     /// Wall-clock seconds by stage: name and seconds, in the order of the step.
     pub fn stage_times(&self) -> Vec<(&'static str, f64)> {
         self.world.resource::<Stopwatch>().table()
@@ -349,4 +360,8 @@ fn sample<R: Real, const D: usize>(world: &World, points: &[DVec3]) -> Vec<Optio
         zone == Zone::Fluid
     });
     points.iter().map(|&point| sampler.sample(point)).collect()
+}
+
+fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
+    section::mass_flows(world.resource::<ParticleArrays<R, D>>(), world.resource::<Pair>().0.mass, sections)
 }

@@ -11,6 +11,7 @@
 //! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets, by [`fits`] |
 //! | [`waves`] | outflow | what the wave equation of an outlet sums over its neighbours |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
+//! | [`section`] | none | mass flow through planes |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
 //! | [`edac`] | fluid | the same where the pressure evolves, with the pressure's own rate and the drift |
 //!
@@ -31,6 +32,7 @@ pub mod rates;
 #[cfg(test)]
 mod samples;
 pub mod sampling;
+pub mod section;
 pub mod settings;
 pub mod strain;
 pub mod stress;

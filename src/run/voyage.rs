@@ -264,7 +264,8 @@ impl Voyage {
         self.folder.monitor(&self.log.last_row)?;
         if !self.probes.is_empty() {
             let samples = self.simulation.sample(&self.probes.points());
-            self.folder.probe(&self.probes.reduce(self.log.last_row.time, &samples))?;
+            let flows = self.simulation.mass_flows(&self.probes.sections());
+            self.folder.probe(&self.probes.reduce(self.log.last_row.time, &samples, &flows))?;
         }
         Ok(())
     }

@@ -165,6 +165,7 @@ mod tests {
     use crate::output::header::ProbeHeader;
     use crate::output::table::Table;
     use crate::particles::sample::Sample;
+    use crate::pass::section::Section;
     use glam::DVec3;
 
     const MEAN: Option<(f64, f64)> = Some((1.0, 3.0));
@@ -189,7 +190,8 @@ mod tests {
             at: DVec3::X,
             points: (0..count).map(|k| DVec3::new(k as f64, 0.5, 0.0)).collect(),
             areas: vec![0.5; count],
-            normal: DVec3::X,
+            section: (header.kind == ProbeShape::Section)
+                .then(|| Section::new(DVec3::X, DVec3::X, &[DVec3::X], 1.0, [None; 3], 2)),
         };
         let probes =
             header().probes.iter().zip([3, 2, 1]).map(|(header, count)| probe(header, count)).collect();
@@ -209,7 +211,7 @@ mod tests {
             })
             .map(|sample| (sample.velocity.x < time + 1.5).then_some(sample))
             .collect();
-        set.reduce(time, &samples)
+        set.reduce(time, &samples, &[1000.0 * time + 500.0])
     }
 
     #[test]
@@ -225,7 +227,7 @@ mod tests {
         assert_eq!(all.iter().map(Series::points).collect::<Vec<_>>(), [3, 1, 1]);
         assert_eq!(all[0].values[0][3..5], [0.5, 1.5]);
         assert!(all[0].values[0][5].is_nan());
-        // Two halves with ρ u = 1000 t and 1000 (t + 1).
+
         assert_eq!(all[1].values[5], [500.0, 1000.0, 2000.0, 3000.0]);
 
         let files = pack(folder.path(), &header).expect("packed");

@@ -1,0 +1,170 @@
+//! Mass flow through plane sections of a flow.
+//!
+//! ```text
+//! q = Σ_b m_b (v_b · n) M4((x_b − x_s) · n/Δ)/Δ,   M4: cubic B-spline, |x| < 2
+//! ```
+//!
+//! in kg/s (kg/(s m), per metre of depth, in 2D): the momentum that the particles carry, smoothed along the normal. With the density smoothed in
+//! the same way it keeps mass exactly, since particles move with v_b: a steady flow has the same q in every section, on whatever lattice
+//! its walls stand. A sum of interpolated values over the section has not: between walls that cut across the lattice it found up to 4 % too
+//! much. On rows that are Δ apart M4 sums to one wherever the plane lies.
+
+use std::collections::HashSet;
+
+use glam::DVec3;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+
+/// A connected part of a plane through the flow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    at: DVec3,
+    normal: DVec3,
+    /// Unit vectors in the plane.
+    along: [DVec3; 2],
+    spacing: f64,
+    /// Squares of the plane, Δ wide, that belong to it, those next to its rim included: a particle beside a bent wall may have its foot
+    /// a little outside.
+    cells: HashSet<(i32, i32)>,
+    /// Periods of the domain along the axes, m.
+    periods: [Option<f64>; 3],
+}
+
+impl Section {
+    /// The part of the plane through `at`, m, with a unit normal, over which `points` (m) are spread, no farther from each other than the
+    /// spacing Δ, m.
+    pub fn new(
+        at: DVec3,
+        normal: DVec3,
+        points: &[DVec3],
+        spacing: f64,
+        periods: [Option<f64>; 3],
+        dimensions: usize,
+    ) -> Self {
+        let across = if dimensions == 2 { normal.cross(DVec3::Z) } else { normal.any_orthonormal_vector() };
+        let along = [across, normal.cross(across)];
+        let mut section = Self { at, normal, along, spacing, cells: HashSet::new(), periods };
+        for point in points {
+            let (i, j) = section.cell(*point - at);
+            section.cells.extend((-1..=1).flat_map(|k| (-1..=1).map(move |l| (i + k, j + l))));
+        }
+        section
+    }
+
+    fn cell(&self, offset: DVec3) -> (i32, i32) {
+        let [i, j] = self.along.map(|unit| (offset.dot(unit) / self.spacing).round() as i32);
+        (i, j)
+    }
+
+    /// From a point of the section to the nearest image of a position, m.
+    fn offset(&self, position: DVec3) -> DVec3 {
+        let mut offset = position - self.at;
+        for (axis, period) in self.periods.iter().enumerate() {
+            if let Some(period) = period {
+                offset[axis] -= period * (offset[axis] / period).round();
+            }
+        }
+        offset
+    }
+
+    /// What of a particle's momentum belongs to the section, 1/m.
+    fn weight(&self, position: DVec3) -> f64 {
+        let offset = self.offset(position);
+        let weight = cubic_spline(offset.dot(self.normal) / self.spacing);
+        if weight > 0.0 && self.cells.contains(&self.cell(offset)) { weight / self.spacing } else { 0.0 }
+    }
+}
+
+/// The cubic B-spline on knots at distance one.
+fn cubic_spline(x: f64) -> f64 {
+    let x = x.abs();
+    if x < 1.0 { 2.0 / 3.0 - x * x + 0.5 * x * x * x } else { (2.0 - x).max(0.0).powi(3) / 6.0 }
+}
+
+/// Mass flows through sections, kg/s, of particles of the mass `mass`, kg (both per metre of depth in 2D).
+pub fn mass_flows<R: Real, const D: usize>(
+    particles: &ParticleArrays<R, D>,
+    mass: f64,
+    sections: &[&Section],
+) -> Vec<f64> {
+    let flow = |section: &&Section| {
+        let rows = (0..particles.len())
+            .filter(|&row| matches!(particles.zone[row], Zone::Fluid | Zone::Inflow | Zone::Outflow));
+        let of_row = |row: usize| {
+            let weight = section.weight(particles.position_of(row));
+            if weight > 0.0 { weight * particles.velocity_of(row).dot(section.normal) } else { 0.0 }
+        };
+        // In the order of the rows: the same bits for any number of threads.
+        mass * rows.map(of_row).sum::<f64>()
+    };
+    sections.par_iter().map(flow).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::kernel::Kernel;
+    use crate::pass::samples::{SPACING, Sample, WATER, settings};
+
+    /// Points of a line of length `length` through `at`.
+    fn line(at: DVec3, along: DVec3, length: f64) -> Vec<DVec3> {
+        let count = (length / (0.5 * SPACING)).ceil();
+        (0..count as usize).map(|k| at + along * length * ((k as f64 + 0.5) / count - 0.5)).collect()
+    }
+
+    #[test]
+    fn a_stream_on_the_lattice_has_its_flow_wherever_the_plane_lies() {
+        let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.33), [40, 20], false);
+        sample.particles.velocity[0].fill(0.3);
+        let exact = WATER.reference_density * 0.3 * 20.0 * SPACING;
+        for shift in [0.0, 0.13, 0.5, 0.77] {
+            let at = DVec3::new(-0.1 + shift * SPACING, -0.2, 0.0);
+            let points = line(at, DVec3::Y, 20.0 * SPACING);
+            let section = Section::new(at, DVec3::X, &points, SPACING, [None; 3], 2);
+            let found = mass_flows(&sample.particles, sample.pair.mass, &[&section])[0];
+            assert!((found / exact - 1.0).abs() < 1e-12, "{found} for {exact} at {shift}");
+        }
+    }
+
+    /// A plane across the lattice at an angle meets rows at all distances: what is left is the ends of the rows.
+    #[test]
+    fn a_slanted_plane_has_the_same_flow() {
+        let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.33), [60, 40], false);
+        sample.particles.velocity[0].fill(0.3);
+        let normal = DVec3::new(0.8, 0.6, 0.0);
+        let (at, along) = (DVec3::new(0.0, -0.1, 0.0), DVec3::new(-0.6, 0.8, 0.0));
+        let points = line(at, along, 0.5);
+        let section = Section::new(at, normal, &points, SPACING, [None; 3], 2);
+        let found = mass_flows(&sample.particles, sample.pair.mass, &[&section])[0];
+        let exact = WATER.reference_density * 0.3 * 40.0 * SPACING;
+        assert!((found / exact - 1.0).abs() < 2e-3, "{found} for {exact}");
+    }
+
+    #[test]
+    fn a_period_has_no_seam_and_another_leg_is_left_out() {
+        let mut sample = Sample::<f32, 3>::lattice(settings(Kernel::WendlandC2, 3, 1.33), [20, 12, 12], true);
+        sample.particles.velocity[0].fill(0.5);
+        let periods = [Some(20.0 * SPACING), Some(12.0 * SPACING), Some(12.0 * SPACING)];
+        // On the seam, and over a strip of 4 rows and one on each side of it.
+        let at = DVec3::new(-0.3, -0.25, -0.25);
+        let mut points = Vec::new();
+        for k in -1..=1 {
+            points.extend(line(at + DVec3::Z * f64::from(k) * SPACING, DVec3::Y, 3.0 * SPACING));
+        }
+        let section = Section::new(at, DVec3::X, &points, SPACING, periods, 3);
+        let found = mass_flows(&sample.particles, sample.pair.mass, &[&section])[0];
+        let rows = sample.particles.position[1].iter().zip(&sample.particles.position[2]);
+        let inside = rows
+            .filter(|(y, z)| {
+                let offset = DVec3::new(0.0, *y - at.y, *z - at.z);
+                section.cells.contains(&section.cell(offset))
+            })
+            .count();
+        let exact = WATER.reference_density * 0.5 * SPACING.powi(2) * inside as f64 / 20.0;
+        assert!(inside > 0 && inside < 20 * 144, "{inside}");
+        assert!((found / exact - 1.0).abs() < 1e-6, "{found} for {exact}");
+    }
+}
