@@ -52,9 +52,10 @@ pub fn build(file: &SceneFile, constants: &Constants, origin: Origin<'_>) -> (Op
     let mut check = Checker::new(constants, origin.text);
     check.tables = origin.tables.to_vec();
     let scene = parts(file, &mut check, origin);
+    let stands = check.blemishes() == 0;
     let mut faults = check.faults;
     if let Some(scene) = &scene {
-        whole::check(scene, file, &mut faults);
+        whole::check(scene, file, stands, &mut faults);
     }
     (scene, faults)
 }
@@ -91,8 +92,10 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         pressure: check.formula_or_zero(file.initial.pressure.as_ref()),
         tag: check.formula_or_zero(file.initial.tag.as_ref()),
     };
+    let timeless = check.blemishes();
     let time = settings::time(&file.time, &scheme, check);
-    let output = settings::output(&file.output, time.end, check);
+    let end = (check.blemishes() == timeless).then_some(time.end);
+    let output = settings::output(&file.output, end, check);
     let (walls, wall_regions, rings) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
     let bodies = bodies::bodies(file, (&walls, &wall_regions, &domain), time.end, check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), sound, check);

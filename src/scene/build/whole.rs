@@ -13,8 +13,8 @@ use crate::scene::notation::tree::Span;
 use crate::scene::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
 use crate::scene::summary::{self, BYTES_PER_PARTICLE};
 
-/// Adds the faults of a scene whose parts are sound.
-pub fn check(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
+/// Adds the faults of a scene whose parts are sound; `stands` when no value stands in for a faulty one.
+pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fault>) {
     let others = faults.len();
     overlaps(scene, file, faults);
     if faults.len() > others {
@@ -30,7 +30,7 @@ pub fn check(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
         }));
     }
     // These look at values in whose places harmless ones stand if there are faults.
-    if faults.is_empty() {
+    if stands && faults.is_empty() {
         probes(scene, file, faults);
         bodies::have_particles(scene, file, &places, faults);
         fields(scene, file, &places, faults);

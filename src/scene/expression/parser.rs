@@ -121,12 +121,13 @@ impl<'a> Reader<'a> {
                 self.at = end;
                 self.named(token, start, end)
             }
-            Some(_) => Err(self.fault(
-                "a value is missing in the expression",
-                "must be a number, a name or a bracket",
-                start,
-                end,
-            )),
+            Some(_) => {
+                let label = "must be a number, a name or a bracket";
+                let fault = self.fault("a value is missing in the expression", label, start, end);
+                let doubled = self.text[..start].ends_with('*') && token == "*";
+                let help = doubled.then(|| "a power is written with `^`: `y^2`".to_owned());
+                Err(SyntaxFault { help, ..fault })
+            }
             None => {
                 let at = self.text.len();
                 Err(self.fault(
@@ -147,7 +148,8 @@ impl<'a> Reader<'a> {
         }
         if self.rest().is_empty() {
             let title = "a bracket of the expression is never closed";
-            return Err(self.fault(title, "opened here", opened, opened + 1));
+            let fault = self.fault(title, "opened here", opened, opened + 1);
+            return Err(SyntaxFault { help: Some("close it with `)`".to_owned()), ..fault });
         }
         let (token, start, end) = self.next_token();
         let title = format!("`{token}` cannot stand here");

@@ -239,11 +239,13 @@ impl Reader<'_> {
         }
         self.blanks();
         if !self.cursor.eat(':') {
-            self.broken(Fault::new(
-                format!("field `{}` has no value", name.text),
-                name.span,
-                "must be followed by `:` and a value",
-            ));
+            let help = match name.text.starts_with(|c: char| c.is_ascii_digit()) {
+                true => "a number has a point, not a comma: `1.5`".to_owned(),
+                false => format!("write `{}: …`", name.text),
+            };
+            let title = format!("field `{}` has no value", name.text);
+            let fault = Fault::new(title, name.span, "must be followed by `:` and a value");
+            self.broken(fault.help(help));
             return None;
         }
         self.blanks();
@@ -264,7 +266,7 @@ impl Reader<'_> {
                 reader.broken(Fault::new(
                     "an entry of a map has no value",
                     key.head(),
-                    "must be followed by `:` and a value",
+                    "must be followed by `:` and a value, as in `\"v0\": 0.1`",
                 ));
                 return;
             }

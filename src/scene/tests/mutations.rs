@@ -117,8 +117,25 @@ fn is_long() -> bool {
     std::env::var_os("PROPTEST_CASES").is_some()
 }
 
-/// Longest that a text may take where time is looked at: in the long version, which has the machine to itself.
+/// Longest that a text may take where time is looked at: in the long version.
 const LONGEST: Duration = Duration::from_secs(1);
+
+/// Reads a text and fills the scene, or reports what is wrong; whether it is a scene.
+fn read_through(text: &str) -> bool {
+    // A tenth of a gigabyte: a finer spacing by mutation must not make a test of minutes.
+    let origin = Origin { name: "mutated", text, folder: Path::new("."), tables: &[], memory: Some(1e8) };
+    match read("mutated", origin, &[]) {
+        Ok(scene) => {
+            assert!(!seeds(&scene).is_empty());
+            true
+        }
+        Err(faults) => {
+            assert!(!faults.faults().is_empty(), "{text}");
+            assert!(!format!("{:?}", miette::Report::new(faults)).is_empty());
+            false
+        }
+    }
+}
 
 #[test]
 fn mutated_scenes_are_read_or_refused() {
@@ -128,22 +145,18 @@ fn mutated_scenes_are_read_or_refused() {
     let taken = Cell::new(0_u32);
     let ran = TestRunner::new(config).run(&strategy, |(scene, mutations)| {
         let text = mutated(&texts[scene.index(texts.len())], &mutations);
-        // A tenth of a gigabyte: a finer spacing by mutation must not make a test of minutes.
-        let origin =
-            Origin { name: "mutated", text: &text, folder: Path::new("."), tables: &[], memory: Some(1e8) };
         let begun = Instant::now();
-        match read("mutated", origin, &[]) {
-            Ok(scene) => {
-                prop_assert!(!seeds(&scene).is_empty());
-                taken.set(taken.get() + 1);
-            }
-            Err(faults) => {
-                prop_assert!(!faults.faults().is_empty(), "{text}");
-                let report = format!("{:?}", miette::Report::new(faults));
-                prop_assert!(!report.is_empty());
-            }
-        }
-        prop_assert!(!is_long() || begun.elapsed() < LONGEST, "{:?}: {text}", begun.elapsed());
+        let is_scene = read_through(&text);
+        taken.set(taken.get() + u32::from(is_scene));
+        // A machine that is busy with other work is slow once, not each time.
+        let is_slow = is_long()
+            && begun.elapsed() > LONGEST
+            && (0..3).all(|_| {
+                let begun = Instant::now();
+                read_through(&text);
+                begun.elapsed() > LONGEST
+            });
+        prop_assert!(!is_slow, "longer than {LONGEST:?}: {text}");
         Ok(())
     });
     ran.unwrap_or_else(|failure| panic!("{failure}"));
