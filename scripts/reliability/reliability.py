@@ -172,7 +172,7 @@ class Driver:
     def ledger(self, _options):
         cases = [
             ("quickstart", ["fluid.viscosity=2.0e-6"], 20.0),
-            ("constricted_r2", ["spacing=4.44e-3"], 20.0),
+            ("constricted_r2", ["spacing=2.22e-3"], 20.0),
             ("kelvin_helmholtz", ["spacing=1.0e-2"], 4.0),
         ]
         told = []
