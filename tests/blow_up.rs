@@ -8,6 +8,8 @@ use sphecs::particles::components::{Fluid, Inflow, Outflow, Position, Thermodyna
 use sphecs::particles::zone::Zone;
 use sphecs::scene::load_smoke;
 use sphecs::simulation::{Simulation, Stop};
+use sphecs::systems::clock::Clock;
+use sphecs::systems::failure::check_state;
 
 /// A channel with an inlet, an outlet and walls.
 fn start(sets: &[(&str, &str)]) -> Simulation {
@@ -145,11 +147,23 @@ fn the_longest_steps_that_a_scene_may_have_pass_nothing_that_is_not_finite() {
 }
 
 #[test]
-fn an_acceleration_that_stops_time_is_caught() {
+fn an_acceleration_beyond_all_bounds_is_caught_in_its_first_step() {
     let mut simulation = start(&[("body_force", "(1e12, 0.0)")]);
     assert_eq!(steps_to_blow_up(&mut simulation, 1), Some(0));
+    // The shortest step that it may force gives speeds beyond theirs.
     let fault = simulation.fault().expect("a fault");
-    assert!(fault.found.contains("step"), "{}", fault.found);
+    assert!(fault.found.starts_with("speed"), "{}", fault.found);
+}
+
+/// What makes steps so short without making anything fast comes from outside: an added force that walls hold against, say.
+#[test]
+fn a_step_below_its_floor_is_caught() {
+    let mut simulation = channel(&[]);
+    let world = simulation.world_mut();
+    world.resource_mut::<Clock>().time_step *= 1e-4;
+    world.run_system_cached(check_state::<f64, 2>).expect("its resources are there");
+    let fault = simulation.fault().expect("a fault");
+    assert!(fault.found.starts_with("time step"), "{}", fault.found);
 }
 
 #[test]

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """The long version of tests/restart.rs and tests/resume.rs, through the program alone.
 
-    scripts/reliability/reliability.py [--only PART …] [--kills 200] [--signals 50] [--damages 700] [--sphecs PROGRAM]
+    scripts/reliability/reliability.py [--only PART …] [--kills 200] [--signals 50] [--disks 20] [--damages 700] [--sphecs PROGRAM]
 
 Parts: threads    every shipped scene with 1, 2, 3, 4 and 8 threads: one result
        restarts   every shipped scene stopped at three steps and resumed with other numbers of threads
        kills      kill −9 at a random moment, resumed until done
        signals    SIGINT, SIGTERM or SIGUSR1 at a random moment, resumed until done
+       disks      a file system that is full at some moment, then has room: resumed until done (as root, who may mount)
        damages    the last checkpoint with flipped bytes, cut, empty, of another scene or version: the one before is taken
        ledger     ten flow-throughs with backflow: counts exact, mass to 1e-12
 Fails at the first byte that differs. Figures of it stand in docs/RELIABILITY.md.
@@ -14,6 +15,7 @@ Fails at the first byte that differs. Figures of it stand in docs/RELIABILITY.md
 
 import argparse
 import csv
+import os
 import random
 import shutil
 import signal
@@ -133,6 +135,45 @@ class Driver:
         told = self.broken_off(options.signals, strike)
         return f"signals: {told}; the slowest was out after {longest:.2f} s"
 
+    def disks(self, options):
+        """A tmpfs for each size, up to three times what the whole run leaves."""
+        if os.geteuid() != 0:
+            fail("disks: only root may mount a file system")
+        rhythm = self.rhythm(QUICK)
+        steps = ["--steps", "150", "--threads", "1", "--checkpoint-every", "0.05s"]
+        whole, mounted = self.work / "whole", self.work / "mounted"
+        self.run(QUICK, whole, *rhythm, *steps)
+        needed = 3 * sum(path.stat().st_size for path in whole.rglob("*") if path.is_file())
+        full = 0
+        for number in range(options.disks):
+            mounted.mkdir()
+            size = int(needed * (number + 1) / options.disks)
+            subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", mounted], check=True)
+            try:
+                out = mounted / "run"
+                words = ["run", QUICK, "--smoke", "-q", "--allow-oversize", "--out", out, *rhythm, *steps]
+                said = ends(self.program, words, None)
+                if said.returncode not in (0, 4):
+                    fail(f"disk of {size} B: ended with {said.returncode}\n{said.stderr}")
+                if said.returncode == 4:
+                    full += 1
+                    told = said.stderr.replace("\n", " ")
+                    if str(mounted) not in "".join(told.split()) or not any(word in told for word in ("No space left", "are free")):
+                        fail(f"disk of {size} B: not told\n{said.stderr}")
+                    if out.exists():
+                        ends(self.program, ["info", out], 0, "info")
+                subprocess.run(["mount", "-o", f"remount,size={4 * needed}", mounted], check=True)
+                taken_up = list(out.glob("checkpoints/*.checkpoint"))
+                if taken_up:
+                    self.resume(out, "-q")
+                else:
+                    self.run(QUICK, out, *rhythm, *steps)
+                same(whole, out, f"disk of {size} B")
+            finally:
+                subprocess.run(["umount", mounted], check=True)
+                mounted.rmdir()
+        return f"disks: {options.disks} of {needed // options.disks} to {needed} B, {full} of them full: each told, 0 bytes differ behind"
+
     def damages(self, options):
         sound, hurt, foreign = self.work / "sound", self.work / "hurt", self.work / "foreign"
         rhythm = self.rhythm(QUICK)
@@ -202,7 +243,7 @@ class Driver:
         return "ledger: counts exact, mass to 1e-12; " + "; ".join(told)
 
 
-PARTS = [Driver.threads, Driver.restarts, Driver.kills, Driver.signals, Driver.damages, Driver.ledger]
+PARTS = [Driver.threads, Driver.restarts, Driver.kills, Driver.signals, Driver.disks, Driver.damages, Driver.ledger]
 
 
 def main():
@@ -211,6 +252,7 @@ def main():
     parser.add_argument("--only", nargs="+", choices=names, default=names, metavar="PART", help="these parts")
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--signals", type=int, default=50)
+    parser.add_argument("--disks", type=int, default=20)
     parser.add_argument("--damages", type=int, default=700)
     parser.add_argument("--sphecs", type=Path, default=ROOT / "target/debug/sphecs", help="the program")
     options = parser.parse_args()

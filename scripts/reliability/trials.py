@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-RESULTS = ["particles.nc", "monitor.nc", "monitor.csv", "probes.nc", "probes.csv"]
+RESULTS = [f"{name}.{kind}" for name in ("particles", "monitor", "probes", "forces") for kind in ("nc", "csv")]
 SCENES = sorted((ROOT / "scenes").glob("*.ron"))
 QUICK = ROOT / "scenes/quickstart.ron"
 

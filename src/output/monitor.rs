@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
 use super::header::Header;
-use super::netcdf::dataset::{Dataset, Variable};
+use super::netcdf::dataset::Dataset;
 use super::table::{Column, Table, TableWriter, number, safe_names};
 use crate::particles::zone::Zone;
 use crate::systems::monitor::MonitorRow;
@@ -143,26 +143,9 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Option<PathBuf>, OutputErr
         return Ok(None);
     }
     let table = Table::read(&source)?;
-    let known = columns(header);
-    let mut dataset = Dataset {
-        title: "integral figures over time".to_owned(),
-        dimensions: vec![("time".to_owned(), table.rows.len())],
-        variables: Vec::new(),
-    };
-    for (index, column) in table.columns.iter().enumerate() {
-        let mut attributes = vec![("units", column.unit.clone().unwrap_or_default())];
-        if let Some((_, long_name)) = known.iter().find(|(other, _)| other == column) {
-            attributes.push(("long_name", long_name.clone()));
-        }
-        if column.name.contains("mass_flow") {
-            attributes.push(("cell_methods", "time: mean".to_owned()));
-        }
-        dataset.variables.push(Variable {
-            name: column.name.clone(),
-            dimensions: vec!["time".to_owned()],
-            values: table.numbers(index),
-            attributes,
-        });
+    let mut dataset = Dataset::over_time("integral figures over time", &table, &columns(header));
+    for variable in dataset.variables.iter_mut().filter(|variable| variable.name.contains("mass_flow")) {
+        variable.attributes.push(("cell_methods", "time: mean".to_owned()));
     }
     let target = folder.join(NETCDF);
     dataset.write(&target, header)?;

@@ -143,24 +143,8 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError>
         return Ok(Vec::new());
     }
     let table = Table::read(&source)?;
-    let known = columns(header);
-    let mut dataset = Dataset {
-        title: "force and torque on the bodies over time".to_owned(),
-        dimensions: vec![("time".to_owned(), table.rows.len())],
-        variables: Vec::new(),
-    };
-    for (index, column) in table.columns.iter().enumerate() {
-        let mut attributes = vec![("units", column.unit.clone().unwrap_or_default())];
-        if let Some((_, long_name)) = known.iter().find(|(other, _)| other == column) {
-            attributes.push(("long_name", long_name.clone()));
-        }
-        dataset.variables.push(Variable {
-            name: column.name.clone(),
-            dimensions: vec!["time".to_owned()],
-            values: table.numbers(index),
-            attributes,
-        });
-    }
+    let mut dataset =
+        Dataset::over_time("force and torque on the bodies over time", &table, &columns(header));
     let found = means::of_all(header, &table);
     for (name, long_name) in means::QUANTITIES {
         for (body, means) in &found {

@@ -7,6 +7,7 @@ use ::netcdf::AttributeValue;
 use super::{add_variable, write_file};
 use crate::output::error::OutputError;
 use crate::output::header::Header;
+use crate::output::table::{Column, Table};
 
 /// A variable of doubles.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +34,23 @@ pub(crate) struct Dataset {
 }
 
 impl Dataset {
+    /// The columns of a table as variables over its rows, with the long names of the columns that are `known`.
+    pub(crate) fn over_time(title: &str, table: &Table, known: &[(Column, String)]) -> Self {
+        let variable = |(index, column): (usize, &Column)| {
+            let mut attributes = vec![("units", column.unit.clone().unwrap_or_default())];
+            if let Some((_, long_name)) = known.iter().find(|(other, _)| other == column) {
+                attributes.push(("long_name", long_name.clone()));
+            }
+            let (name, dimensions) = (column.name.clone(), vec!["time".to_owned()]);
+            Variable { name, dimensions, values: table.numbers(index), attributes }
+        };
+        Self {
+            title: title.to_owned(),
+            dimensions: vec![("time".to_owned(), table.rows.len())],
+            variables: table.columns.iter().enumerate().map(variable).collect(),
+        }
+    }
+
     /// Writes the file whole or not at all.
     ///
     /// # Errors
