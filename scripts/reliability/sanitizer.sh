@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# The unsafe code under AddressSanitizer: lanes, packs and passes by their unit tests, then a run that is stopped and gone on with, on every
+# set of lanes. Needs a nightly toolchain. Figures of it stand in docs/RELIABILITY.md.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+target=x86_64-unknown-linux-gnu
+export RUSTFLAGS=-Zsanitizer=address
+# Libraries of the system keep what they got until the process ends.
+export ASAN_OPTIONS=detect_leaks=0
+export CARGO_TARGET_DIR=target/sanitizer
+
+cargo +nightly test --locked --target "$target" --lib -- math:: particles:: pass:: physics::
+cargo +nightly build --locked --target "$target" --bin sphecs
+program="$CARGO_TARGET_DIR/$target/debug/sphecs"
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+for lanes in avx512 avx2 portable; do
+    for scene in quickstart duct3d cylinder_re20; do
+        export SPHECS_LANES=$lanes
+        "$program" run "scenes/$scene.ron" --smoke -q --steps 10 --threads 2 --out "$out/$scene-$lanes"
+        "$program" resume "$out/$scene-$lanes" -q --steps 20 --threads 3
+    done
+done
+echo "nothing found"
