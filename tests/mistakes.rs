@@ -81,6 +81,13 @@ const MISTAKES: [(&str, &str, &str); 62] = [
     ("from: (0.0, 0.0), to: (\"L\", 0.0)", "from: (0.0, 1.0), to: (\"L\", 1.0)", ""),
 ];
 
+/// A line with what stands between two pieces of it left out, if both are in it.
+fn masked(line: &str, before: &str, behind: &str) -> String {
+    let line = line.trim_end();
+    let place = line.find(behind).and_then(|end| Some((line[..end].rfind(before)? + before.len(), end)));
+    place.map_or(line.to_owned(), |(start, end)| format!("{}…{}", &line[..start], &line[end..]))
+}
+
 /// The message for a scene, without colours.
 fn message(text: &str) -> String {
     let faults = match load_str("scene.ron", text, &[]) {
@@ -92,14 +99,9 @@ fn message(text: &str) -> String {
         .with_width(120)
         .render_report(&mut report, &faults)
         .expect("a text takes all");
-    // What is free on this machine is another figure on the next.
-    let cut = report.lines().map(|line| match line.find(" GB are free") {
-        Some(at) => {
-            let start = line[..at].rfind(' ').map_or(0, |space| space + 1);
-            format!("{}… {}", &line[..start], &line[at + 1..])
-        }
-        None => line.trim_end().to_owned(),
-    });
+    // What is free on this machine, and what would fit into it, are other figures on the next.
+    let cut =
+        report.lines().map(|line| masked(&masked(line, "; ", " GB are free"), "at least `", "`, or begin"));
     cut.collect::<Vec<_>>().join("\n")
 }
 
