@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Kills a run, and one gone on with, at every call that changes a file, and fills its disk at many of them.
 
-    scripts/reliability/failpoints.py [--every N] [--full N] [--sphecs PROGRAM]
+    scripts/reliability/failpoints.py [--only run|resume] [--every N] [--full N] [--sphecs PROGRAM]
 
 Needs a C compiler on Linux. For each call of a short run with a checkpoint at every step: the process is killed before it, behind it, or in
 the middle of a write; `sphecs info` must read what is left, `sphecs resume` must go on to the same bytes as a run without a break, and
@@ -127,11 +127,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--every", type=int, default=1, help="kill at every N-th call only")
     parser.add_argument("--full", type=int, default=40, help="calls from which the disk is full, about")
+    parser.add_argument("--only", choices=["run", "resume"], help="only the run, or only the one gone on with")
     parser.add_argument("--sphecs", type=Path, default=ROOT / "target/debug/sphecs", help="the program")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
         trial = Trial(options.sphecs.resolve(), work)
         steps = [("run", trial.nothing, trial.begin), ("resume", trial.half, trial.go_on)]
+        steps = [step for step in steps if options.only in (None, step[0])]
         filled = sum(trial.fill_at_many(*step, options.full) for step in steps)
         killed = sum(trial.kill_at_each(*step, options.every) for step in steps)
     print(f"killed {killed} times, disk full {filled} times: no byte differs, nothing left over")

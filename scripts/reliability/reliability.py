@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The long version of tests/restart.rs and tests/resume.rs, through the program alone.
+"""The long version of tests/restart.rs and tests/resume, through the program alone.
 
     scripts/reliability/reliability.py [--only PART …] [--kills 200] [--signals 50] [--disks 20] [--damages 700] [--sphecs PROGRAM]
 

@@ -12,6 +12,21 @@ pub(crate) fn partial_name(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// The partial name with nothing under it that leads elsewhere: what is written there stays in its folder.
+pub(crate) fn fresh_partial(path: &Path) -> PathBuf {
+    let partial = partial_name(path);
+    if is_link(&partial) {
+        // One that cannot be removed cannot be renamed either, so that the write is refused.
+        let _ = fs::remove_file(&partial);
+    }
+    partial
+}
+
+/// Whether a path is a symbolic link, wherever it leads.
+pub(crate) fn is_link(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink())
+}
+
 /// Makes a file written under its partial name durable and gives it its own name.
 ///
 /// # Errors
@@ -52,7 +67,7 @@ pub(crate) fn sync_folder(folder: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// [`OutputError::Io`] when the system refuses; an earlier file of that name is untouched.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    fs::write(partial_name(path), bytes).map_err(|cause| {
+    fs::write(fresh_partial(path), bytes).map_err(|cause| {
         discard(path);
         OutputError::io(path, "write")(cause)
     })?;

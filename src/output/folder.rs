@@ -2,7 +2,7 @@
 //! tables that it names), `summary.json`, `checkpoints/`, `journal/` while it runs, and `blow_up.nc` and `blow_up.png` of a flow that blew up.
 
 use std::ffi::OsString;
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use super::blow_up;
@@ -14,6 +14,7 @@ use super::forces::ForcesWriter;
 use super::frame::Frame;
 use super::header::Header;
 use super::journal::{self, FrameWriter};
+use super::lock::Lock;
 use super::monitor::MonitorWriter;
 use super::pack::{Packed, pack_locked, remove_folder};
 use super::probes::ProbeSample;
@@ -33,29 +34,6 @@ pub const SCENE: &str = "scene.ron";
 
 /// Name of the file of the scene's tables in the run folder.
 pub const TABLES: &str = "tables.json";
-
-/// Says to other processes that a run is being written; freed by the system whatever ends the process.
-#[derive(Debug)]
-pub(crate) struct Lock {
-    _file: File,
-}
-
-impl Lock {
-    /// Takes the lock of a run folder.
-    ///
-    /// # Errors
-    /// [`OutputError::Busy`] when another process has it.
-    pub(crate) fn take(folder: &Path) -> Result<Self, OutputError> {
-        let path = folder.join(".lock");
-        let file = File::create(&path).map_err(OutputError::io(&path, "write"))?;
-        match file.try_lock() {
-            Ok(()) => Ok(Self { _file: file }),
-            Err(TryLockError::WouldBlock) => Err(OutputError::Busy { path: folder.to_path_buf() }),
-            // A file system without locks must not stop a run.
-            Err(TryLockError::Error(_)) => Ok(Self { _file: file }),
-        }
-    }
-}
 
 /// The folder of a run that goes on.
 #[derive(Debug)]

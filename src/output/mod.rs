@@ -17,6 +17,7 @@ pub mod frame;
 pub mod header;
 pub mod info;
 pub mod journal;
+pub(crate) mod lock;
 pub mod monitor;
 mod netcdf;
 pub mod pack;

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use super::disk;
 use super::error::OutputError;
-use super::folder::Lock;
 use super::frame::Frame;
 use super::header::Header;
 use super::journal;
+use super::lock::Lock;
 use super::netcdf::particles::{self, ParticleFile, Slots};
 use super::results::read_header;
 use super::{forces, monitor, probes};
@@ -37,7 +37,7 @@ pub struct Packed {
 /// [`OutputError::Busy`] while another process writes the run, or [`OutputError`] with path and cause; the journal stays.
 pub fn pack(folder: &Path) -> Result<Packed, OutputError> {
     let header = read_header(folder)?;
-    let _lock = Lock::take(folder)?;
+    let _lock = Lock::take_plain(folder)?;
     pack_locked(folder, &header)
 }
 

@@ -55,7 +55,7 @@ pub fn export_vtu(
 }
 
 fn write_grid(path: &Path, frame: &Frame, slots: &[usize], moving: bool) -> Result<(), OutputError> {
-    let written = File::create(disk::partial_name(path)).and_then(|file| {
+    let written = File::create(disk::fresh_partial(path)).and_then(|file| {
         let mut out = BufWriter::new(file);
         grid(&mut out, frame, slots, moving)?;
         out.flush()

@@ -16,8 +16,9 @@ use crate::math::lanes::InstructionSet;
 use crate::output::checkpoint::store::{Refused, Store};
 use crate::output::checkpoint::{Checkpoint, Facts, cut};
 use crate::output::error::OutputError;
-use crate::output::folder::{Lock, RunFolder};
+use crate::output::folder::RunFolder;
 use crate::output::header::Header;
+use crate::output::lock::Lock;
 use crate::output::pack::pack_locked;
 use crate::output::probes::ProbeSet;
 use crate::output::results::read_header;
@@ -58,8 +59,7 @@ pub fn resume(options: &ResumeOptions) -> Result<Ending, RunError> {
 fn board(options: &ResumeOptions, signals: Signals) -> Result<Option<Voyage>, RunError> {
     let path = options.run.folder.as_path();
     let mut header = read_header(path)?;
-    let lock = Lock::take(path)?;
-    cut::check_plain(path)?;
+    let lock = Lock::take_plain(path)?;
     let status = Summary::read(path)?.status;
     let (scene, changes) = changed_scene(options, &header)?;
     let (last, facts, simulation, log) = match latest(options, &header)? {

@@ -8,7 +8,6 @@ use std::fs;
 use std::path::Path;
 
 use super::Facts;
-use super::store;
 use crate::output::error::OutputError;
 use crate::output::frame::{ABSENT, Frame};
 use crate::output::header::Header;
@@ -16,23 +15,6 @@ use crate::output::netcdf::particles::ParticleFile;
 use crate::output::pack::{PACKED_JOURNAL, PARTICLES, remove_folder};
 use crate::output::probes::{results as probe_results, writer as probes};
 use crate::output::{disk, forces, journal, monitor};
-
-/// Refuses a run folder whose files lead elsewhere: cutting back would cut there.
-///
-/// # Errors
-/// [`OutputError::Request`] with the link.
-pub(crate) fn check_plain(run: &Path) -> Result<(), OutputError> {
-    let names =
-        [journal::FOLDER, PARTICLES, PACKED_JOURNAL, store::FOLDER, monitor::CSV, probes::CSV, forces::CSV];
-    let linked = |path: &Path| fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink());
-    match names.iter().map(|name| run.join(name)).find(|path| linked(path)) {
-        Some(path) => Err(OutputError::Request(format!(
-            "`{}`: is a link, and a run is not gone on with in another place: put the file itself there",
-            path.display()
-        ))),
-        None => Ok(()),
-    }
-}
 
 /// Whether the output that a checkpoint counts is there.
 ///

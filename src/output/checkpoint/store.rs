@@ -65,7 +65,7 @@ impl Store {
     pub fn write(&self, checkpoint: &Checkpoint) -> Result<PathBuf, OutputError> {
         fs::create_dir_all(&self.folder).map_err(OutputError::io(&self.folder, "make the folder"))?;
         let path = self.folder.join(format!("step-{:012}.checkpoint", checkpoint.facts.step));
-        container::write_file(checkpoint, &disk::partial_name(&path)).map_err(|cause| {
+        container::write_file(checkpoint, &disk::fresh_partial(&path)).map_err(|cause| {
             disk::discard(&path);
             OutputError::io(&path, "write")(cause)
         })?;

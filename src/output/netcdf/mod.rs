@@ -70,7 +70,7 @@ fn prepare() {
 /// flushed before, where a refusal is only an error, and a file that was refused is left open: the process is about to end.
 fn write_file(path: &Path, fill: impl FnOnce(&mut FileMut) -> Result<(), Fault>) -> Result<(), OutputError> {
     prepare();
-    let written = ::netcdf::create(disk::partial_name(path)).map_err(Fault::from).and_then(|mut file| {
+    let written = ::netcdf::create(disk::fresh_partial(path)).map_err(Fault::from).and_then(|mut file| {
         match fill(&mut file).and_then(|()| Ok(file.sync()?)) {
             // Without an explicit close the data of a full disk would be lost in silence.
             Ok(()) => Ok(file.close()?),

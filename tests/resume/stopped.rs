@@ -1,0 +1,162 @@
+//! Stopped by its steps, its wall time, a signal or a kill: gone on with to the same bytes.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use sphecs::output::checkpoint::container;
+
+use crate::program::{QUICK, checkpoints, ends, folder, long_run, resume, run, same, sphecs, wait_for};
+
+#[test]
+fn a_stopped_run_leaves_the_same_bytes_when_resumed() {
+    let folder = folder();
+    // Cuts between outputs, at an output, and while particles are injected: in the quick scene one crosses every few steps from step 300
+    // on, and at its end here a frame is due.
+    let scenes: [(&str, &str, &[&str]); 5] = [
+        (QUICK, "425", &["173", "310", "333"]),
+        ("scenes/taylor_green.ron", "60", &["1", "33"]),
+        ("scenes/duct3d.ron", "40", &["17"]),
+        ("scenes/acoustic_pulse.ron", "60", &["29"]),
+        // Its smoothing length is one that JSON read without care changes by its last bit.
+        ("scenes/duct_laminar.ron", "30", &["13"]),
+    ];
+    for (scene, end, cuts) in scenes {
+        let name = Path::new(scene).file_stem().expect("a name").to_string_lossy().into_owned();
+        let whole = folder.path().join(&name);
+        ends(run(scene, &whole, &["--steps", end, "--threads", "1"]), 0);
+        let pieces = folder.path().join(format!("{name}_pieces"));
+        ends(run(scene, &pieces, &["--steps", cuts[0], "--threads", "2"]), 0);
+        for (cut, threads) in cuts[1..].iter().chain([&end]).zip(["3", "1", "2"]) {
+            ends(resume(&pieces, &["--quiet", "--steps", cut, "--threads", threads]), 0);
+        }
+        same(&whole, &pieces, scene);
+    }
+}
+
+fn send(child: &Child, signal: i32) {
+    let sent =
+        Command::new("kill").arg(format!("-{signal}")).arg(child.id().to_string()).status().expect("kill");
+    assert!(sent.success());
+}
+
+/// Steps of the last checkpoint.
+fn reached(run: &Path) -> u64 {
+    let bytes = fs::read(&checkpoints(run)[0]).expect("read");
+    container::read(&bytes).expect("whole").facts.step
+}
+
+/// Resumes a run to some steps beyond where it is, runs the same without a break and compares.
+
+#[track_caller]
+fn goes_on_as_if_never_stopped(run_folder: &Path, what: &str) {
+    let end = (reached(run_folder) + 60).to_string();
+    ends(resume(run_folder, &["--quiet", "--steps", &end]), 0);
+    let whole = run_folder.with_extension("whole");
+    ends(run(QUICK, &whole, &["--steps", &end]), 0);
+    same(&whole, run_folder, what);
+}
+
+#[test]
+fn a_signal_leaves_a_checkpoint_and_its_exit_code() {
+    for (signal, code) in [(SIGINT, 130), (SIGTERM, 143)] {
+        let folder = folder();
+        let out = folder.path().join("run");
+        let mut child = long_run(&out, &[]);
+        wait_for(|| out.join("journal/frame-00000003.nc").exists());
+        send(&child, signal);
+        assert_eq!(child.wait().expect("ended").code(), Some(code));
+        assert_eq!(checkpoints(&out).len(), 1);
+        // The last row and frame, which an unbroken run does not have, are cut off again.
+        goes_on_as_if_never_stopped(&out, &format!("signal {signal}"));
+    }
+}
+
+#[test]
+fn a_checkpoint_is_written_on_request_and_the_run_goes_on() {
+    let folder = folder();
+    let out = folder.path().join("run");
+    let mut child = long_run(&out, &[]);
+    wait_for(|| out.join("journal/frame-00000001.nc").exists());
+    for count in 1..=3_usize {
+        let before = checkpoints(&out).first().cloned();
+        send(&child, SIGUSR1);
+        wait_for(|| checkpoints(&out).first().cloned() != before);
+        // The last two are kept; the third may stand for the moment of its removal.
+        wait_for(|| checkpoints(&out).len() == count.min(2));
+        assert!(child.try_wait().expect("a state").is_none(), "the run ended");
+    }
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    goes_on_as_if_never_stopped(&out, "kill after SIGUSR1");
+}
+
+#[test]
+fn the_wall_time_ends_a_run_with_code_75() {
+    let folder = folder();
+    let out = folder.path().join("run");
+    let mut child = long_run(&out, &["--max-walltime", "0.7s"]);
+    assert_eq!(child.wait().expect("ended").code(), Some(75));
+    let summary = fs::read_to_string(out.join("summary.json")).expect("a summary");
+    assert!(summary.contains("\"out of time\""), "{summary}");
+    ends(resume(&out, &["--quiet", "--max-walltime", "0.5s"]), 75);
+    goes_on_as_if_never_stopped(&out, "wall time");
+}
+
+/// Kills a run again and again, whenever it comes to it, until it is done.
+#[test]
+fn a_run_that_is_killed_again_and_again_comes_to_the_same_end() {
+    let folder = folder();
+    let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
+    let end = ["--steps", "700"];
+    ends(run(QUICK, &whole, &end), 0);
+    let often = ["--checkpoint-every", "0.05s"];
+    let mut kills = 0;
+    for round in 0_u64.. {
+        assert!(round < 400, "the run does not come to its end");
+        let mut command = match killed.exists() {
+            false => run(QUICK, &killed, &end),
+            true => resume(&killed, &["--quiet"]),
+        };
+        let mut child = command.args(often).stdout(Stdio::null()).spawn().expect("started");
+        // Some before the first frame, some in the packing.
+        std::thread::sleep(Duration::from_millis(40 + 47 * (round % 13) + round * 6));
+        if let Some(status) = child.try_wait().expect("a state") {
+            assert_eq!(status.code(), Some(0), "round {round}");
+            break;
+        }
+        child.kill().expect("killed");
+        child.wait().expect("ended");
+        kills += 1;
+        if killed.exists() {
+            ends(sphecs([OsStr::new("info"), killed.as_os_str()]), 0);
+        }
+    }
+    assert!(kills >= 3, "only {kills} kills before the end");
+    same(&whole, &killed, &format!("{kills} kills"));
+}
+
+#[test]
+fn the_tables_of_a_scene_come_along() {
+    let folder = folder();
+    let scene =
+        fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/quickstart.ron")).expect("the scene");
+    let table = folder.path().join("ramp.csv");
+    fs::write(&table, "# s, m/s\n0, 0\n0.1, 0.05\n10, 0.05\n").expect("written");
+    let start = scene.find("velocity: Normal(").expect("an inlet");
+    let end = start + scene[start..].find(")\"").map_or(0, |at| at + 2);
+    let end = end + scene[end..].find(')').expect("its bracket") + 1;
+    let path = folder.path().join("table.ron");
+    let by = r#"velocity: TimeTable(file: "ramp.csv")"#;
+    fs::write(&path, format!("{}{by}{}", &scene[..start], &scene[end..])).expect("written");
+    let (whole, pieces) = (folder.path().join("whole"), folder.path().join("pieces"));
+    let path = path.to_string_lossy().into_owned();
+    ends(run(&path, &whole, &["--steps", "120"]), 0);
+    ends(run(&path, &pieces, &["--steps", "50"]), 0);
+    fs::remove_file(&table).expect("removed");
+    ends(resume(&pieces, &["-q", "--steps", "120"]), 0);
+    same(&whole, &pieces, "table");
+}
