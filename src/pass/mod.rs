@@ -13,6 +13,7 @@
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
 //! | [`section`] | none | mass flow through planes |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
+//! | [`wall_friction`] | fluid | what walls with a wall function take |
 //! | [`edac`] | fluid | the same where the pressure evolves, with the pressure's own rate and the drift |
 //!
 //! A pass goes over blocks of cells in parallel; for each cell it packs the neighbourhood once ([`pack`]) and runs
@@ -38,6 +39,7 @@ pub mod strain;
 pub mod stress;
 pub mod sums;
 pub mod wall_distance;
+pub mod wall_friction;
 pub mod wall_velocity;
 pub mod walls;
 pub mod waves;

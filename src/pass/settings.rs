@@ -62,8 +62,10 @@ pub enum PressureLaw {
 /// A wall part as the pair passes see it. Rows of a part that is not listed are no-slip and at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallPartSettings {
-    /// The part exerts no viscous force.
+    /// Pairs with the part exert no viscous force.
     pub free_slip: bool,
+    /// The part takes the stress of the law of the wall.
+    pub wall_function: bool,
     /// Acceleration of its surface, m/s².
     pub acceleration: [f64; 3],
 }
@@ -168,6 +170,11 @@ impl PairSettings {
     /// A wall part by the patch index of its rows.
     pub fn wall_part(&self, patch: u16) -> WallPartSettings {
         self.wall_parts.get(usize::from(patch)).copied().unwrap_or_default()
+    }
+
+    /// Whether any part of the wall takes the stress of the law of the wall.
+    pub fn has_wall_function(&self) -> bool {
+        self.wall_parts.iter().any(|part| part.wall_function)
     }
 
     /// Whether any part of the wall is free-slip.

@@ -15,6 +15,7 @@ use crate::pass::body::{Body, BodySum};
 use crate::pass::edac::body::sum_body_force as sum_evolved;
 use crate::pass::rates::body::sum_body_force;
 use crate::pass::settings::{PairSettings, PressureLaw};
+use crate::pass::wall_friction::add_friction_on;
 use crate::physics::edac::Edac;
 
 /// The forces on all bodies at the beginning of a step, of which they are part.
@@ -68,11 +69,11 @@ pub fn sum_body_forces<R: Real, const D: usize>(
     let Bodies { row, bodies, pair, .. } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
-    row.forces.extend(
-        bodies
-            .iter_mut()
-            .map(|body| sum_body_force(pair, &grid.0, &arrays, level(*since_plain), &mut sums.0, body)),
-    );
+    row.forces.extend(bodies.iter_mut().map(|body| {
+        let mut sum = sum_body_force(pair, &grid.0, &arrays, level(*since_plain), &mut sums.0, body);
+        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        sum
+    }));
 }
 
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
@@ -86,6 +87,9 @@ pub fn sum_edac_body_forces<R: Real, const D: usize>(
     let Bodies { row, bodies, pair, edac } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
-    row.forces
-        .extend(bodies.iter_mut().map(|body| sum_evolved(pair, edac, &grid.0, &arrays, &mut sums.0, body)));
+    row.forces.extend(bodies.iter_mut().map(|body| {
+        let mut sum = sum_evolved(pair, edac, &grid.0, &arrays, &mut sums.0, body);
+        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        sum
+    }));
 }

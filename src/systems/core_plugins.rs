@@ -19,7 +19,9 @@ use super::integrate::kick;
 use super::monitor::PreviousRow;
 use super::neighbours::{Spare, sort_particles};
 use super::plugin::{Parts, Plugin};
-use super::rates::{RatesFound, StepsSincePlain, Sums, sum_density, sum_gradients, sum_rates};
+use super::rates::{
+    RatesFound, StepsSincePlain, Sums, add_wall_friction, sum_density, sum_gradients, sum_rates,
+};
 use super::schedule::{Stage, StageSystems, StepSystems};
 use super::shift::shift;
 use super::stopwatch::Stopwatch;
@@ -71,7 +73,9 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
         parts.stage.add_systems((
             sum_density::<R, D>.in_set(StageSystems::Density),
             sum_gradients::<R, D>.in_set(StageSystems::Gradients),
-            (sum_rates::<R, D>, sum_body_forces::<R, D>).chain().in_set(StageSystems::Rates),
+            (sum_rates::<R, D>, add_wall_friction::<R, D>, sum_body_forces::<R, D>)
+                .chain()
+                .in_set(StageSystems::Rates),
             add_forces::<R, D>.in_set(StageSystems::Forces),
             kick::<R, D>.in_set(StageSystems::Kick),
         ));
@@ -89,7 +93,9 @@ impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
         parts.world.insert_resource(ParticleArrays::<R, D> { evolves_pressure: true, ..Default::default() });
         parts.stage.add_systems((
             sum_volumes::<R, D>.in_set(StageSystems::Density),
-            (sum_edac_rates::<R, D>, sum_edac_body_forces::<R, D>).chain().in_set(StageSystems::Rates),
+            (sum_edac_rates::<R, D>, add_wall_friction::<R, D>, sum_edac_body_forces::<R, D>)
+                .chain()
+                .in_set(StageSystems::Rates),
             add_forces::<R, D>.in_set(StageSystems::Forces),
             kick_and_drift::<R, D>.in_set(StageSystems::Kick),
         ));

@@ -44,7 +44,11 @@ pub fn pair_settings(scene: &Scene) -> PairSettings {
         .walls
         .parts
         .iter()
-        .map(|part| WallPartSettings { free_slip: part.slip == Slip::FreeSlip, acceleration: [0.0; 3] })
+        .map(|part| WallPartSettings {
+            free_slip: part.slip.is_free_in_pairs(),
+            wall_function: part.slip == Slip::WallFunction,
+            acceleration: [0.0; 3],
+        })
         .collect();
     pair
 }

@@ -13,7 +13,7 @@ use crate::pass::density;
 use crate::pass::gradients;
 use crate::pass::rates::{self, VelocityLevel};
 use crate::pass::sums::PairSums;
-use crate::pass::{strain, stress};
+use crate::pass::{strain, stress, wall_friction};
 use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::model::Wcsph;
 
@@ -102,4 +102,16 @@ pub fn sum_rates<R: Real, const D: usize>(
         largest_damping: summary.damping,
         largest_viscosity: scene.0.fluid.viscosity + summary.eddy_viscosity,
     };
+}
+
+/// What walls with a wall function take, by the velocities that the scheme's dissipative terms take.
+pub fn add_wall_friction<R: Real, const D: usize>(
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    since_plain: Option<Res<StepsSincePlain>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+) {
+    let level = since_plain.map_or(VelocityLevel::Present, |since_plain| level(*since_plain));
+    wall_friction::add_wall_friction(&pair.0, &grid.0, &mut arrays, level, &mut sums.0);
 }

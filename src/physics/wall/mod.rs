@@ -6,6 +6,7 @@
 pub mod dummy;
 pub mod ghost;
 pub mod image;
+pub mod law;
 
 use serde::{Deserialize, Serialize};
 
@@ -93,4 +94,14 @@ pub enum Slip {
     NoSlip,
     /// The wall takes no tangential stress.
     FreeSlip,
+    /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing away; pairs with it exert none. For
+    /// boundary layers that the spacing does not resolve.
+    WallFunction,
+}
+
+impl Slip {
+    /// Whether the pairs of fluid and wall exert no viscous force.
+    pub fn is_free_in_pairs(self) -> bool {
+        self != Slip::NoSlip
+    }
 }
