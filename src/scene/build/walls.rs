@@ -85,6 +85,8 @@ fn concentric(
                 "give `center` and `radius` of the `Circle` that the `Difference` of `domain` takes out",
             ),
         );
+        // Not gone on with: nothing bounds the particles of a circle that is none of the domain's.
+        return None;
     }
     Some(rings)
 }
