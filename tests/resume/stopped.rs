@@ -50,7 +50,6 @@ fn reached(run: &Path) -> u64 {
 }
 
 /// Resumes a run to some steps beyond where it is, runs the same without a break and compares.
-
 #[track_caller]
 fn goes_on_as_if_never_stopped(run_folder: &Path, what: &str) {
     let end = (reached(run_folder) + 60).to_string();

@@ -191,15 +191,13 @@ pub enum Waves {
     /// Plane ones that run along the normal: those of the section's mean.
     Plane,
     /// Waves at any angle too.
-    All,
-    /// `All` under `Wcsph` with Wendland's kernel, `Plane` elsewhere: there a mode along the outlet can grow (docs/outlets.md).
     #[default]
-    Auto,
+    All,
 }
 
 impl Default for OutletPressure {
     fn default() -> Self {
-        OutletPressure::Absorbing { target: 0.0, time: None, waves: Waves::Auto }
+        OutletPressure::Absorbing { target: 0.0, time: None, waves: Waves::All }
     }
 }
 

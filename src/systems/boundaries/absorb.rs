@@ -4,14 +4,13 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::section::SectionPoints;
-use crate::math::kernel::Kernel;
 use crate::pass::fits::PointFlow;
 use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
 use crate::physics::outlet::continuation::Continuation;
 use crate::physics::outlet::convection::convective_velocity;
 use crate::physics::outlet::oblique::{Oblique, ObliqueSetting};
 use crate::physics::outlet::{OutletPressure, Waves};
-use crate::scene::model::{Outlet, Scene, Scheme};
+use crate::scene::model::{Outlet, Scene};
 
 /// Passages of sound through the domain in which an absorbing pressure follows the mean flow, where a scene says nothing. Shorter, and
 /// the resonance of an inlet with a throat is hardly damped; longer, and the start takes longer to settle.
@@ -49,15 +48,6 @@ pub struct AbsorbingZone {
     deviation: [Vec<f64>; 2],
 }
 
-/// Whether waves at an angle may leave too.
-fn takes_all(waves: Waves, scheme: &Scheme) -> bool {
-    match waves {
-        Waves::All => true,
-        Waves::Plane => false,
-        Waves::Auto => scheme.wcsph().is_some() && scheme.kernel() == Kernel::WendlandC2,
-    }
-}
-
 impl AbsorbingZone {
     /// The points at which the fluid must be known.
     pub fn section(&mut self, scene: &Scene, outlet: &Outlet) -> &SectionPoints {
@@ -84,7 +74,7 @@ impl AbsorbingZone {
         let plane = self.plane.advance(&setting, mean.pressure, mean.velocity, time_step);
         self.pressure.clear();
         self.pressure.resize(found.len(), plane);
-        if takes_all(waves, &scene.scheme) {
+        if waves == Waves::All {
             self.add_oblique(scene, outlet, found, mean, time_step);
         }
         self.velocity.clear();
