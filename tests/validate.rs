@@ -108,6 +108,35 @@ fn a_case_of_ones_own_is_run_measured_and_judged() {
     assert_eq!(fs::read(out.join("uniform/stream/summary.json")).expect("a summary"), first);
 }
 
+/// A lid over a shear of 1/s in water of 0.1 m²/s: half a square metre of it per metre of depth is held back by 50 N, which is 0.2 of ½ρU²A.
+#[test]
+fn forces_on_bodies_are_measured() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = r#"Scene(
+    title: "Plane Couette flow", dimensions: 2, spacing: 0.05, smoke: 0.1,
+    fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+    domain: Box(min: (0.0, 0.0), max: (0.5, 1.0)), periodic: ["x"],
+    walls: (parts: [(name: "the lid", region: Box(min: (-1.0, 0.9), max: (2.0, 2.0)), velocity: (1.0, 0.0))]),
+    initial: (velocity: ("y", 0.0)),
+    bodies: [(part: "the lid", velocity: 1.0, area: 0.5, mean: (0.01, 0.1))],
+    time: (end: 0.1), output: (every: 0.1, monitor_every: 0.01),
+)"#;
+    let case = r#"Case(
+    title: "Lid", source: "exact", setting: "",
+    runs: [(name: "lid", scene: "lid.ron", tier: Quick)],
+    figures: [
+        (name: "drag", what: "drag", must: Near(value: -0.2, by: 0.01), value: Body(run: "lid", body: "the lid", take: DragMean)),
+        (name: "force", what: "force, N/m", must: Near(value: -50.0, by: 2.5), value: Series(
+            run: "lid", table: "forces", column: "viscous_force_x_the_lid", over: (0.01, 0.1), take: Mean)),
+    ],
+)"#;
+    fs::write(folder.path().join("lid.ron"), scene).expect("written");
+    let path = folder.path().join("forces.ron");
+    fs::write(&path, case).expect("written");
+    let output = validate(&["--quick", "--case", &path.to_string_lossy()], &folder.path().join("out"));
+    assert_eq!(output.status.code(), Some(0), "{}\n{}", text(&output.stdout), text(&output.stderr));
+}
+
 #[test]
 fn a_missed_band_is_said_and_gives_exit_code_1() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -187,6 +187,7 @@ mod tests {
                 (name: "third", what: "", value: Feature(
                     run: "b", probe: "across", field: speed, when: At(0.1), take: Width(1.5))),
                 (name: "fourth", what: "", value: Formula("second/second_error")),
+                (name: "fifth", what: "", value: Body(run: "b", body: "cylinder", take: Strouhal)),
             ],
             plots: [(name: "p", title: "", across: "", upward: "", curves: [
                 Distance(run: "b", probe: "across", field: v, reference: Run("a"), norm: Largest, label: "b"),
@@ -202,6 +203,7 @@ mod tests {
             "no unit vector",
             "asked of many profiles",
             "share of a width",
+            "no coefficients of a body `cylinder`",
             "held against another run",
             "drawings are called `p`",
             "`sped` is not a field",
@@ -210,6 +212,6 @@ mod tests {
         ] {
             assert!(titles.iter().any(|title| title.contains(words)), "nothing about {words} in {titles:#?}");
         }
-        assert_eq!(titles.len(), 11, "{titles:#?}");
+        assert_eq!(titles.len(), 12, "{titles:#?}");
     }
 }

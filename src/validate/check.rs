@@ -8,7 +8,7 @@ use super::schema::{
     CurveFile, FeatureFile, FieldFile, PictureFile, ReferenceFile, RunFile, ValueFile, WhenFile,
 };
 use super::value::reading::error_of;
-use super::value::{MONITOR, fields};
+use super::value::{FORCES, MONITOR, fields};
 use crate::scene::expression::Constants;
 use crate::scene::faults::{Fault, advice};
 use crate::scene::notation::typed::Spanned;
@@ -20,7 +20,7 @@ const UNIT: f64 = 1e-3;
 /// All faults of a case that reads.
 pub fn faults(case: &Case) -> Vec<Fault> {
     let file = &case.file;
-    let mut check = Check { case, probes: HashMap::new(), faults: Vec::new() };
+    let mut check = Check { case, probes: HashMap::new(), bodies: HashMap::new(), faults: Vec::new() };
     check.unique("run", file.runs.iter().map(|run| &run.name));
     check.unique("figure", file.figures.iter().map(|figure| &figure.name));
     let drawings = file.plots.iter().map(|plot| &plot.name);
@@ -44,6 +44,8 @@ struct Check<'a> {
     case: &'a Case,
     /// Names of the probes of each run's scene, of those that read.
     probes: HashMap<&'a str, Vec<String>>,
+    /// Names of the bodies that have coefficients, likewise.
+    bodies: HashMap<&'a str, Vec<String>>,
     faults: Vec<Fault>,
 }
 
@@ -72,6 +74,9 @@ impl<'a> Check<'a> {
         for (member, set) in run.members(super::Tier::Full).iter().enumerate() {
             let faults = match self.case.member_scene(run, set) {
                 Ok(scene) => {
+                    let bodies = scene.bodies.iter().filter(|body| body.reference.is_some());
+                    let bodies = bodies.map(|body| body.name.clone());
+                    self.bodies.entry(&run.name.value).or_insert_with(|| bodies.collect());
                     let names = scene.output.probes.into_iter().map(|probe| probe.name);
                     self.probes.entry(&run.name.value).or_insert_with(|| names.collect());
                     continue;
@@ -110,10 +115,22 @@ impl<'a> Check<'a> {
     }
 
     fn table_of(&mut self, run: &Text, table: &Text) {
-        if table.value != MONITOR {
+        if table.value != MONITOR && table.value != FORCES {
             self.probe(run, table);
         } else {
             let _faults_are_noted = self.run(run);
+        }
+    }
+
+    fn body(&mut self, run: &Text, body: &Text) {
+        if self.run(run).is_none() {
+            return;
+        }
+        let Some(names) = self.bodies.get(run.value.as_str()) else { return };
+        if !names.contains(&body.value) {
+            let title = format!("run `{}` has no coefficients of a body `{}`", run.value, body.value);
+            let help = advice(&body.value, names.iter().map(String::as_str));
+            self.faults.push(Fault::new(title, body.span, "here").help(help));
         }
     }
 
@@ -187,6 +204,7 @@ impl<'a> Check<'a> {
                 self.feature(when, take);
             }
             ValueFile::Series { run, table, .. } => self.table_of(run, table),
+            ValueFile::Body { run, body, .. } => self.body(run, body),
             ValueFile::Departure { run, table, from, .. } => {
                 self.table_of(run, table);
                 self.table_of(from, table);

@@ -16,6 +16,7 @@ pub mod spectrum;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use means::Means;
 
 use super::error::OutputError;
 use super::header::{BodyHeader, Header};
@@ -131,6 +132,36 @@ fn parts(sum: &BodySum) -> [(DVec3, DVec3); 3] {
         (sum.pressure_force, sum.pressure_torque),
         (sum.viscous_force, sum.viscous_torque),
     ]
+}
+
+/// What a run has of its bodies.
+#[derive(Clone, Debug, Default)]
+pub struct ForcesHistory {
+    /// Columns of `forces.csv` by name; none without bodies.
+    pub columns: Vec<(String, Vec<f64>)>,
+    /// Means of the bodies that have coefficients, by name.
+    pub means: Vec<(String, Means)>,
+}
+
+/// Reads `forces.csv`, if the run has one.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub fn read_history(folder: &Path, header: &Header) -> Result<ForcesHistory, OutputError> {
+    let path = folder.join(CSV);
+    if !path.exists() {
+        return Ok(ForcesHistory::default());
+    }
+    let table = Table::read(&path)?;
+    let columns = table.columns.iter().enumerate();
+    // By the names of the scene, not those of the columns.
+    let referred = header.bodies.iter().filter(|body| body.reference.is_some());
+    let means =
+        referred.zip(means::of_all(header, &table)).map(|(body, (_, means))| (body.name.clone(), means));
+    Ok(ForcesHistory {
+        columns: columns.map(|(index, column)| (column.name.clone(), table.numbers(index))).collect(),
+        means: means.collect(),
+    })
 }
 
 /// Makes `forces.nc` and `forces_mean.csv` from `forces.csv`; their paths, none when there is no CSV file.

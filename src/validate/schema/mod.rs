@@ -14,7 +14,9 @@ pub mod drawing;
 pub mod value;
 
 pub use drawing::{CurveFile, PictureFile, PlotFile};
-pub use value::{AxisFile, FeatureFile, FieldFile, NormFile, ReferenceFile, TakeFile, ValueFile, WhenFile};
+pub use value::{
+    AxisFile, CoefficientFile, FeatureFile, FieldFile, NormFile, ReferenceFile, TakeFile, ValueFile, WhenFile,
+};
 
 /// A case.
 #[derive(Clone, Debug, Deserialize)]

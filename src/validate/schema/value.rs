@@ -43,11 +43,11 @@ pub enum ValueFile {
         #[serde(default)]
         scale: Option<Number>,
     },
-    /// A column over time: of the monitor, or of a section or point probe.
+    /// A column over time: of the monitor, of the forces on bodies, or of a section or point probe.
     Series {
         /// Run.
         run: Text,
-        /// `monitor`, or a probe of the scene.
+        /// `monitor`, `forces`, or a probe of the scene.
         table: Text,
         /// Name of the column without its unit.
         column: Text,
@@ -59,12 +59,21 @@ pub enum ValueFile {
         #[serde(default)]
         scale: Option<Number>,
     },
+    /// A coefficient of a body over the interval that the scene gives it, as in `forces_mean.csv`.
+    Body {
+        /// Run.
+        run: Text,
+        /// Name of the body's wall part.
+        body: Text,
+        /// Which.
+        take: CoefficientFile,
+    },
     /// How far a column over time is from that of another run: √(Σ (f − f_other)²/Σ f_other²) over the samples of the first, between whose
     /// times the other's are interpolated. Negi et al. (2020), Eq. 32.
     Departure {
         /// Run.
         run: Text,
-        /// `monitor`, or a probe of the scene.
+        /// `monitor`, `forces`, or a probe of the scene.
         table: Text,
         /// Name of the column without its unit.
         column: Text,
@@ -111,6 +120,21 @@ pub enum ValueFile {
     },
     /// A formula of the figures before this one.
     Formula(Text),
+}
+
+/// A coefficient of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum CoefficientFile {
+    /// Mean drag coefficient.
+    DragMean,
+    /// Half of the largest less the least drag coefficient.
+    DragAmplitude,
+    /// Mean lift coefficient.
+    LiftMean,
+    /// Half of the largest less the least lift coefficient.
+    LiftAmplitude,
+    /// Strouhal number of the lift.
+    Strouhal,
 }
 
 /// Quantity of a line or point probe: a column of `probes.csv`, or what follows from it.

@@ -23,6 +23,7 @@ use std::path::Path;
 use super::case::Case;
 use super::schema::{ReferenceFile, ValueFile};
 use crate::output::error::OutputError;
+use crate::output::forces::{self, ForcesHistory};
 use crate::output::monitor;
 use crate::output::probes::history::ProbeHistory;
 use crate::output::summary::Summary;
@@ -34,6 +35,9 @@ use reading::Reading;
 /// The name under which the monitor is asked for.
 pub const MONITOR: &str = "monitor";
 
+/// The name under which the forces on bodies are asked for.
+pub const FORCES: &str = "forces";
+
 /// What a run left.
 #[derive(Clone, Debug, Default)]
 pub struct RunResults {
@@ -43,6 +47,8 @@ pub struct RunResults {
     pub probes: Vec<ProbeHistory>,
     /// Columns of the monitor.
     pub monitor: Vec<(String, Vec<f64>)>,
+    /// Forces on its bodies.
+    pub forces: ForcesHistory,
 }
 
 impl RunResults {
@@ -53,7 +59,8 @@ impl RunResults {
     pub fn read(folder: &Path) -> Result<Self, OutputError> {
         let summary = Summary::read(folder)?;
         let probes = ProbeHistory::read_all(folder, &summary.run)?;
-        Ok(Self { probes, monitor: monitor::read_history(folder)?, summary })
+        let forces = forces::read_history(folder, &summary.run)?;
+        Ok(Self { probes, monitor: monitor::read_history(folder)?, forces, summary })
     }
 
     /// A probe by name, or all of a pattern as one.
@@ -108,6 +115,7 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
         ValueFile::Departure { run, from, .. } => vec![&run.value, &from.value],
         ValueFile::Feature { run, .. }
         | ValueFile::Series { run, .. }
+        | ValueFile::Body { run, .. }
         | ValueFile::Growth { run, .. }
         | ValueFile::Reflection { run, .. } => vec![&run.value],
         ValueFile::Order { .. } | ValueFile::Formula(_) => Vec::new(),
@@ -188,6 +196,7 @@ fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature
             let (times, values) = series::column(run, &table.value, &column.value)?;
             series::take(&times, &values, (over.0.value, over.1.value), *take)? / factor(scale)
         }
+        ValueFile::Body { body, take, .. } => series::coefficient(run, &body.value, *take)?,
         ValueFile::Growth { probe, field, waves, between, .. } => {
             let probe = run.probe(&probe.value)?;
             let column = fields::column(&probe, field)?;

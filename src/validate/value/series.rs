@@ -1,14 +1,14 @@
 //! Columns over time, and what is taken of them.
 
-use super::{MONITOR, RunResults, slope};
-use crate::validate::schema::TakeFile;
+use super::{FORCES, MONITOR, RunResults, slope};
+use crate::validate::schema::{CoefficientFile, TakeFile};
 
-/// Times, s, and values of a column of the monitor or of a probe with one point.
+/// Times, s, and values of a column of the monitor, of the forces on bodies or of a probe with one point.
 ///
 /// # Errors
 /// That there is no such column.
 pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
-    if table != MONITOR {
+    if table != MONITOR && table != FORCES {
         let probe = run.probe(table)?;
         let values = probe.column(column).ok_or_else(|| format!("probe `{table}` has no `{column}`"))?;
         if probe.places.len() != 1 {
@@ -16,10 +16,29 @@ pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, 
         }
         return Ok((probe.times.clone(), values.to_vec()));
     }
-    let of =
-        |name: &str| run.monitor.iter().find(|(known, _)| known == name).map(|(_, values)| values.clone());
-    let values = of(column).ok_or_else(|| format!("the monitor has no `{column}`"))?;
-    Ok((of("time").ok_or("the monitor has no times")?, values))
+    let (columns, what) = match table {
+        MONITOR => (&run.monitor, "the monitor has"),
+        _ => (&run.forces.columns, "the forces on bodies have"),
+    };
+    let of = |name: &str| columns.iter().find(|(known, _)| known == name).map(|(_, values)| values.clone());
+    let values = of(column).ok_or_else(|| format!("{what} no `{column}`"))?;
+    Ok((of("time").ok_or_else(|| format!("{what} no times"))?, values))
+}
+
+/// A coefficient of a body over the interval that its scene gives it.
+///
+/// # Errors
+/// That the run has no such body, or one without coefficients.
+pub fn coefficient(run: &RunResults, body: &str, take: CoefficientFile) -> Result<f64, String> {
+    let found = run.forces.means.iter().find(|(name, _)| name == body);
+    let (_, means) = found.ok_or_else(|| format!("the run has no coefficients of a body `{body}`"))?;
+    Ok(means.get(match take {
+        CoefficientFile::DragMean => "c_d_mean",
+        CoefficientFile::DragAmplitude => "c_d_amplitude",
+        CoefficientFile::LiftMean => "c_l_mean",
+        CoefficientFile::LiftAmplitude => "c_l_amplitude",
+        CoefficientFile::Strouhal => "strouhal",
+    }))
 }
 
 /// What is taken of a column from one time to another, s.
