@@ -59,6 +59,9 @@ pub fn layers(scheme: &Scheme) -> f64 {
     scheme.kernel().support_ratio() * scheme.smoothing_ratio() + 0.5
 }
 
+/// Zone of a place and the index of its inlet or outlet.
+type Role = (Zone, u16);
+
 /// Decides what a point is.
 struct Filler<'a> {
     scene: &'a Scene,
@@ -110,10 +113,7 @@ impl<'a> Filler<'a> {
         let axis = dimensions - 1;
         roles.par_chunks_mut(counts[axis].max(1)).enumerate().for_each(|(row, roles)| {
             let first = row * roles.len();
-            let places = self.row((first..first + roles.len()).map(point), lattice.spacing[axis]);
-            for (role, place) in roles.iter_mut().zip(places) {
-                *role = place.map(|place| (place.zone, place.patch));
-            }
+            self.row(roles, |at| point(first + at), lattice.spacing[axis]);
         });
         let mut places = Vec::with_capacity(roles.iter().flatten().count());
         let found = roles.iter().enumerate().filter_map(|(index, role)| role.map(|role| (index, role)));
@@ -128,25 +128,29 @@ impl<'a> Filler<'a> {
         places
     }
 
-    /// What points along a line at equal distances are. A distance changes by no more than the way between two points, so that far
-    /// outside and deep inside the one before decides.
-    fn row(&self, points: impl Iterator<Item = DVec3>, spacing: f64) -> impl Iterator<Item = Option<Place>> {
+    /// Finds what points along a line at equal distances are; `roles` has None for all of them. A distance changes by no more than the way
+    /// between two points, so that far outside and deep inside the one before decides.
+    fn row(&self, roles: &mut [Option<Role>], point: impl Fn(usize) -> DVec3, spacing: f64) {
         let hair = HAIR * self.scene.spacing;
-        // Of the last point whose distance was found, moved on by the way since: the least and the most that it can be.
-        let (mut least, mut most) = (0.0, 0.0);
-        points.map(move |point| {
-            (least, most) = (least - spacing, most + spacing);
-            let known = if least > self.reach + hair {
-                least
-            } else if most < -self.margin() - hair {
-                most
-            } else {
-                let distance = confined_distance(self.scene, point);
-                (least, most) = (distance, distance);
-                distance
-            };
-            self.role(point, known)
-        })
+        // The most that the distance can be, by that of the last point where it was found.
+        let mut most = f64::INFINITY;
+        let mut at = 0;
+        while let Some(role) = roles.get_mut(at) {
+            let here = point(at);
+            most += spacing;
+            if most >= -self.margin() - hair {
+                most = confined_distance(self.scene, here);
+            }
+            let outside = most - self.reach - hair;
+            if outside > 0.0 {
+                // As far as this nobody stands.
+                at = at.saturating_add(((outside / spacing) as usize).max(1));
+                most = f64::INFINITY;
+                continue;
+            }
+            *role = self.role(here, most).map(|place| (place.zone, place.patch));
+            at += 1;
+        }
     }
 
     /// A fluid particle's place off the lattice; as it was where it would leave the fluid.
@@ -281,8 +285,11 @@ mod tests {
                         point
                     };
                     let count = ((high[along] - low[along]) / spacing) as usize + 6;
-                    let row: Vec<_> = filler.row((0..count).map(point), spacing).collect();
-                    let single: Vec<_> = (0..count).map(|step| filler.classify(point(step))).collect();
+                    let mut row = vec![None; count];
+                    filler.row(&mut row, point, spacing);
+                    let role = |place: Place| (place.zone, place.patch);
+                    let single: Vec<_> =
+                        (0..count).map(|step| filler.classify(point(step)).map(role)).collect();
                     assert_eq!(row, single, "{name}, axis {along} at {share}");
                 }
             }
