@@ -132,6 +132,29 @@ fn numeric_floors_know_no_ecs() {
     claim(faults);
 }
 
+/// Where what the compiler cannot check stands, beside the lanes themselves: packs read whole vectors of their own storage, and
+/// HDF5 is told how to end. `scripts/reliability/sanitizer.sh` runs them.
+const UNSAFE: [&str; 3] = ["src/math/lanes/", "src/pass/pack.rs", "src/output/netcdf/mod.rs"];
+
+#[test]
+fn unsafe_code_stays_in_its_rooms() {
+    let mut faults = Vec::new();
+    for source in sources(&["src"]) {
+        if UNSAFE.iter().any(|room| source.path.starts_with(room)) {
+            continue;
+        }
+        let lines = source.words("unsafe").map(|at| line_of(&source.code, at));
+        faults.extend(lines.map(|line| {
+            format!(
+                "{}:{line}: is `unsafe`: only {} may be, under a sanitizer",
+                source.path,
+                UNSAFE.join(", ")
+            )
+        }));
+    }
+    claim(faults);
+}
+
 #[test]
 fn one_room_knows_netcdf() {
     let mut faults = Vec::new();

@@ -11,7 +11,7 @@
 //! behind a flat wall one is nearer than Δ, wherever the lattice is cut, so that it takes the stress of its own area. In the edge
 //! of two walls the particle behind both takes that of another Δ^(D−1): 1/N of the stress of a square duct with N rows in plug flow.
 //!
-//! SPH literature leaves such walls to no-slip conditions; a stress per particle that the kernel spreads is our own. What it is for:
+//! A stress per wall particle that the kernel spreads is our own way to give it to the particles. What it is for:
 //! docs/walls.md.
 
 #[cfg(test)]
