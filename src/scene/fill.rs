@@ -62,6 +62,9 @@ pub fn layers(scheme: &Scheme) -> f64 {
 /// Zone of a place and the index of its inlet or outlet.
 type Role = (Zone, u16);
 
+/// Memory for what a place of the lattice is, while it is filled.
+pub const BYTES_PER_PLACE: usize = std::mem::size_of::<Option<Role>>();
+
 /// Decides what a point is.
 struct Filler<'a> {
     scene: &'a Scene,

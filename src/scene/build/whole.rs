@@ -13,6 +13,9 @@ use crate::scene::notation::tree::Span;
 use crate::scene::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
 use crate::scene::summary::{self, BYTES_PER_PARTICLE};
 
+/// More than any machine has, B: what `--allow-oversize` does not reach.
+const MOST_MEMORY: f64 = 1e15;
+
 /// Adds the faults of a scene whose parts are sound; `stands` when no value stands in for a faulty one.
 pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fault>) {
     let others = faults.len();
@@ -37,6 +40,29 @@ pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fau
     }
 }
 
+/// A domain whose parts are so far apart that the lattice between them is more than memory holds.
+fn too_empty(
+    (domain, dimensions): (&Shape, usize),
+    reach: f64,
+    spacing: f64,
+    file: &SceneFile,
+    memory: Option<f64>,
+) -> Option<Fault> {
+    let (low, high) = domain.bounds();
+    let extent = high - low + DVec3::splat(2.0 * reach);
+    let places: f64 = (0..dimensions).map(|axis| extent[axis] / spacing).product();
+    if places <= memory.unwrap_or(f64::INFINITY).min(MOST_MEMORY) / fill::BYTES_PER_PLACE as f64 {
+        return None;
+    }
+    let label = format!(
+        "gives `{places:.2e}` places of the lattice in the box around the domain, nearly all of them empty"
+    );
+    Some(
+        Fault::new("the parts of the domain are too far apart", file.spacing.span, label)
+            .help("look for a shape of `domain` that stands far from the others"),
+    )
+}
+
 /// More particles than memory or particle numbers allow, judged by the domain alone.
 pub fn too_many(
     (domain, dimensions): (&Shape, usize),
@@ -57,7 +83,7 @@ pub fn too_many(
         ));
     }
     if count <= limit {
-        return None;
+        return too_empty((domain, dimensions), reach, spacing, file, memory);
     }
     let have = memory.map_or("particle numbers end at 4.29e9".to_owned(), |bytes| {
         format!("{:.1} GB are free", bytes / 1e9)

@@ -111,6 +111,17 @@ fn more_particles_than_memory_are_refused_with_the_spacing_that_fits() {
 }
 
 #[test]
+fn parts_of_a_domain_that_are_worlds_apart_are_refused() {
+    for far in ["1e15", "1e20", "1e300"] {
+        let apart = format!(
+            "domain: Union([Box(min: (0.0, 0.0), max: (1.0, \"H\")), Circle(center: ({far}, 0.0), radius: 0.2)])"
+        );
+        let box_alone = "domain: Box(min: (0.0, 0.0), max: (1.0, \"H\"))";
+        check(box_alone, &apart, "the parts of the domain are too far apart", "0.05");
+    }
+}
+
+#[test]
 fn too_coarse_a_spacing_is_a_fault() {
     let text = SOUND
         .replace("spacing: 0.05", "spacing: 5.0")
