@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::bodies;
 use crate::particles::zone::Zone;
+use crate::physics::wall::Slip;
 use crate::scene::expression::Expression;
 use crate::scene::faults::Fault;
 use crate::scene::fill::{self, Place};
@@ -31,6 +32,13 @@ pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fau
             let label = "has no profile in a fluid without viscosity";
             Fault::new("`PoiseuilleStartup` needs a viscosity", inlet.velocity.head, label)
         }));
+    }
+    if scene.fluid.viscosity == 0.0 && scene.walls.parts.iter().any(|part| part.slip == Slip::WallFunction) {
+        let label = "is `0`: without it the law of the wall has no stress";
+        faults.push(
+            Fault::new("`WallFunction` needs a viscosity", file.fluid.viscosity.span, label)
+                .help("give the fluid its `viscosity`, or the walls `slip: FreeSlip`"),
+        );
     }
     // These look at values in whose places harmless ones stand if there are faults.
     if stands && faults.is_empty() {

@@ -44,6 +44,17 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
 }
 
 #[test]
+fn a_wall_function_needs_a_viscosity() {
+    let text = SOUND.replace("slip: NoSlip", "slip: WallFunction");
+    assert!(crate::scene::load_str("test.ron", &text, &[]).is_ok());
+    let text = text.replace("viscosity: 1.0e-3", "viscosity: 0");
+    let faults = faults_of(&text);
+    let [fault] = faults.faults() else { panic!("{:?}", miette::Report::new(faults)) };
+    assert_eq!(fault.title, "`WallFunction` needs a viscosity");
+    assert_eq!(fault.span.and_then(|span| text.get(span.start..span.end)), Some("0"));
+}
+
+#[test]
 fn an_inlet_by_its_mass_has_a_rate_in_time_and_a_profile_in_space() {
     let normal = "Normal(\"v0 * y\")";
     let report =
