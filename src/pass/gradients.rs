@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
-use super::pack::{Only, Pack, Source};
+use super::pack::{Only, Pack, Source, nothing_near};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -166,6 +166,7 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
+        let limit = L::constant(K::SUPPORT * K::SUPPORT);
         for entry in self.pack.entries::<L>(D + self.source.columns.len()) {
             let mut x = [zero; D];
             let mut v = [zero; D];
@@ -174,6 +175,9 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
                 x[d] = x_a[d] - entry.column(d);
                 v[d] = v_a[d] - entry.column(D + d);
                 q2 = x[d].mul_add(x[d], q2);
+            }
+            if nothing_near::<L, D>(q2.less(limit)) {
+                continue;
             }
             let inverse_q = q2.inverse_sqrt();
             let slope = K::slope(q2 * inverse_q, inverse_q);

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::density::{LEAST_Q2, finish};
-use super::pack::{Only, Pack, Source};
+use super::pack::{Only, Pack, Source, nothing_near};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -185,12 +185,16 @@ fn sum<K: KernelShape, L: Lanes, const D: usize>(
     let mut sum = [[zero; D]; D];
     // By component: M is symmetric.
     let mut moment = [zero; 6];
+    let limit = L::constant(K::SUPPORT * K::SUPPORT);
     for entry in pack.entries::<L>(2 * D + 1) {
         let mut x = [zero; D];
         let mut q2 = L::constant(LEAST_Q2);
         for d in 0..D {
             x[d] = x_a[d] - entry.column(d);
             q2 = x[d].mul_add(x[d], q2);
+        }
+        if nothing_near::<L, D>(q2.less(limit)) {
+            continue;
         }
         let inverse_q = q2.inverse_sqrt();
         let q = q2 * inverse_q;

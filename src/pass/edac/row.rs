@@ -5,7 +5,7 @@ use crate::math::lanes::{Lanes, add_scaled, cross, dot};
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Pack, Source};
+use crate::pass::pack::{Pack, Source, nothing_near};
 use crate::pass::settings::PairSettings;
 use crate::physics::edac::{self, Edac};
 use crate::physics::wall::{WallModel, WallPressure, image};
@@ -220,6 +220,10 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 v[d] = v_a[d] - v_b[d];
                 q2 = x[d].mul_add(x[d], q2);
             }
+            let in_support = q2.less(self.limit);
+            if nothing_near::<L, D>(in_support) {
+                continue;
+            }
             let inverse_q = q2.inverse_sqrt();
             let q = q2 * inverse_q;
             let slope = K::slope(q, inverse_q);
@@ -256,7 +260,6 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 p_b = L::select(is_wall, p_a + dot(weight_a, x), p_b);
             }
             let difference = p_b - p_a;
-            let in_support = q2.less(self.limit);
             differences = differences + L::select(in_support, difference, zero);
             neighbours = neighbours + L::select(in_support, one, zero);
 

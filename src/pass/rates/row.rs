@@ -6,7 +6,7 @@ use crate::math::lanes::{Lanes, add_scaled, cross, dot};
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Pack, Source};
+use crate::pass::pack::{Pack, Source, nothing_near};
 use crate::pass::settings::PairSettings;
 use crate::physics::momentum;
 use crate::physics::shifting::{Shifting, vacondio};
@@ -182,6 +182,10 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 v[d] = v_a[d] - entry.column(layout.velocity + d);
                 q2 = x[d].mul_add(x[d], q2);
             }
+            let in_support = q2.less(self.limit);
+            if nothing_near::<L, D>(in_support) {
+                continue;
+            }
             let inverse_q = q2.inverse_sqrt();
             let q = q2 * inverse_q;
             let slope = K::slope(q, inverse_q);
@@ -197,7 +201,6 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             let inverse_softened = inverse * (density_sum * rho_b);
 
             let xv = dot(x, v);
-            let in_support = q2.less(self.limit);
             let speed = (xv * inverse_softened).abs();
             signal = signal.max(L::select(in_support, speed, zero));
 
