@@ -176,7 +176,7 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
                 v[d] = v_a[d] - entry.column(D + d);
                 q2 = x[d].mul_add(x[d], q2);
             }
-            if nothing_near::<L, D>(q2.less(limit)) {
+            if nothing_near::<L, D>(q2, limit) {
                 continue;
             }
             let inverse_q = q2.inverse_sqrt();

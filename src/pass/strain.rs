@@ -193,7 +193,7 @@ fn sum<K: KernelShape, L: Lanes, const D: usize>(
             x[d] = x_a[d] - entry.column(d);
             q2 = x[d].mul_add(x[d], q2);
         }
-        if nothing_near::<L, D>(q2.less(limit)) {
+        if nothing_near::<L, D>(q2, limit) {
             continue;
         }
         let inverse_q = q2.inverse_sqrt();

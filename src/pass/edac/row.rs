@@ -220,8 +220,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 v[d] = v_a[d] - v_b[d];
                 q2 = x[d].mul_add(x[d], q2);
             }
-            let in_support = q2.less(self.limit);
-            if nothing_near::<L, D>(in_support) {
+            if nothing_near::<L, D>(q2, self.limit) {
                 continue;
             }
             let inverse_q = q2.inverse_sqrt();
@@ -260,6 +259,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 p_b = L::select(is_wall, p_a + dot(weight_a, x), p_b);
             }
             let difference = p_b - p_a;
+            let in_support = q2.less(self.limit);
             differences = differences + L::select(in_support, difference, zero);
             neighbours = neighbours + L::select(in_support, one, zero);
 

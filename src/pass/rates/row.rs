@@ -182,8 +182,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 v[d] = v_a[d] - entry.column(layout.velocity + d);
                 q2 = x[d].mul_add(x[d], q2);
             }
-            let in_support = q2.less(self.limit);
-            if nothing_near::<L, D>(in_support) {
+            if nothing_near::<L, D>(q2, self.limit) {
                 continue;
             }
             let inverse_q = q2.inverse_sqrt();
@@ -201,6 +200,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             let inverse_softened = inverse * (density_sum * rho_b);
 
             let xv = dot(x, v);
+            let in_support = q2.less(self.limit);
             let speed = (xv * inverse_softened).abs();
             signal = signal.max(L::select(in_support, speed, zero));
 
