@@ -1,11 +1,13 @@
 //! Whole steps on one thread: particle-steps per second, ordered pairs per second, and where the time goes.
 //!
 //! `cargo bench --bench step`. The cases of `sphecs bench`: stirred periodic boxes (2D: h = 1.33 Δ; 3D: h = 2.02 Δ, with a
-//! quarter of a million and a million particles), and channels and a duct with walls, inlet and outlet. Divan's
+//! quarter of a million and a million particles), and channels and a duct with walls, inlet and outlet; and `scenes/step.ron`
+//! with each outlet condition under both schemes. Divan's
 //! items are particle-steps, reservoir excluded. The table below divan's is made of the fastest run of each set of systems,
 //! because a shared machine is slow for reasons of its own; `pairs` are ordered pairs of fluid particles with anything in
 //! their support, all passes of a step together counted as one.
 
+use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use divan::Bencher;
@@ -16,6 +18,9 @@ use sphecs::bench::operations::per_pair;
 use sphecs::bench::peak::Peaks;
 use sphecs::bench::table::shares;
 use sphecs::math::lanes::InstructionSet;
+use sphecs::scene::faults::SceneFaults;
+use sphecs::scene::load;
+use sphecs::scene::model::Scene;
 use sphecs::simulation::Simulation;
 
 /// What a bench found, for the table at the end.
@@ -32,6 +37,17 @@ struct Report {
     /// Fastest run of each set, s.
     sets: Vec<(&'static str, f64)>,
 }
+
+const OUTLETS: [&str; 8] = [
+    "WaveEquation()",
+    "WaveEquation(pressure: Absorbing(waves: Plane))",
+    "Orlanski()",
+    "DoNothing",
+    "ModifiedDoNothing()",
+    "Mirror()",
+    "Characteristic(velocity: 1.0, pressure: 0.0)",
+    "Hybrid()",
+];
 
 /// Measured once.
 static PEAKS: OnceLock<Peaks> = OnceLock::new();
@@ -73,11 +89,16 @@ impl Report {
 /// Times steps of a case after its warm-up.
 fn time(bencher: Bencher, name: &str) {
     let case = Case::named(name).expect("a case of the engine");
-    let mut simulation = match case.scene() {
+    time_flow(bencher, name.to_owned(), case.scene(), case.plan().warm_up);
+}
+
+/// Times steps of a scene after so many others.
+fn time_flow(bencher: Bencher, name: String, scene: Result<Scene, SceneFaults>, warm_up: usize) {
+    let mut simulation = match scene {
         Ok(scene) => Simulation::from_scene(scene),
         Err(faults) => panic!("{faults}"),
     };
-    for _ in 0..case.plan().warm_up {
+    for _ in 0..warm_up {
         simulation.step().expect("the flow is tame");
     }
     let (particles, pairs) = count(&mut simulation);
@@ -94,7 +115,6 @@ fn time(bencher: Bencher, name: &str) {
         let (operations, precision) = (per_pair(scene), scene.precision);
         let scalar_rate = scalar_rate(&mut simulation);
         let peak = PEAKS.get_or_init(Peaks::measure).of(precision);
-        let name = name.to_owned();
         let report = Report { name, particles, pairs, operations, peak, scalar_rate, sets };
         REPORTS.lock().unwrap_or_else(PoisonError::into_inner).push(report);
     }
@@ -123,4 +143,21 @@ fn open_channels(bencher: Bencher, name: &str) {
 #[divan::bench(args = ["duct"], sample_count = 8, sample_size = 1)]
 fn square_duct(bencher: Bencher, name: &str) {
     time(bencher, name);
+}
+
+/// The backward-facing step with another outlet.
+fn time_outlet(bencher: Bencher, scheme: &str, condition: &str) {
+    let sets = [("scheme", scheme), ("outlets.0.condition", condition)];
+    let sets = sets.map(|(path, value)| (path.to_owned(), value.to_owned()));
+    time_flow(bencher, format!("{scheme} {condition}"), load(Path::new("scenes/step.ron"), &sets), 20);
+}
+
+#[divan::bench(args = OUTLETS, sample_count = 100, sample_size = 1)]
+fn outlets_wcsph(bencher: Bencher, condition: &str) {
+    time_outlet(bencher, "Wcsph()", condition);
+}
+
+#[divan::bench(args = OUTLETS, sample_count = 100, sample_size = 1)]
+fn outlets_edac_tvf(bencher: Bencher, condition: &str) {
+    time_outlet(bencher, "EdacTvf()", condition);
 }
