@@ -24,6 +24,7 @@ pub struct Sps {
 }
 
 /// Where the components of a symmetric tensor stand: xx, yy, xy in 2D, xx, yy, zz, xy, yz, zx in 3D.
+#[inline(always)]
 pub const fn component<const D: usize>(i: usize, j: usize) -> usize {
     if i == j {
         i
@@ -40,6 +41,7 @@ pub const fn component<const D: usize>(i: usize, j: usize) -> usize {
 }
 
 /// Number of components of a symmetric tensor.
+#[inline(always)]
 pub const fn components(dimensions: usize) -> usize {
     dimensions * (dimensions + 1) / 2
 }
