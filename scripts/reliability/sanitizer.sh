@@ -8,11 +8,11 @@ export RUSTFLAGS=-Zsanitizer=address
 # Libraries of the system keep what they got until the process ends.
 export ASAN_OPTIONS=detect_leaks=0
 export CARGO_TARGET_DIR=target/sanitizer
-# Checks of pointers and of what the libraries take for granted, which the profile leaves out.
-export CARGO_PROFILE_DEV_DEBUG_ASSERTIONS=true
+# Checks of pointers, which the profile leaves out.
+checked=(--config profile.dev.package.sphecs.debug-assertions=true)
 
-cargo +nightly test --locked --target "$target" --lib -- math:: particles:: pass:: physics::
-cargo +nightly build --locked --target "$target" --bin sphecs
+cargo +nightly test "${checked[@]}" --locked --target "$target" --lib -- math:: particles:: pass:: physics::
+cargo +nightly build "${checked[@]}" --locked --target "$target" --bin sphecs
 program="$CARGO_TARGET_DIR/$target/debug/sphecs"
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT

@@ -258,7 +258,8 @@ impl<R: Real> Pack<R> {
 }
 
 /// Whether none of a vector's neighbours is within the support, so that it adds nothing to a sum; `limit` is the square of the
-/// support. In 2D that is a quarter of the vectors; in a culled pack too few for what the branch costs, so there it is never said.
+/// support. In 2D that is some quarter of the vectors; in a culled pack too few for what the branch costs (docs/performance.md), so there it is
+/// never said.
 #[inline(always)]
 pub fn nothing_near<L: Lanes, const D: usize>(q2: L, limit: L) -> bool {
     D < CULLED_DIMENSIONS && L::bits(q2.less(limit)) == 0

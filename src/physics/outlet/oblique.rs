@@ -24,7 +24,7 @@
 //!
 //! By itself J3 rings with ω = c0 k/√2, below the c0 k of any sound with the wave number k along the plane: what answers to it is the
 //! flow next to the plane alone, and waves of some seven spacings grow between both (`scenes/quickstart.ron` with `EdacTvf` burst by
-//! them at 0.69 s). So ∂J3/∂t loses β (c0/h) (h² ∇_t²)² of itself, β = 0.1: a wave of 7 points loses an e-fold in 35 h/c0, one of 40
+//! them at 0.69 s). So ∂J3/∂t decays at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7 points loses an e-fold in 35 h/c0, one of 40
 //! in 33 000 h/c0.
 
 use serde::{Deserialize, Serialize};

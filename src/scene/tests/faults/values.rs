@@ -1,6 +1,8 @@
 //! Faults of numbers, expressions, tables and probes.
 
 use super::{SOUND, check, faults_of};
+use crate::physics::wall::Slip;
+use crate::scene::load_str;
 
 #[test]
 fn numbers_out_of_bounds_are_faults() {
@@ -46,7 +48,9 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
 #[test]
 fn a_wall_function_needs_a_viscosity() {
     let text = SOUND.replace("slip: NoSlip", "slip: WallFunction");
-    assert!(crate::scene::load_str("test.ron", &text, &[]).is_ok());
+    let scene =
+        load_str("test.ron", &text, &[]).unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    assert!(scene.walls.parts.iter().all(|part| part.slip == Slip::WallFunction));
     let text = text.replace("viscosity: 1.0e-3", "viscosity: 0");
     let faults = faults_of(&text);
     let [fault] = faults.faults() else { panic!("{:?}", miette::Report::new(faults)) };
