@@ -1,31 +1,31 @@
 //! An outlet pressure that lets sound leave at any angle.
 //!
 //! ```text
-//! J2 = p' + ρ0 c0 (v' − u'),   du'/dt = (v' − u')/τ                  carried out by the flow
-//! ∂²J3/∂t² + (2/τ) ∂J3/∂t + J3/τ² − ½ c0² ∇_t² J3 = ¼ c0² ∇_t² J2      comes back
+//! J2 = p' + ρ0 c0 (v' − u'),   du'/dt = (w' − u')/½τ,  dw'/dt = (v' − w')/½τ     carried out by the flow
+//! ∂²J3/∂t² + (2/τ) ∂J3/∂t + J3/τ² − ¼ c0² ∇_t² J3 = ¼ c0² ∇_t² J2                   comes back
 //! p_o' = ½ (J2 + J3)
 //! ```
 //!
 //! p' and v' are what the pressure and the normal velocity of the fluid next to the plane differ from their means over the
 //! section, which [`absorbing`](super::absorbing) looks after. A plane wave at the angle θ to the normal has
 //! ρ0 c0 v' = p' cos θ, so that J3 = 0, Negi et al. (2020), Eqs. 25–27, throws back (1 − cos θ)/(1 + cos θ) of it. The second line is
-//! the wave equation of the plane that follows from the third approximation of Engquist & Majda (1977),
+//! the wave equation of the plane that follows from the second approximation of Engquist & Majda (1977),
 //!
 //! ```text
-//! cos θ ≈ (1 − ¾ sin² θ)/(1 − ¼ sin² θ),   R = ((1 − cos θ)/(1 + cos θ))³
+//! cos θ ≈ 1 − ½ sin² θ,   R = ((1 − cos θ)/(1 + cos θ))²
 //! ```
 //!
-//! 0.005 at 45° and 0.04 at 60°. Their second approximation needs no equation of its own, but answers to a pressure that varies
-//! along the plane and hardly in time, a vortex or the noise of particles, with more than what it gets; this one with less.
+//! 0.03 at 45° and 0.11 at 60°. What varies along the plane and slowly in time is a vortex: there J3 = −J2, the pressure is let go and the
+//! flow has its way. Their third approximation, R = ((1 − cos θ)/(1 + cos θ))³, answers to the velocity of a slow vortex with ⅓ ρ0 c0 v', orders of
+//! magnitude above its pressure, and turns it round before it leaves; it throws back a fifth less at 45° (docs/outlets.md).
 //!
-//! The velocity of a vortex would be read as sound, and ρ0 c0 v' is orders of magnitude above its pressure: u' follows within
-//! τ, a few times what sound takes along the section. Waves that are not plane run along a channel only above the
-//! frequency c0/(2 width), so that nothing is lost by it, and of a vortex some ρ0 v'² is left.
+//! u' follows the flow in two stages within τ, what sound takes along the section: of a vortex that stays nothing is read as sound.
+//! Waves that are not plane run along a channel only above the frequency c0/(2 width), so that little is lost by it.
 //!
-//! By itself J3 rings with ω = c0 k/√2, below the c0 k of any sound with the wave number k along the plane: what answers to it is the
-//! flow next to the plane alone, and waves of some seven spacings grow between both (`scenes/quickstart.ron` with `EdacTvf` burst by
-//! them at 0.69 s). So ∂J3/∂t decays at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7 points loses an e-fold in 35 h/c0, one of 40
-//! in 33 000 h/c0.
+//! By itself J3 rings with ω = ½ c0 k, below the c0 k of any sound with the wave number k along the plane: what answers to it is the
+//! flow next to the plane alone, and with the third approximation waves of some seven spacings grew between both (`scenes/quickstart.ron` with
+//! `EdacTvf` burst by them at 0.69 s). So ∂J3/∂t decays at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7 points loses an e-fold in
+//! 35 h/c0, one of 40 in 33 000 h/c0.
 
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +54,8 @@ pub struct ObliqueSetting {
 pub struct Oblique {
     /// Followed velocity u', m/s.
     pub followed: Vec<f64>,
+    /// First stage w' of the following, m/s.
+    pub first_stage: Vec<f64>,
     /// J3, Pa.
     pub incoming: Vec<f64>,
     /// ∂J3/∂t, Pa/s.
@@ -81,6 +83,7 @@ impl Oblique {
         if self.followed.len() != points {
             // A flow already in motion is no wave.
             self.followed = velocity.to_vec();
+            self.first_stage = velocity.to_vec();
             self.incoming = vec![0.0; points];
             self.incoming_rate = vec![0.0; points];
             self.outgoing = vec![0.0; points];
@@ -88,11 +91,11 @@ impl Oblique {
         // Not part of the state.
         self.roughness.resize(points, 0.0);
         let impedance = setting.density * setting.sound_speed;
-        let share = -(-time_step / setting.time).exp_m1();
+        let share = -(-2.0 * time_step / setting.time).exp_m1();
         for point in 0..points {
-            let wave = velocity[point] - self.followed[point];
-            self.outgoing[point] = pressure[point] + impedance * wave;
-            self.followed[point] += share * wave;
+            self.outgoing[point] = pressure[point] + impedance * (velocity[point] - self.followed[point]);
+            self.followed[point] += share * (self.first_stage[point] - self.followed[point]);
+            self.first_stage[point] += share * (velocity[point] - self.first_stage[point]);
         }
         let c2 = setting.sound_speed * setting.sound_speed;
         let laplacian = |field: &[f64], point: usize| {
@@ -111,7 +114,7 @@ impl Oblique {
         let damped = DAMPING * setting.sound_speed * part / nearest;
         for _ in 0..parts as usize {
             for point in 0..points {
-                let force = 0.5 * c2 * laplacian(&self.incoming, point)
+                let force = 0.25 * c2 * laplacian(&self.incoming, point)
                     + 0.25 * c2 * laplacian(&self.outgoing, point)
                     - leak * leak * self.incoming[point];
                 let rate = self.incoming_rate[point] * (1.0 - leak * part) + force * part;
@@ -183,19 +186,19 @@ mod tests {
     fn a_wave_at_an_angle_sees_its_own_pressure() {
         for degrees in [15.0_f64, 30.0, 45.0, 60.0] {
             let cosine = degrees.to_radians().cos();
-            // J3 is to be (1 − cos θ) p and is ¼ s/(1 − ½ s) (1 + cos θ) p with s = sin² θ; the points take 0.2 % off the Laplacian.
+            // J3 is to be (1 − cos θ) p and is ¼ s/(1 − ¼ s) (1 + cos θ) p with s = sin² θ; the points take 0.2 % off the Laplacian.
             let s = 1.0 - cosine * cosine;
-            let missing = 0.5 * (1.0 - cosine - 0.25 * s / (1.0 - 0.5 * s) * (1.0 + cosine)).abs();
+            let missing = 0.5 * (1.0 - cosine - 0.25 * s / (1.0 - 0.25 * s) * (1.0 + cosine)).abs();
             let normal_alone = 0.5 * (1.0 - cosine);
             let error = error_at(degrees);
             assert!((error - missing).abs() < 2e-3, "{error} at {degrees}°, not {missing}");
-            assert!(error < 0.15 * normal_alone, "{error} at {degrees}°");
+            assert!(error < 0.4 * normal_alone, "{error} at {degrees}°");
         }
     }
 
     #[test]
     fn what_stays_is_no_wave() {
-        // A vortex that hardly moves: its velocity is taken for the flow's, its pressure comes back weaker.
+        // A vortex that hardly moves: its velocity is taken for the flow's, its pressure is let go.
         let setting = setting(0.04);
         let shape = |point: usize| (TAU * point as f64 / POINTS as f64).sin();
         let velocity: Vec<f64> = (0..POINTS).map(|point| 0.1 * shape(point)).collect();
@@ -207,44 +210,48 @@ mod tests {
             state.advance(&setting, &periodic(), &velocity, &mut pressure, 2e-4);
         }
         for (point, pressure) in pressure.iter().enumerate() {
-            assert!(pressure.abs() <= 2.5 * shape(point).abs() + 1e-3, "{pressure} Pa");
+            assert!(pressure.abs() <= 0.25 * shape(point).abs() + 1e-3, "{pressure} Pa");
         }
     }
 
-    /// What is left of a wave of so many points after this time, in units of h/c0, when nothing comes out.
+    /// kh of a wave of so many points, as they see it.
+    fn roughness_of(points_of_a_wave: usize) -> f64 {
+        2.0 * (std::f64::consts::PI / points_of_a_wave as f64).sin()
+    }
+
+    /// What is left of the amplitude of a wave of so many points after this time, in units of h/c0, when nothing comes out.
     fn left_of(points_of_a_wave: usize, time: f64) -> f64 {
         let setting = setting(1e6);
         let shape = |point: usize| (TAU * point as f64 / points_of_a_wave as f64).sin();
         let mut state = Oblique {
             followed: vec![0.0; POINTS],
+            first_stage: vec![0.0; POINTS],
             incoming: (0..POINTS).map(shape).collect(),
             incoming_rate: vec![0.0; POINTS],
             outgoing: vec![0.0; POINTS],
             roughness: Vec::new(),
         };
         let time_step = 0.05 * setting.spacing[0] / setting.sound_speed;
-        let mut largest: f64 = 0.0;
-        let steps = (time / 0.05) as usize;
-        for step in 0..steps {
+        for _ in 0..(time / 0.05) as usize {
             state.advance(&setting, &periodic(), &[0.0; POINTS], &mut [0.0; POINTS], time_step);
-            // Over its last two periods.
-            if step as f64 * 0.05 > time - 2.9 * points_of_a_wave as f64 {
-                largest = state.incoming.iter().fold(largest, |largest, j| largest.max(j.abs()));
-            }
         }
-        largest
+        // Of an oscillation with the frequency ½ c0 k that decays: J3 and (∂J3/∂t + ½ γ J3)/ω are its two phases.
+        let unit = setting.sound_speed / setting.spacing[0];
+        let rough = roughness_of(points_of_a_wave);
+        let (omega, gamma) = (0.5 * rough * unit, DAMPING * rough.powi(4) * unit);
+        let phases = state.incoming.iter().zip(&state.incoming_rate);
+        let amplitudes = phases.map(|(j, rate)| j.hypot((rate + 0.5 * gamma * j) / omega));
+        let start = (0..POINTS).map(shape).fold(0.0, f64::max);
+        amplitudes.fold(0.0, f64::max) / start
     }
 
     #[test]
     fn short_waves_die_and_long_ones_stay() {
-        // e-folds by β (kh)⁴/2, kh = 2 sin(π/n) on the points.
         for (points, time) in [(5, 30.0), (8, 60.0), (40, 300.0)] {
-            let rough = 2.0 * (std::f64::consts::PI / points as f64).sin();
-            let before = time - 2.9 * points as f64;
-            let expected = (-0.5 * DAMPING * rough.powi(4) * before).exp();
+            let expected = (-0.5 * DAMPING * roughness_of(points).powi(4) * time).exp();
             let left = left_of(points, time);
             assert!(
-                (left / expected - 1.0).abs() < 0.15,
+                (left / expected - 1.0).abs() < 0.1,
                 "{left} of a wave of {points} points, not {expected}"
             );
         }
