@@ -201,6 +201,17 @@ impl Default for OutletPressure {
     }
 }
 
+impl Default for OutletCondition {
+    /// What the comparison in docs/which_outlet.md came to, under either scheme.
+    fn default() -> Self {
+        OutletCondition::WaveEquation {
+            frame: Frame::default(),
+            transverse: TransverseOperator::default(),
+            pressure: OutletPressure::default(),
+        }
+    }
+}
+
 impl OutletCondition {
     /// The wave equation of the condition, if it solves one.
     pub fn wave(&self) -> Option<WaveCondition> {

@@ -174,7 +174,9 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
         .iter()
         .enumerate()
         .map(|(index, file)| {
-            condition(&file.condition, check);
+            if let Some(file) = &file.condition {
+                condition(file, check);
+            }
             let patch = patch(
                 &PatchFile {
                     name: file.name.as_ref(),
@@ -188,7 +190,9 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
                 site,
                 check,
             )?;
-            Some(Outlet { patch, condition: file.condition.value })
+            let condition =
+                file.condition.as_ref().map_or_else(OutletCondition::default, |condition| condition.value);
+            Some(Outlet { patch, condition })
         })
         .collect();
     outlets.into_iter().collect()

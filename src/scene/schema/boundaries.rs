@@ -154,6 +154,7 @@ pub struct OutletFile {
     /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.
     #[serde(default)]
     pub depth: Option<Number>,
-    /// What its particles do.
-    pub condition: Spanned<OutletCondition>,
+    /// What its particles do, default `WaveEquation()`.
+    #[serde(default)]
+    pub condition: Option<Spanned<OutletCondition>>,
 }

@@ -1,6 +1,7 @@
 //! Faults of numbers, expressions, tables and probes.
 
 use super::{SOUND, check, faults_of};
+use crate::physics::outlet::{Frame, OutletCondition, OutletPressure, TransverseOperator, Waves};
 use crate::physics::wall::Slip;
 use crate::scene::load_str;
 
@@ -43,6 +44,21 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
     check(wcsph, "EdacTvf(background: 11)", "`background` of the scheme is out of bounds", "11");
     check(wcsph, "EdacTvf(smoothing_ratio: 15)", "`smoothing_ratio` is out of bounds", "15");
     check(wcsph, "EdacTfv()", "`EdacTfv` is not a choice for `scheme`", "EdacTfv");
+}
+
+#[test]
+fn an_outlet_may_leave_its_condition_to_the_engine() {
+    let text = SOUND.replace(", condition: WaveEquation()", "");
+    assert_ne!(text, SOUND);
+    let scene =
+        load_str("test.ron", &text, &[]).unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    let conditions: Vec<_> = scene.outlets.iter().map(|outlet| outlet.condition).collect();
+    let usual = OutletCondition::WaveEquation {
+        frame: Frame::Moving,
+        transverse: TransverseOperator::Normalised,
+        pressure: OutletPressure::Absorbing { target: 0.0, time: None, waves: Waves::All },
+    };
+    assert_eq!(conditions, [usual]);
 }
 
 #[test]
