@@ -14,9 +14,9 @@ use crate::scene::notation::tree::Span;
 use crate::scene::notation::typed::Spanned;
 use crate::scene::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
 
-/// Layers of an inlet's zone: [A] takes five.
+/// Layers of an inlet's zone: Alvarado-Rodríguez et al. (2017) take five.
 const INLET_LAYERS: f64 = 5.0;
-/// Layers of an outlet's zone: more than [A]'s five, so that its middle is free of both ends.
+/// Layers of an outlet's zone: more than their five, so that its middle is free of both ends.
 const OUTLET_LAYERS: f64 = 8.0;
 
 /// All inlets; None with a fault.
