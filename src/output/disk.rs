@@ -146,6 +146,7 @@ mod tests {
     fn refusal_names_a_missing_folder() {
         let folder = tempfile::tempdir().expect("a folder");
         assert!(refusal(folder.path()).is_none());
-        assert!(refusal(&folder.path().join("nowhere")).is_some());
+        let missing = refusal(&folder.path().join("nowhere")).map(|error| error.kind());
+        assert_eq!(missing, Some(std::io::ErrorKind::NotFound));
     }
 }

@@ -59,7 +59,10 @@ fn a_field_that_the_file_leaves_out_is_put_in() {
     assert!((scene.outlets[0].patch.depth - 11.0 * 1.9e-3).abs() < 1e-12);
     assert!(scene.text.contains("precision: F32"));
     // The text as run is itself a scene.
-    assert!(crate::scene::load_str("again", &scene.text, &[]).is_ok());
+    let again = crate::scene::load_str("again", &scene.text, &[])
+        .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    assert_eq!((again.outlets[0].condition, again.spacing), (scene.outlets[0].condition, scene.spacing));
+    assert_eq!(again.text, scene.text);
 }
 
 #[test]

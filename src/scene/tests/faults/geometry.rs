@@ -83,7 +83,9 @@ fn periods_must_fit() {
         format!("{}{}", &text[..inlets], &text[time..])
     };
     let text = closed(&SOUND.replace("periodic: []", "periodic: [\"x\"]"));
-    assert!(load_str("test.ron", &text, &[]).is_ok());
+    let scene =
+        load_str("test.ron", &text, &[]).unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    assert_eq!(scene.periodic, [Some((0.0, 1.0)), None, None]);
     let uneven = text.replace("max: (1.0,", "max: (1.02,");
     let faults = faults_of(&uneven);
     assert!(faults.faults()[0].title.contains("no whole number of spacings"));
