@@ -23,6 +23,8 @@ pub struct PairSums<R, const D: usize> {
     pub pressure_rate: Vec<R>,
     /// ∇·v = Σ V_b (v_b − v_a)·∇W with image velocities, 1/s.
     pub divergence: Vec<R>,
+    /// Rate λ at which the viscous term damps a fluid row among neighbours at rest, 1/s; empty without walls, and where the pressure evolves.
+    pub damping: Vec<R>,
     /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j, 1/s, of the flow's rows; empty until it is asked for.
     pub gradient: [[Vec<R>; D]; D],
     /// The same among a particle's neighbours alone (`pass/strain.rs`), 1/s; empty unless shifting carries the velocity.
@@ -72,6 +74,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             shift: std::array::from_fn(|_| Vec::new()),
             pressure_rate: Vec::new(),
             divergence: Vec::new(),
+            damping: Vec::new(),
             gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             neighbour_gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             strain: std::array::from_fn(|_| Vec::new()),

@@ -74,6 +74,7 @@ pub fn sum_edac_rates<R: Real, const D: usize>(
         largest_speed: summary.speed,
         largest_divergence: summary.divergence,
         largest_damping: summary.damping,
+        largest_damping_at_walls: 0.0,
         largest_viscosity: scene.0.fluid.viscosity,
     };
 }

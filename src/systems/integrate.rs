@@ -9,7 +9,7 @@ use super::boundaries::motion::{move_inflow, move_outflow};
 use super::boundaries::outlets::OutletStates;
 use super::boundaries::rows::PatchRows;
 use super::clock::Clock;
-use super::rates::{RatesFound, StepsSincePlain};
+use super::rates::{RatesFound, StepsSincePlain, Sums};
 use super::setup::{Resolution, SceneInUse};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -27,6 +27,7 @@ pub fn kick<R: Real, const D: usize>(
     found: Res<RatesFound>,
     rows: Res<PatchRows>,
     outlets: Res<OutletStates>,
+    sums: Res<Sums<R, D>>,
     mut since_plain: ResMut<StepsSincePlain>,
     mut clock: ResMut<Clock>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
@@ -44,6 +45,9 @@ pub fn kick<R: Real, const D: usize>(
         limits.time_step(largest_acceleration(arrays), found.largest_signal, found.largest_damping);
     let scheme = Verlet { time_step, time_step_before: clock.time_step, plain: since_plain.0 == 0 };
     since_plain.0 = (since_plain.0 + 1) % parameters.plain_step_every;
+    if scheme.is_fast(found.largest_damping_at_walls) {
+        slow_down(&scheme, &sums.0.damping, arrays);
+    }
     kick_fluid(&scheme, arrays);
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
         move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, arrays);
@@ -72,6 +76,24 @@ pub(super) fn largest_acceleration<R: Real, const D: usize>(arrays: &ParticleArr
         })
         .reduce(|| 0.0, f64::max);
     squared.sqrt()
+}
+
+/// Leaves of the accelerations at walls what a step can follow.
+fn slow_down<R: Real, const D: usize>(scheme: &Verlet, damping: &[R], arrays: &mut ParticleArrays<R, D>) {
+    let (zone, fresh) = (&arrays.zone, &arrays.fresh);
+    for acceleration in &mut arrays.acceleration {
+        acceleration
+            .par_iter_mut()
+            .zip(damping.par_iter())
+            .zip(zone.par_iter().zip(fresh.par_iter()))
+            .with_min_len(CHUNK)
+            .for_each(|((a, damping), (&zone, &fresh))| {
+                let damping = damping.to_f64();
+                if zone == Zone::Fluid && scheme.is_fast(damping) {
+                    *a = *a * R::from_f64(scheme.share(fresh, damping));
+                }
+            });
+    }
 }
 
 fn kick_fluid<R: Real, const D: usize>(scheme: &Verlet, arrays: &mut ParticleArrays<R, D>) {

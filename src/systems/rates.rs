@@ -33,8 +33,10 @@ pub struct RatesFound {
     pub largest_divergence: f64,
     /// Largest kinematic viscosity, eddy viscosity included, m²/s.
     pub largest_viscosity: f64,
-    /// Largest rate at which the viscous term damps a particle, 1/s.
+    /// Largest rate at which the viscous term damps a particle, 1/s; under the leapfrog of those with no wall in their support.
     pub largest_damping: f64,
+    /// Largest one of those with a wall in their support, 1/s; 0 where the pressure evolves.
+    pub largest_damping_at_walls: f64,
 }
 
 /// Steps since the last plain one; 0: the present step is plain, as the first and then every so many are.
@@ -100,6 +102,7 @@ pub fn sum_rates<R: Real, const D: usize>(
         largest_speed: summary.speed,
         largest_divergence: summary.divergence,
         largest_damping: summary.damping,
+        largest_damping_at_walls: summary.damping_at_walls,
         largest_viscosity: scene.0.fluid.viscosity + summary.eddy_viscosity,
     };
 }

@@ -46,7 +46,7 @@ fn a_checkpoint_that_does_not_belong_here_is_not_taken() {
     let digest = <sha2::Sha256 as sha2::Digest>::digest(&other[..body]);
     other[body..].copy_from_slice(&digest);
     fs::write(&last, &other).expect("written");
-    refused(resume(&pieces, &["--steps", "150"]), &["version 9", "version 2", "step-000000000110"]);
+    refused(resume(&pieces, &["--steps", "150"]), &["version 9", "version 3", "step-000000000110"]);
     fs::write(&last, &sound).expect("written");
 
     // On other lanes: only if asked for. Where a machine has none but the portable ones, there are no others.

@@ -23,7 +23,7 @@ use crate::math::column::{Column, Columns};
 use crate::systems::checkpoint::{record, value};
 
 /// Version of the layout, and of what a state consists of: raised with every change of either.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 const MAGIC: [u8; 8] = *b"\x89sphecs\n";
 const DIGEST: usize = 32;
@@ -261,6 +261,10 @@ mod tests {
     #[test]
     fn another_version_is_named_with_ours() {
         let message = read(&bytes(VERSION + 6)).expect_err("another version").to_string();
-        assert!(message.contains("version 8") && message.contains("version 2"), "{message}");
+        assert!(
+            message.contains(&format!("version {}", VERSION + 6))
+                && message.contains(&format!("version {VERSION}")),
+            "{message}"
+        );
     }
 }

@@ -104,6 +104,8 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     gradient_scale: f64,
     /// ν and ν_edac as they enter the sums, m²/s.
     viscosity: [f64; 2],
+    /// What the sum of the damping rates has of the row itself, times its density, kg/(m³ s).
+    own_damping: f64,
 }
 
 /// Terms beyond the plain ones: branches that always go the same way.
@@ -130,6 +132,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
     #[inline(always)]
     pub fn new(pair: &'a PairSettings, edac: &'a Edac, layout: Layout) -> Self {
         let of_pressure = edac.pressure_viscosity(pair.smoothing_length, pair.tait.sound_speed);
+        let viscosity = [pair.pair_viscosity(), of_pressure / pair.edac_coefficient(edac)];
+        let own_slope = if edac.printed { 0.0 } else { pair.kernel.slope(D, pair.smoothing_length, 0.0) };
         Self {
             pair,
             edac,
@@ -143,7 +147,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             limit: L::constant(pair.kernel.support_ratio().powi(2)),
             volume: pair.mass / pair.tait.reference_density,
             gradient_scale: pair.kernel_scale() / pair.smoothing_length,
-            viscosity: [pair.pair_viscosity(), of_pressure / pair.edac_coefficient(edac)],
+            viscosity,
+            own_damping: -2.0 * viscosity[0].max(viscosity[1]) * pair.mass * own_slope,
         }
     }
 
@@ -323,7 +328,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             background: push.map(|push| -background * scale * push),
             pressure_rate: density * squared_speed * inflow + diffusion,
             divergence: -inflow,
-            damping: -nu.max(nu_of_pressure) * damping.sum().to_f64(),
+            damping: -nu.max(nu_of_pressure) * damping.sum().to_f64() - self.own_damping / density,
             split: ([0.0; D], [0.0; 3]),
         };
         for d in 0..D {

@@ -64,8 +64,17 @@ fn rates<R: Real, const D: usize>(sample: &mut Sample<R, D>) -> EdacSummary {
     sum_rates(&sample.pair, &edac, &sample.grid, &mut sample.particles, &mut sample.sums)
 }
 
-/// Acceleration, background acceleration, rate of pressure and divergence of a row, term by term as printed.
-fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D], [f64; D], f64, f64) {
+/// Rates of a row in SI units.
+struct Reference<const D: usize> {
+    acceleration: [f64; D],
+    background: [f64; D],
+    pressure_rate: f64,
+    divergence: f64,
+    damping: f64,
+}
+
+/// The rates of a row term by term as printed.
+fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> {
     let (pair, particles) = (&sample.pair, &sample.particles);
     let edac = edac_of(pair);
     let (h, m, c) = (pair.smoothing_length, pair.mass, WATER.sound_speed);
@@ -87,7 +96,7 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D], [f
     });
     let mean = if edac.average_pressure { mean / count } else { 0.0 };
     let (mut acceleration, mut background) = ([0.0; D], [0.0; D]);
-    let (mut pressure_rate, mut divergence) = (0.0, 0.0);
+    let (mut pressure_rate, mut divergence, mut damping) = (0.0, 0.0, 0.0);
     neighbours.for_each(point, |b, x, r2| {
         if a == b {
             return;
@@ -114,7 +123,8 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D], [f
                 WallModel::Ghost => 2.0,
             };
         }
-        let drag = if slips { 0.0 } else { harmonic(pair.pair_viscosity()) * softened * factor };
+        let per_viscosity = if slips { 0.0 } else { harmonic(1.0) * softened * factor };
+        let drag = pair.pair_viscosity() * per_viscosity;
         let of_divergence = if wall && pair.wall_model == WallModel::Ghost { 2.0 } else { 1.0 };
         let seen = if pair.wall_model == WallModel::Dummy { dummy_velocity(sample, b) } else { v_b };
         let mut xv: f64 = (0..D).map(|d| x[d] * of_divergence * (v_a[d] - v_b[d])).sum();
@@ -132,8 +142,9 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D], [f
         pressure_rate += m * rho_a / rho_b * c * c * xv * slope;
         pressure_rate += squares / m * harmonic(nu_edac) * softened * (p_a - p_b) * slope;
         divergence -= m / rho_b * xv * slope;
+        damping -= squares / m * pair.pair_viscosity().max(nu_edac) * per_viscosity * slope;
     });
-    (acceleration, background, pressure_rate, divergence)
+    Reference { acceleration, background, pressure_rate, divergence, damping }
 }
 
 /// A stirred block of fluid on a wall, checked row by row against the reference.
@@ -156,11 +167,12 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
         }
     }
     let summary = rates(&mut sample);
-    let mut largest = 0.0_f64;
+    let (mut largest, mut fastest) = (0.0_f64, 0.0_f64);
     let mut found = vec![Vec::new(); 2 * D + 2];
     let mut expected = found.clone();
     for row in (0..sample.particles.len()).filter(|&row| sample.particles.zone[row] == Zone::Fluid) {
-        let (acceleration, background, pressure_rate, divergence) = reference(&sample, row);
+        let Reference { acceleration, background, pressure_rate, divergence, damping } =
+            reference(&sample, row);
         for d in 0..D {
             found[d].push(sample.particles.acceleration[d][row]);
             expected[d].push(acceleration[d]);
@@ -172,9 +184,11 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
         found[2 * D + 1].push(sample.sums.divergence[row]);
         expected[2 * D + 1].push(divergence);
         largest = largest.max(divergence.abs());
+        fastest = fastest.max(damping);
     }
     assert_close(&found, &expected, 1e-12, &format!("{:?}", sample.pair));
     assert!((summary.divergence / largest - 1.0).abs() < 1e-12);
+    assert!((summary.damping / fastest - 1.0).abs() < 1e-12);
 }
 
 #[test]

@@ -45,8 +45,11 @@ pub struct RatesSummary {
     pub divergence: f64,
     /// Largest eddy viscosity ν_t, m²/s.
     pub eddy_viscosity: f64,
-    /// Largest rate at which the viscous term damps a particle among neighbours at rest, walls included, 1/s.
+    /// Largest rate at which the viscous term damps a particle among neighbours at rest, 1/s: of those with no wall in their support,
+    /// where the pressure evolves of all.
     pub damping: f64,
+    /// The same of those with a wall in their support, 1/s; 0 where the pressure evolves.
+    pub damping_at_walls: f64,
 }
 
 /// The velocities that a pass looks at.
@@ -78,6 +81,7 @@ impl RatesSummary {
             divergence: larger(self.divergence, other.divergence),
             eddy_viscosity: larger(self.eddy_viscosity, other.eddy_viscosity),
             damping: larger(self.damping, other.damping),
+            damping_at_walls: larger(self.damping_at_walls, other.damping_at_walls),
         }
     }
 }
@@ -100,6 +104,7 @@ pub fn sum_rates<R: Real, const D: usize>(
     for column in sums.shift.iter_mut().chain([&mut sums.divergence]) {
         column.resize(particles.len(), R::default());
     }
+    sums.damping.resize(if has_walls { particles.len() } else { 0 }, R::default());
     let layout = Layout::new::<D>(pair, has_walls);
     pair.kernel.with_shape(RatesPass { pair, layout, grid, particles, level, sums })
 }
@@ -130,7 +135,16 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             ..
         } = self.particles;
         let PairSums {
-            shift, divergence, eddy_viscosity, strain, stress, velocity_seen, columns, packs, ..
+            shift,
+            divergence,
+            damping,
+            eddy_viscosity,
+            strain,
+            stress,
+            velocity_seen,
+            columns,
+            packs,
+            ..
         } = self.sums;
         let layout = self.layout;
         let velocity = match self.level {
@@ -149,7 +163,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             support_ratio: K::SUPPORT,
             only: Only::All,
         };
-        let work = |cells: Range<usize>, (acceleration, shift, [divergence]): Outputs<R, D>| {
+        let work = |cells: Range<usize>, outputs: Outputs<R, D>| {
             let block = RatesBlock::<K, R, D> {
                 pair: self.pair,
                 layout,
@@ -158,7 +172,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
                 wall_distance,
                 eddy_viscosity,
                 cells,
-                outputs: (acceleration, shift, [divergence]),
+                outputs,
                 pack: &mut packs.of_this_thread(),
                 shape: PhantomData,
             };
@@ -167,14 +181,14 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
         let outputs = (
             acceleration.each_mut().map(Vec::as_mut_slice),
             shift.each_mut().map(Vec::as_mut_slice),
-            [divergence.as_mut_slice()],
+            [divergence.as_mut_slice(), damping.as_mut_slice()],
         );
         for_each_block(self.grid, outputs, &work, &RatesSummary::join)
     }
 }
 
-/// Acceleration, shifting vector and divergence of a block's rows.
-type Outputs<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 1]);
+/// Acceleration, shifting vector, and divergence and damping rate of a block's rows.
+type Outputs<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 2]);
 
 struct RatesBlock<'a, K, R: Real, const D: usize> {
     pair: &'a PairSettings,
@@ -214,7 +228,7 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
     ) -> RatesSummary {
         let grid = self.source.grid;
         let first = grid.rows(self.cells.start).start;
-        let (acceleration, shift, [divergence]) = self.outputs;
+        let (acceleration, shift, [divergence, damping]) = self.outputs;
         let mut summary = RatesSummary::default();
         for cell in self.cells {
             let rows = grid.rows(cell);
@@ -244,12 +258,17 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     speed += v * v;
                 }
                 divergence[row - first] = R::from_f64(rates.divergence);
+                if let Some(damping) = damping.get_mut(row - first) {
+                    *damping = R::from_f64(rates.damping);
+                }
+                let sees_wall = self.wall_distance[row].to_f64().is_finite();
                 summary = summary.join(RatesSummary {
                     acceleration: square,
                     signal_speed: rates.signal_speed,
                     speed,
                     divergence: rates.divergence.abs(),
-                    damping: rates.damping,
+                    damping: if sees_wall { 0.0 } else { rates.damping },
+                    damping_at_walls: if sees_wall { rates.damping } else { 0.0 },
                     eddy_viscosity: self.eddy_viscosity.get(row).map_or(0.0, |eddy| eddy.to_f64()),
                 });
             }

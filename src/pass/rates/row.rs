@@ -31,6 +31,8 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     gradient_scale: f64,
     /// 4 ν m ∇W/(slope · x_ab), of the viscous sum.
     viscous_scale: f64,
+    /// What the sum of the damping rates has of the row itself, times its density, kg/(m³ s).
+    own_damping: f64,
 }
 
 /// Terms beyond the plain ones: branches that always go the same way.
@@ -62,6 +64,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             Viscosity::Sps { .. } => (0.0, false),
         };
         let gradient_scale = pair.kernel_scale() / pair.smoothing_length;
+        let own_slope = if printed { 0.0 } else { pair.kernel.slope(D, pair.smoothing_length, 0.0) };
         Self {
             pair,
             layout,
@@ -77,6 +80,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             artificial_mass: artificial * pair.mass,
             gradient_scale,
             viscous_scale: 4.0 * pair.pair_viscosity() * pair.mass * gradient_scale / pair.smoothing_length,
+            own_damping: -2.0 * pair.pair_viscosity() * pair.mass * own_slope,
         }
     }
 
@@ -315,7 +319,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             shift: [0.0; D],
             divergence: -self.gradient_scale * divergence.sum().to_f64(),
             signal_speed: speed_a + signal.largest().to_f64(),
-            damping: -self.viscous_scale * damping.sum().to_f64(),
+            damping: -self.viscous_scale * damping.sum().to_f64() - self.own_damping / density,
             split: ([0.0; D], [0.0; 3]),
         };
         for d in 0..D {

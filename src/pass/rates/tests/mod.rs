@@ -3,7 +3,7 @@
 mod reference;
 
 use glam::DVec3;
-use reference::reference;
+use reference::{Reference, reference};
 
 use super::body::sum_body_force;
 use super::*;
@@ -32,7 +32,10 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
         sample.particles.density[row] = 1000.0 + 30.0 * noise(key + 7);
         sample.particles.pressure[row] = WATER.pressure(sample.particles.density[row]);
         let height = (sample.particles.position[1][row] + 0.3) / SPACING;
-        sample.particles.wall_distance[row] = (height - 2.9).abs().max(0.1) * SPACING;
+        let distance = (height - 2.9).abs().max(0.1) * SPACING;
+        let sees_wall = distance < sample.pair.smoothing_length * sample.pair.kernel.support_ratio();
+        sample.particles.wall_distance[row] =
+            if height < 2.9 || sees_wall { distance } else { f64::INFINITY };
         if height < 2.9 {
             sample.particles.zone[row] = Zone::Wall;
             sample.particles.patch[row] = u16::from(noise(key) > 0.0);
@@ -54,10 +57,10 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
     }
     let summary = sample.rates();
     let mut largest = RatesSummary::default();
-    let mut found = vec![Vec::new(); 2 * D + 1];
+    let mut found = vec![Vec::new(); 2 * D + 2];
     let mut expected = found.clone();
     for row in (0..sample.particles.len()).filter(|&row| sample.particles.zone[row] == Zone::Fluid) {
-        let (acceleration, shift, divergence, signal) = reference(&sample, row);
+        let Reference { acceleration, shift, divergence, signal, damping } = reference(&sample, row);
         for d in 0..D {
             found[d].push(sample.particles.acceleration[d][row]);
             expected[d].push(acceleration[d]);
@@ -66,6 +69,13 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
         }
         found[2 * D].push(sample.sums.divergence[row]);
         expected[2 * D].push(divergence);
+        found[2 * D + 1].push(sample.sums.damping[row]);
+        expected[2 * D + 1].push(damping);
+        if sample.particles.wall_distance[row].is_finite() {
+            largest.damping_at_walls = largest.damping_at_walls.max(damping);
+        } else {
+            largest.damping = largest.damping.max(damping);
+        }
         largest.signal_speed = largest.signal_speed.max(signal);
         largest.divergence = largest.divergence.max(divergence.abs());
         let size = acceleration.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -75,6 +85,8 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
     assert!((summary.signal_speed / largest.signal_speed - 1.0).abs() < 1e-12);
     assert!((summary.divergence / largest.divergence - 1.0).abs() < 1e-12);
     assert!((summary.acceleration / largest.acceleration - 1.0).abs() < 1e-12);
+    assert!((summary.damping - largest.damping).abs() <= 1e-12 * largest.damping);
+    assert!((summary.damping_at_walls - largest.damping_at_walls).abs() <= 1e-12 * largest.damping_at_walls);
 }
 
 #[test]

@@ -8,15 +8,23 @@ use crate::physics::sps;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::wall::{WallModel, WallPressure};
 
-/// The rates of a row by the formulas as they are printed, in SI units, neighbour by neighbour: acceleration, shift,
-/// divergence, signal.
-pub fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D], [f64; D], f64, f64) {
+/// Rates of a row in SI units.
+pub struct Reference<const D: usize> {
+    pub acceleration: [f64; D],
+    pub shift: [f64; D],
+    pub divergence: f64,
+    pub signal: f64,
+    pub damping: f64,
+}
+
+/// The rates of a row by the formulas as they are printed, in SI units, neighbour by neighbour.
+pub fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> {
     let pair = &sample.pair;
     let particles = &sample.particles;
     let h = pair.smoothing_length;
     let (rho_a, p_a) = (particles.density[a], particles.pressure[a]);
     let (mut acceleration, mut fickian, mut repulsion) = ([0.0; D], [0.0; D], [0.0; D]);
-    let (mut divergence, mut signal) = (0.0, 0.0f64);
+    let (mut divergence, mut signal, mut damping) = (0.0, 0.0f64, 0.0);
     let (mut count, mut distances) = (0.0, 0.0);
     let point = std::array::from_fn(|d| particles.position[d][a]);
     Neighbours::new(&sample.grid, particles).for_each(point, |b, x, r2| {
@@ -97,6 +105,7 @@ pub fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D]
             let pi = -pair.noise_damping * speed * h * w / (r2 + eta2) / (0.5 * (rho_a + rho_b));
             along_x -= pair.mass * pi * slope;
         }
+        damping -= along_v;
         for d in 0..D {
             acceleration[d] += along_x * x[d] + along_v * v[d];
             fickian[d] += volume * slope * x[d];
@@ -110,5 +119,5 @@ pub fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> ([f64; D]
         Shifting::Vacondio { .. } => repulsion.map(|x| mean * mean * x / count),
         _ => fickian,
     };
-    (acceleration, shift, divergence, WATER.sound_speed_at(rho_a) + signal)
+    Reference { acceleration, shift, divergence, signal: WATER.sound_speed_at(rho_a) + signal, damping }
 }
