@@ -24,7 +24,7 @@
 //! v(n+1) = v(n−1) + T dv/dt(n)/(1 + T (λ − C_λ/Δt)),   T = Δt(n−1) + Δt(n), or Δt(n) in a plain step
 //! ```
 //!
-//! which is the Rosenbrock form of an implicit Euler step for that part alone (Hairer & Wanner (1996), section IV.7). It changes nothing in a
+//! the Rosenbrock form of an implicit Euler step for that part alone: Hairer & Wanner (1996), section IV.7. It changes nothing in a
 //! steady flow, and in an unsteady one what happens within a few steps (test `fast_damping_decays_without_swinging`).
 
 use crate::math::real::Real;

@@ -3,7 +3,6 @@
 mod reference;
 
 use glam::DVec3;
-use reference::{Reference, reference};
 
 use super::body::sum_body_force;
 use super::*;
@@ -21,122 +20,6 @@ const NU: f64 = 1e-3;
 
 fn viscous(kernel: Kernel, dimensions: usize, ratio: f64) -> PairSettings {
     PairSettings { viscosity: NU, ..settings(kernel, dimensions, ratio) }
-}
-
-/// A stirred block of fluid on a wall, with a moving lid, checked row by row against the reference.
-fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
-    let mut sample = Sample::<f64, D>::lattice(pair, counts, false);
-    sample.stir(0.3, 1.0);
-    for row in 0..sample.particles.len() {
-        let key = 8 * sample.particles.id[row];
-        sample.particles.density[row] = 1000.0 + 30.0 * noise(key + 7);
-        sample.particles.pressure[row] = WATER.pressure(sample.particles.density[row]);
-        let height = (sample.particles.position[1][row] + 0.3) / SPACING;
-        let distance = (height - 2.9).abs().max(0.1) * SPACING;
-        let sees_wall = distance < sample.pair.smoothing_length * sample.pair.kernel.support_ratio();
-        sample.particles.wall_distance[row] =
-            if height < 2.9 || sees_wall { distance } else { f64::INFINITY };
-        if height < 2.9 {
-            sample.particles.zone[row] = Zone::Wall;
-            sample.particles.patch[row] = u16::from(noise(key) > 0.0);
-            sample.particles.wall_normal[0][row] = 0.6;
-            sample.particles.wall_normal[1][row] = 0.8;
-        }
-    }
-    if matches!(sample.pair.viscous_term, Viscosity::Sps { .. }) {
-        for (component, column) in sample.sums.stress.iter_mut().enumerate().take(sps::components(D)) {
-            let ids = sample.particles.id.iter();
-            *column = ids.map(|id| 0.1 * noise(id * 64 + 32 + component as u32)).collect();
-        }
-    }
-    if sample.pair.noise_damping != 0.0 {
-        for (component, column) in sample.sums.strain.iter_mut().enumerate().take(sps::components(D)) {
-            let ids = sample.particles.id.iter();
-            *column = ids.map(|id| 5.0 * noise(id * 64 + 48 + component as u32)).collect();
-        }
-    }
-    let summary = sample.rates();
-    let mut largest = RatesSummary::default();
-    let mut found = vec![Vec::new(); 2 * D + 2];
-    let mut expected = found.clone();
-    for row in (0..sample.particles.len()).filter(|&row| sample.particles.zone[row] == Zone::Fluid) {
-        let Reference { acceleration, shift, divergence, signal, damping } = reference(&sample, row);
-        for d in 0..D {
-            found[d].push(sample.particles.acceleration[d][row]);
-            expected[d].push(acceleration[d]);
-            found[D + d].push(sample.sums.shift[d][row]);
-            expected[D + d].push(shift[d]);
-        }
-        found[2 * D].push(sample.sums.divergence[row]);
-        expected[2 * D].push(divergence);
-        found[2 * D + 1].push(sample.sums.damping[row]);
-        expected[2 * D + 1].push(damping);
-        if sample.particles.wall_distance[row].is_finite() {
-            largest.damping_at_walls = largest.damping_at_walls.max(damping);
-        } else {
-            largest.damping = largest.damping.max(damping);
-        }
-        largest.signal_speed = largest.signal_speed.max(signal);
-        largest.divergence = largest.divergence.max(divergence.abs());
-        let size = acceleration.iter().map(|x| x * x).sum::<f64>().sqrt();
-        largest.acceleration = largest.acceleration.max(size);
-    }
-    assert_close(&found, &expected, 1e-12, &format!("{:?}", sample.pair));
-    assert!((summary.signal_speed / largest.signal_speed - 1.0).abs() < 1e-12);
-    assert!((summary.divergence / largest.divergence - 1.0).abs() < 1e-12);
-    assert!((summary.acceleration / largest.acceleration - 1.0).abs() < 1e-12);
-    assert!((summary.damping - largest.damping).abs() <= 1e-12 * largest.damping);
-    assert!((summary.damping_at_walls - largest.damping_at_walls).abs() <= 1e-12 * largest.damping_at_walls);
-}
-
-#[test]
-fn rates_are_the_printed_sums() {
-    for kernel in Kernel::ALL {
-        check(viscous(kernel, 2, 1.3), [13, 9]);
-        check(viscous(kernel, 3, 1.2), [7, 8, 5]);
-        for (lattice_normalised, printed) in [(true, true), (false, true), (false, false)] {
-            let viscous_term = Viscosity::Laminar { lattice_normalised, printed };
-            let wall_model =
-                WallModel::Image { velocity_cap: Some(1.5), pressure: WallPressure::Extrapolated };
-            check(PairSettings { viscous_term, wall_model, ..viscous(kernel, 2, 1.5) }, [12, 9]);
-        }
-        check(
-            PairSettings {
-                viscous_term: Viscosity::Artificial { alpha: 0.1 },
-                shifting: Shifting::Vacondio { beta: 0.04 },
-                tensile_control: false,
-                ..viscous(kernel, 3, 1.3)
-            },
-            [6, 9, 5],
-        );
-        let viscous_term = Viscosity::Sps { smagorinsky: 0.12, isotropic: 0.0066, lattice_normalised: true };
-        let turbulent = PairSettings { viscous_term, ..viscous(kernel, 2, 1.3) };
-        check(turbulent.clone(), [12, 9]);
-        check(PairSettings { dimensions: 3, ..turbulent.clone() }, [6, 9, 5]);
-        check(PairSettings { noise_damping: 0.2, ..turbulent }, [12, 9]);
-        check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 2, 1.3) }, [12, 9]);
-        check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 3, 1.3) }, [6, 9, 5]);
-        let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
-        check(
-            PairSettings {
-                wall_parts: vec![WallPartSettings::default(), free_slip],
-                wall_model: WallModel::Image { velocity_cap: None, pressure: WallPressure::Mirrored },
-                body_force: [0.5, -9.81, 0.0],
-                ..viscous(kernel, 2, 1.3)
-            },
-            [12, 9],
-        );
-        for wall_model in [WallModel::Dummy, WallModel::Ghost] {
-            let body_force = [0.5, -9.81, 0.0];
-            let plain = PairSettings { wall_model, body_force, ..viscous(kernel, 2, 1.3) };
-            let slippery = vec![WallPartSettings::default(), free_slip];
-            check(plain.clone(), [13, 9]);
-            check(PairSettings { wall_parts: slippery.clone(), ..plain.clone() }, [12, 9]);
-            check(PairSettings { wall_parts: slippery, dimensions: 3, ..plain.clone() }, [7, 8, 5]);
-            check(PairSettings { noise_damping: 0.2, ..plain.clone() }, [12, 9]);
-            check(PairSettings { viscous_term: Viscosity::Artificial { alpha: 0.1 }, ..plain }, [12, 9]);
-        }
-    }
 }
 
 #[test]
