@@ -20,7 +20,7 @@ use crate::pass::blocks::for_each_part;
 use crate::pass::density;
 use crate::pass::edac;
 use crate::physics::edac::Edac;
-use crate::physics::integrator::kick_drift::KickDrift;
+use crate::physics::integrator::kick_drift::{self, KickDrift};
 use crate::physics::timestep::TimeStepLimits;
 use crate::scene::model::{BodyForce, Patch, Scene, Scheme};
 
@@ -94,6 +94,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
     let limits = TimeStepLimits {
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
+        damping: kick_drift::DAMPING,
         smoothing_length: resolution.smoothing_length,
         viscosity: found.largest_viscosity,
     };

@@ -14,7 +14,7 @@ use super::setup::{Resolution, SceneInUse};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::integrator::verlet::Verlet;
+use crate::physics::integrator::verlet::{self, Verlet};
 use crate::physics::timestep::TimeStepLimits;
 
 /// Rows that a thread takes at a time.
@@ -37,6 +37,7 @@ pub fn kick<R: Real, const D: usize>(
     let limits = TimeStepLimits {
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
+        damping: verlet::DAMPING,
         smoothing_length: resolution.smoothing_length,
         viscosity: found.largest_viscosity,
     };

@@ -18,6 +18,9 @@
 
 use crate::math::real::Real;
 
+/// C_λ: a step is at most this over the largest damping rate.
+pub const DAMPING: f64 = 0.3;
+
 /// Sizes of the present and the previous step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KickDrift {

@@ -28,7 +28,9 @@
 //! steady flow, and in an unsteady one what happens within a few steps (test `fast_damping_decays_without_swinging`).
 
 use crate::math::real::Real;
-use crate::physics::timestep::DAMPING;
+
+/// C_λ: a step follows a damping up to this over its rate.
+pub const DAMPING: f64 = 0.5;
 
 /// Sizes of the present and the previous step, and whether all particles take a plain one.
 #[derive(Clone, Copy, Debug, PartialEq)]
