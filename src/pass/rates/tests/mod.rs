@@ -10,8 +10,6 @@ use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::pass::body::{Body, BodySum};
 use crate::pass::samples::{SPACING, Sample, WATER, assert_close, noise, settings};
-use crate::pass::settings::WallPartSettings;
-use crate::physics::shifting::Shifting;
 use crate::physics::sps;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::wall::{WallModel, WallPressure};
