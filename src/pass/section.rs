@@ -7,7 +7,8 @@
 //! in kg/s (kg/(s m), per metre of depth, in 2D): the momentum that the particles carry, smoothed along the normal. With the density smoothed in
 //! the same way it keeps mass exactly, as far as particles move with v_b: a steady flow has the same q in every section, on whatever lattice
 //! its walls stand. What shifting moves as a whole, next to sharp edges, is not in it (docs/noise.md). A sum of
-//! interpolated values over the section keeps mass less: between walls that cut across the lattice it found up to 4 % too much. On rows that are Δ apart M4 sums to one wherever the plane lies.
+//! interpolated values over the section keeps mass less: between walls that cut across the lattice it found up to 4 % too much. On
+//! rows that are Δ apart M4 sums to one wherever the plane lies.
 
 use std::collections::HashSet;
 
