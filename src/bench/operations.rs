@@ -33,6 +33,14 @@ pub const fn damping(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 11
 }
 
+/// What a shift less its drift adds to the sums of `pass/strain/row.rs`: ∇C 2 D.
+pub const fn crowding(dimensions: usize) -> usize {
+    2 * dimensions
+}
+
+/// What it adds to the rates: w(q) 7, weight and sum of the weights 2; the sum itself takes the place of shifting.
+pub const NET_SHIFT: usize = 9;
+
 /// What sub-particle stress adds to the rates: T_a + T_b by component, T·x 2 D², its scale 1, acceleration 2 D.
 pub const fn stress(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
@@ -44,7 +52,7 @@ pub const fn gradients(dimensions: usize) -> usize {
     4 * dimensions * dimensions + 7 * dimensions + 11
 }
 
-/// Of the loop in `pass/strain.rs`, which sums the density as well: that of the density 3 D + 11, F 6, v_ab and the factors
+/// Of the loop in `pass/strain/row.rs`, which sums the density as well: that of the density 3 D + 11, F 6, v_ab and the factors
 /// of the sums 3 D, the sums themselves 2 D + 1, gradient 2 D², moments D² + D.
 pub const fn density_and_strain(dimensions: usize) -> usize {
     3 * dimensions * dimensions + 9 * dimensions + 18
@@ -88,11 +96,18 @@ pub fn per_pair(scene: &Scene) -> usize {
     }
     let is_damped = scene.scheme.wcsph().is_some_and(|scheme| scheme.noise_damping != NoiseDamping::Off);
     let carries = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting.carries_velocity());
+    let is_net = scene.scheme.wcsph().is_some_and(|scheme| !scheme.shifting.keeps_drift());
     let has_stress = scene.scheme.has_stress();
     let has_walls = scene.layout.walled;
     let mut operations = of_kernel + rates(dimensions) + if has_walls { WALLS } else { 0 };
-    operations +=
-        if is_damped || carries { density_and_strain(dimensions) + slope } else { density(dimensions) };
+    operations += if is_damped || carries || is_net {
+        density_and_strain(dimensions) + slope
+    } else {
+        density(dimensions)
+    };
+    if is_net {
+        operations += crowding(dimensions) + NET_SHIFT + value_beyond_wendland(kernel);
+    }
     if has_stress {
         operations += gradients(dimensions) + stress(dimensions) + slope;
         operations += if has_walls { WALLS_IN_GRADIENTS } else { 0 };
@@ -129,6 +144,7 @@ mod tests {
     use crate::pass::sums::PairSums;
     use crate::physics::edac::Edac;
     use crate::physics::eos::Tait;
+    use crate::physics::shifting::{Drift, Shifting};
     use crate::physics::viscosity::Viscosity;
 
     thread_local! {
@@ -306,6 +322,13 @@ mod tests {
             sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
         });
         assert_eq!(of_strain, density_and_strain(D), "density with strain in {D}D");
+        let shifting = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
+        let net = walled(&PairSettings { shifting, ..damped.clone() });
+        assert_eq!(rates_of(&net), rates(D) + damping(D) + WALLS + NET_SHIFT, "net rates in {D}D");
+        let of_crowding = of_pair::<D>(&net, |pair, grid, arrays, sums| {
+            sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
+        });
+        assert_eq!(of_crowding, density_and_strain(D) + crowding(D), "density with strain and ∇C in {D}D");
         let evolved = PairSettings { pressure: PressureLaw::Evolved(Edac::default()), ..plain.clone() };
         let evolved_of = |pair: &PairSettings| {
             of_pair::<D>(pair, |pair, grid, arrays, sums| {

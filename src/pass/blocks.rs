@@ -65,6 +65,7 @@ macro_rules! tuples {
 }
 tuples!(A a_low a_high, B b_low b_high);
 tuples!(A a_low a_high, B b_low b_high, C c_low c_high);
+tuples!(A a_low a_high, B b_low b_high, C c_low c_high, E e_low e_high);
 
 /// Runs `work` over all cells in blocks, in parallel. It gets the cells of the block and the block's part of the
 /// output columns, whose first row is the first row of its first cell. `join` must not care for order.

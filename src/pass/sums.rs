@@ -16,7 +16,7 @@ use crate::physics::wall::WallModel;
 /// Sums per row and buffers of the passes. Rows are those of the particle arrays; only fluid rows are written.
 #[derive(Debug)]
 pub struct PairSums<R, const D: usize> {
-    /// Shifting vector. Fickian: ∇C = Σ V_b ∇W, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves:
+    /// Shifting vector. Fickian and Local: ∇C = Σ V_b ∇W, or `crowding` less its mean around, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves:
     /// the acceleration by the background pressure, m/s², of fluid rows, and ∇C of outflow rows.
     pub shift: [Vec<R>; D],
     /// dp/dt where the pressure evolves, Pa/s; else empty.
@@ -27,8 +27,11 @@ pub struct PairSums<R, const D: usize> {
     pub damping: Vec<R>,
     /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j, 1/s, of the flow's rows; empty until it is asked for.
     pub gradient: [[Vec<R>; D]; D],
-    /// The same among a particle's neighbours alone (`pass/strain.rs`), 1/s; empty unless shifting carries the velocity.
+    /// The same among a particle's neighbours alone (`pass/strain/mod.rs`), 1/s; empty unless shifting carries the velocity.
     pub neighbour_gradient: [[Vec<R>; D]; D],
+    /// Σ (m/ρ0) ∇W over all neighbours, 1/m, of the flow's rows: ∇C by equal volumes (`pass/strain/mod.rs`); empty unless the fluid takes its mean
+    /// from the shift.
+    pub crowding: [Vec<R>; D],
     /// Rate of strain (components as those of `stress`), 1/s, of the flow's rows; empty without damping of noise.
     pub strain: [Vec<R>; 6],
     /// Eddy viscosity ν_t, m²/s, of the flow's rows; empty without sub-particle stress.
@@ -56,7 +59,7 @@ pub(super) struct PairColumns<R> {
     pub image_distance: Vec<R>,
     /// 1 for fluid, inflow and outflow, 0 for walls.
     pub flow: Vec<R>,
-    /// Volume m/ρ of fluid rows, m³ (m² in 2D), 0 of others; empty unless an inlet or outlet asks for the fluid.
+    /// Volume m/ρ of fluid rows, m³ (m² in 2D), 0 of others; empty unless an inlet, an outlet or shifting asks for the fluid.
     pub fluid_volume: Vec<R>,
     /// Number of wall rows before each row, and of all at the end. Empty if there is no wall.
     pub walls_before: Vec<u32>,
@@ -77,6 +80,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             damping: Vec::new(),
             gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             neighbour_gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
+            crowding: std::array::from_fn(|_| Vec::new()),
             strain: std::array::from_fn(|_| Vec::new()),
             eddy_viscosity: Vec::new(),
             stress: std::array::from_fn(|_| Vec::new()),

@@ -50,11 +50,12 @@ pub fn level(since_plain: StepsSincePlain) -> VelocityLevel {
 
 /// Whether a particle's neighbours are asked for their velocity gradient.
 fn needs_strain(scheme: &Wcsph) -> bool {
-    scheme.noise_damping != NoiseDamping::Off || scheme.shifting.carries_velocity()
+    let shifting = scheme.shifting;
+    scheme.noise_damping != NoiseDamping::Off || shifting.carries_velocity() || !shifting.keeps_drift()
 }
 
 /// Density of fluid particles by summation, pressure by Tait; on the way the velocity gradient among the neighbours, where
-/// noise is damped or shifting carries velocities.
+/// noise is damped or shifting carries velocities or no mass.
 pub fn sum_density<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     pair: Res<Pair>,

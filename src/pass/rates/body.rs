@@ -1,7 +1,7 @@
 //! Force and torque on a body by the sums of `Wcsph`.
 
 use super::VelocityLevel;
-use super::layout::Layout;
+use super::layout::{Fields, Layout};
 use super::row::PairLoop;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
@@ -50,14 +50,16 @@ impl<R: Real, const D: usize> WithShape for BodyPass<'_, R, D> {
             true => &sums.velocity_seen,
             false => self.level.columns(particles),
         };
-        let (columns, count) = self.layout.in_order(
+        let (columns, count) = self.layout.in_order(Fields {
             velocity,
-            [&particles.density, &particles.pressure],
-            &sums.strain,
-            &sums.columns.image_distance,
-            &particles.wall_normal,
-            &sums.stress,
-        );
+            scalars: [&particles.density, &particles.pressure],
+            strain: &sums.strain,
+            image_distance: &sums.columns.image_distance,
+            wall_normal: &particles.wall_normal,
+            stress: &sums.stress,
+            crowding: &sums.crowding,
+            fluid_volume: &sums.columns.fluid_volume,
+        });
         let row_loop =
             OfRow { pair: self.pair, layout: self.layout, wall_distance: &particles.wall_distance };
         sum_body::<K, R, D>(self.pair, self.grid, particles, &columns[..count], sums, &row_loop, self.body)
@@ -82,7 +84,7 @@ impl<R: Real, const D: usize> RowLoop<R, D> for OfRow<'_, R> {
     ) -> RowForce<D> {
         let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout);
         let distance = self.wall_distance[row].to_f64();
-        let rates = pair_loop.sum::<K, false, false, false, true>(pack, source, point, row, distance);
+        let rates = pair_loop.sum::<K, false, false, false, false, true>(pack, source, point, row, distance);
         RowForce { acceleration: rates.acceleration, pressure: rates.split.0, moment: rates.split.1 }
     }
 }

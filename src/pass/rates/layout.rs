@@ -19,18 +19,35 @@ pub(super) struct Layout {
     pub normal: Option<usize>,
     /// Components of T/ρ², only with sub-particle stress.
     pub stress: Option<usize>,
+    /// ∇C by equal volumes, then the fluid's volumes, only where its mean is taken from the shift.
+    pub crowding: Option<usize>,
     /// All columns, coordinates included.
     pub count: usize,
 }
 
-impl Layout {
-    /// Most columns beside the coordinates: velocity, three scalars, strain, normal and stress in 3D.
-    pub const MOST_COLUMNS: usize = 3 + 3 + 6 + 3 + 6;
+/// What the columns are taken from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fields<'a, R, const D: usize> {
+    pub velocity: &'a [Vec<R>; D],
+    /// Density and pressure.
+    pub scalars: [&'a [R]; 2],
+    pub strain: &'a [Vec<R>; 6],
+    pub image_distance: &'a [R],
+    pub wall_normal: &'a [Vec<R>; D],
+    pub stress: &'a [Vec<R>; 6],
+    pub crowding: &'a [Vec<R>; D],
+    pub fluid_volume: &'a [R],
+}
 
-    /// The columns that every pass has, those of the damping and those of walls.
+impl Layout {
+    /// Most columns beside the coordinates: velocity, three scalars, strain, normal, stress, and ∇C with volume in 3D.
+    pub const MOST_COLUMNS: usize = 3 + 3 + 6 + 3 + 6 + 4;
+
+    /// The columns that every pass has, those of the damping, those of walls and those of the mean shift.
     #[inline(always)]
-    pub const fn plain<const D: usize>(damped: bool, walls: bool) -> Self {
+    pub const fn plain<const D: usize>(damped: bool, walls: bool, net: bool) -> Self {
         let of_flow = 2 * D + 2 + if damped { sps::components(D) } else { 0 };
+        let before_net = if walls { of_flow + 1 } else { of_flow };
         Self {
             velocity: D,
             density: 2 * D,
@@ -39,12 +56,14 @@ impl Layout {
             image_distance: if walls { Some(of_flow) } else { None },
             normal: None,
             stress: None,
-            count: if walls { of_flow + 1 } else { of_flow },
+            crowding: if net { Some(before_net) } else { None },
+            count: if net { before_net + D + 1 } else { before_net },
         }
     }
 
     pub fn new<const D: usize>(pair: &PairSettings, has_walls: bool) -> Self {
-        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0, has_walls);
+        let net = !pair.shifting.keeps_drift();
+        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0, has_walls, net);
         if has_walls && pair.has_free_slip() {
             layout.normal = Some(layout.count);
             layout.count += D;
@@ -64,21 +83,18 @@ impl Layout {
     /// The columns of a pack after the coordinates, and how many there are.
     pub fn in_order<'a, R, const D: usize>(
         &self,
-        velocity: &'a [Vec<R>; D],
-        scalars: [&'a [R]; 2],
-        strain: &'a [Vec<R>; 6],
-        image_distance: &'a [R],
-        wall_normal: &'a [Vec<R>; D],
-        stress: &'a [Vec<R>; 6],
+        fields: Fields<'a, R, D>,
     ) -> ([&'a [R]; Self::MOST_COLUMNS], usize) {
         let of = |columns: &'a [Vec<R>], count: usize| columns.iter().take(count).map(Vec::as_slice);
-        let normals = if self.normal.is_some() { D } else { 0 };
-        let in_order = of(velocity, D)
-            .chain(scalars)
-            .chain(of(strain, self.strain_components::<D>()))
-            .chain(self.image_distance.map(|_| image_distance))
-            .chain(of(wall_normal, normals))
-            .chain(of(stress, self.stress_components::<D>()));
+        let along = |column: Option<usize>| if column.is_some() { D } else { 0 };
+        let net = of(fields.crowding, along(self.crowding)).chain(self.crowding.map(|_| fields.fluid_volume));
+        let walls = self.image_distance.map(|_| fields.image_distance);
+        let strains = of(fields.strain, self.strain_components::<D>());
+        let before = of(fields.velocity, D).chain(fields.scalars).chain(strains).chain(walls);
+        // The plain columns first: the loop without the others counts on their places.
+        let (normals, stresses) =
+            (of(fields.wall_normal, along(self.normal)), of(fields.stress, self.stress_components::<D>()));
+        let in_order = before.chain(net).chain(normals).chain(stresses);
         let mut neighbours: [&[R]; Self::MOST_COLUMNS] = [&[]; Self::MOST_COLUMNS];
         let mut count = 0;
         for (slot, column) in neighbours.iter_mut().zip(in_order) {

@@ -3,6 +3,7 @@
 //! ```text
 //! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ damping of noise) (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
 //! ∇C_a    = Σ V_b ∇W,   ∇·v_a = Σ V_b (v_b − v_a)·∇W,   signal_a = max_b |h x_ab·v_ab/(r² + η²)|
+//! or, for a shift that carries nothing: s_a − Σ V_b W_ab s_b / Σ V_b W_ab,   b: fluid, a itself included
 //! ```
 //!
 //! Alvarado-Rodríguez et al. (2017), Eqs. 10 and 18. The body force is the integrator's. Lengths in the loop are in
@@ -17,7 +18,7 @@ mod tests;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use layout::Layout;
+use layout::{Fields, Layout};
 use row::PairLoop;
 
 use super::blocks::for_each_block;
@@ -104,6 +105,9 @@ pub fn sum_rates<R: Real, const D: usize>(
     for column in sums.shift.iter_mut().chain([&mut sums.divergence]) {
         column.resize(particles.len(), R::default());
     }
+    if !pair.shifting.keeps_drift() {
+        sums.columns.find_fluid_volume(pair, particles);
+    }
     sums.damping.resize(if has_walls { particles.len() } else { 0 }, R::default());
     let layout = Layout::new::<D>(pair, has_walls);
     pair.kernel.with_shape(RatesPass { pair, layout, grid, particles, level, sums })
@@ -140,6 +144,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             damping,
             eddy_viscosity,
             strain,
+            crowding,
             stress,
             velocity_seen,
             columns,
@@ -152,9 +157,16 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             VelocityLevel::Present => &*velocity,
             VelocityLevel::Previous => &*velocity_before,
         };
-        let images = &columns.image_distance;
-        let (neighbours, count) =
-            layout.in_order(velocity, [&*density, &*pressure], strain, images, wall_normal, stress);
+        let (neighbours, count) = layout.in_order(Fields {
+            velocity,
+            scalars: [&*density, &*pressure],
+            strain,
+            image_distance: &columns.image_distance,
+            wall_normal,
+            stress,
+            crowding,
+            fluid_volume: &columns.fluid_volume,
+        });
         let source = Source {
             grid: self.grid,
             position,
@@ -209,20 +221,28 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for RatesBlock<'_, K
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> RatesSummary {
         let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout);
-        match (pair_loop.is_plain(), pair_loop.is_damped(), pair_loop.has_walls()) {
-            (true, false, false) => self.sweep::<L, true, false, false>(&pair_loop),
-            (true, false, true) => self.sweep::<L, true, false, true>(&pair_loop),
-            (true, true, false) => self.sweep::<L, true, true, false>(&pair_loop),
-            (true, true, true) => self.sweep::<L, true, true, true>(&pair_loop),
-            (false, ..) => self.sweep::<L, false, false, false>(&pair_loop),
+        let (damped, walls) = (pair_loop.is_damped(), pair_loop.has_walls());
+        match (pair_loop.is_plain(), damped, walls, pair_loop.is_net()) {
+            (true, false, false, false) => self.sweep::<L, true, false, false, false>(&pair_loop),
+            (true, false, true, false) => self.sweep::<L, true, false, true, false>(&pair_loop),
+            (true, true, false, false) => self.sweep::<L, true, true, false, false>(&pair_loop),
+            (true, true, true, false) => self.sweep::<L, true, true, true, false>(&pair_loop),
+            (true, true, true, true) => self.sweep::<L, true, true, true, true>(&pair_loop),
+            _ => self.sweep::<L, false, false, false, false>(&pair_loop),
         }
     }
 }
 
 impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
-    /// All fluid rows of the block; `PLAIN`, `DAMPED` and `WALLS` as the loop says.
+    /// All fluid rows of the block; `PLAIN`, `DAMPED`, `WALLS` and `NET` as the loop says.
     #[inline(always)]
-    fn sweep<L: Lanes<Real = R>, const PLAIN: bool, const DAMPED: bool, const WALLS: bool>(
+    fn sweep<
+        L: Lanes<Real = R>,
+        const PLAIN: bool,
+        const DAMPED: bool,
+        const WALLS: bool,
+        const NET: bool,
+    >(
         self,
         pair_loop: &PairLoop<L, D>,
     ) -> RatesSummary {
@@ -241,7 +261,7 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     continue;
                 }
                 let point = self.pack.relative(self.source, row);
-                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS, false>(
+                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, false>(
                     self.pack,
                     self.source,
                     point,

@@ -97,6 +97,12 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.strain.is_some()
     }
 
+    /// Whether the mean around is taken from the shifting vector.
+    #[inline(always)]
+    pub fn is_net(&self) -> bool {
+        self.layout.crowding.is_some()
+    }
+
     /// Whether there are walls: without them nothing is reflected.
     #[inline(always)]
     pub fn has_walls(&self) -> bool {
@@ -110,6 +116,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         const PLAIN: bool,
         const DAMPED: bool,
         const WALLS: bool,
+        const NET: bool,
         const SPLIT: bool,
     >(
         &self,
@@ -121,7 +128,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
     ) -> RowRates<D> {
         let pair = self.pair;
         let (layout, terms) = if PLAIN {
-            (Layout::plain::<D>(DAMPED, WALLS), Terms::default())
+            (Layout::plain::<D>(DAMPED, WALLS, NET), Terms::default())
         } else {
             (self.layout, self.terms)
         };
@@ -169,6 +176,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let mut along_x = [zero; D];
         let mut along_v = [zero; D];
         let mut shift = [zero; D];
+        let mut shift_weights = zero;
         let mut divergence = zero;
         let mut damping = zero;
         let mut signal = zero;
@@ -294,6 +302,14 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 }
             }
 
+            if let Some(first) = layout.crowding {
+                let weight = K::value(q) * entry.column(first + D);
+                shift_weights = shift_weights + weight;
+                for d in 0..D {
+                    shift[d] = weight.mul_add(entry.column(first + d), shift[d]);
+                }
+                continue;
+            }
             let mut spread = volume_slope;
             if terms.vacondio {
                 spread = L::select(in_support, vacondio::repulsion(inverse_q), zero);
@@ -305,9 +321,18 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             }
         }
 
+        let mut shift = shift.map(|sum| sum.sum().to_f64());
+        if let Some(first) = layout.crowding {
+            let weights = shift_weights.sum().to_f64();
+            for d in 0..D {
+                shift[d] = own(first + d).to_f64() - shift[d] / weights;
+            }
+        }
         let along_x_scale = L::constant(-self.gradient_scale / density);
         let along_v_scale = L::constant(self.viscous_scale);
-        let shift_scale = if terms.vacondio {
+        let shift_scale = if layout.crowding.is_some() {
+            1.0
+        } else if terms.vacondio {
             // The row itself was counted, at distance zero.
             let others = (neighbours.sum().to_f64() - 1.0).max(1.0);
             (distance.sum().to_f64() / others).powi(2) / others
@@ -325,7 +350,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         for d in 0..D {
             let total = along_x[d].mul_add(along_x_scale, along_v[d] * along_v_scale);
             rates.acceleration[d] = total.sum().to_f64();
-            rates.shift[d] = shift_scale * shift[d].sum().to_f64();
+            rates.shift[d] = shift_scale * shift[d];
         }
         if SPLIT {
             rates.split.0 = pressed.map(|sum| (sum * along_x_scale).sum().to_f64());

@@ -10,9 +10,15 @@
 //! [`Shifting::displacement`] makes the step of it, [`carried`] takes the velocity along (Lind et al. (2012), by Taylor's
 //! series).
 //!
+//! Where a stream is stretched, its lattice is, too, and ∇C has ½ ∇·M in it (M = −Σ V_b x_ab ∇W, which is the unit matrix on a lattice at
+//! rest). That evens nothing out: it is a drift of the fluid as a whole, for which the velocities of a steady flow make up (docs/noise.md).
+//! [`Drift::Removed`] takes the mean around from ∇C, here by equal volumes (a density that rises steadily is none of shifting's business):
+//! a wave of the wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform of the kernel, so that next to nothing is left of
+//! what is even over several supports, and next to all of a wave of two spacings. It is ours; no source has it.
+//!
 //! The gradient that carries a velocity must not contain the particle's own: with v' the part of it that the neighbours
 //! do not share, Σ V_b (v_b − v_a) ∇W holds −v' ∇C, and δx·∇v = A h |v_a| Δt |∇C|² v' makes v' grow
-//! without bound. So it is fitted to the neighbours alone: see `pass/strain.rs`.
+//! without bound. So it is fitted to the neighbours alone: see `pass/strain/mod.rs`.
 
 pub mod vacondio;
 
@@ -29,6 +35,9 @@ pub enum Shifting {
         /// Strength, dimensionless.
         #[serde(default = "fickian_coefficient")]
         coefficient: f64,
+        /// What becomes of the drift.
+        #[serde(default)]
+        drift: Drift,
     },
     /// Skillen et al. (2013): `δx = −coefficient h |v_a| Δt ∇C`, and the velocity is carried along its gradient.
     ///
@@ -37,6 +46,9 @@ pub enum Shifting {
         /// Strength, dimensionless.
         #[serde(default = "local_coefficient")]
         coefficient: f64,
+        /// What becomes of the drift.
+        #[serde(default)]
+        drift: Drift,
     },
     /// Vacondio et al. (2013) with the local mean spacing of Xu et al. (2009).
     Vacondio {
@@ -44,6 +56,17 @@ pub enum Shifting {
         #[serde(default = "vacondio_coefficient")]
         beta: f64,
     },
+}
+
+/// What becomes of the part of a shift that neighbours share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Drift {
+    /// It is kept, and carries fluid upstream where a stream is stretched.
+    #[default]
+    Kept,
+    /// The mean of the shifting vectors around, weighted with V_b W_ab, is taken from a particle's own.
+    Removed,
 }
 
 fn fickian_coefficient() -> f64 {
@@ -60,7 +83,7 @@ fn vacondio_coefficient() -> f64 {
 
 impl Default for Shifting {
     fn default() -> Self {
-        Shifting::Fickian { coefficient: fickian_coefficient() }
+        Shifting::Fickian { coefficient: fickian_coefficient(), drift: Drift::Kept }
     }
 }
 
@@ -93,8 +116,16 @@ impl Shifting {
     pub fn strength(&self) -> f64 {
         match *self {
             Shifting::Off => 0.0,
-            Shifting::Fickian { coefficient } | Shifting::Local { coefficient } => coefficient,
+            Shifting::Fickian { coefficient, .. } | Shifting::Local { coefficient, .. } => coefficient,
             Shifting::Vacondio { beta } => beta,
+        }
+    }
+
+    /// Whether a particle is shifted by what its neighbours share, too. What is not shifted keeps everything that it has.
+    pub fn keeps_drift(&self) -> bool {
+        match *self {
+            Shifting::Off | Shifting::Vacondio { .. } => true,
+            Shifting::Fickian { drift, .. } | Shifting::Local { drift, .. } => drift == Drift::Kept,
         }
     }
 
@@ -112,8 +143,8 @@ impl Shifting {
         };
         let scale = match *self {
             Shifting::Off => 0.0,
-            Shifting::Fickian { coefficient } => diffused(coefficient, step.largest_speed),
-            Shifting::Local { coefficient } => diffused(coefficient, speed.min(step.largest_speed)),
+            Shifting::Fickian { coefficient, .. } => diffused(coefficient, step.largest_speed),
+            Shifting::Local { coefficient, .. } => diffused(coefficient, speed.min(step.largest_speed)),
             Shifting::Vacondio { beta } => beta * step.largest_speed * step.time_step,
         };
         let length = scale.abs() * vector.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -144,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_local_shift_goes_with_the_particles_own_speed_which_is_never_above_the_largest() {
-        let local = Shifting::Local { coefficient: 8.0 };
+        let local = Shifting::Local { coefficient: 8.0, drift: Drift::Kept };
         let [x, _] = local.displacement([0.5, 0.0], 0.25, STEP);
         assert!((x + 8.0 * 0.15 * 0.25e-3 * 0.5).abs() < 1e-18);
         assert_eq!(local.displacement([0.5, 0.0], 0.0, STEP), [0.0, 0.0]);
@@ -155,7 +186,7 @@ mod tests {
     fn velocity_is_carried_along_its_gradient() {
         assert_eq!(carried([0.5, -2.0], [[1.0, 3.0], [-4.0, 0.25]]), [-5.5, -2.5]);
         assert!(
-            Shifting::Local { coefficient: 1.0 }.carries_velocity()
+            Shifting::Local { coefficient: 1.0, drift: Drift::Kept }.carries_velocity()
                 && !Shifting::default().carries_velocity()
         );
     }
@@ -199,13 +230,14 @@ mod tests {
             assert!((0.72..0.80).contains(&wendland), "{wendland} for h = {ratio} Δ");
             assert!(2.0 / stiffness(Kernel::QuinticSpline, ratio) > 1.3);
         }
-        let [x, _] = Shifting::Local { coefficient: 1e3 }.displacement([0.01, 0.0], 1.0, STEP);
+        let [x, _] =
+            Shifting::Local { coefficient: 1e3, drift: Drift::Kept }.displacement([0.01, 0.0], 1.0, STEP);
         assert!((x + 0.6 * 0.15 * 0.15 * 0.01).abs() < 1e-18);
     }
 
     #[test]
     fn a_shift_is_never_longer_than_a_tenth_of_the_spacing() {
-        let local = Shifting::Local { coefficient: 32.0 };
+        let local = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
         for shifting in [Shifting::default(), local, Shifting::Vacondio { beta: 0.04 }] {
             let shift = shifting.displacement([3e9, -4e9, 0.0], 2.0, STEP);
             assert!((shift.iter().map(|x| x * x).sum::<f64>().sqrt() - 0.01).abs() < 1e-12);

@@ -7,7 +7,7 @@ use crate::particles::zone::Zone;
 use crate::pass::neighbours::Neighbours;
 use crate::pass::samples::{SPACING, Sample, WATER, assert_close, dummy_velocity, noise};
 use crate::pass::settings::{PairSettings, WallPartSettings};
-use crate::physics::shifting::Shifting;
+use crate::physics::shifting::{Drift, Shifting};
 use crate::physics::sps;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::wall::{WallModel, WallPressure};
@@ -30,8 +30,16 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
     let (mut acceleration, mut fickian, mut repulsion) = ([0.0; D], [0.0; D], [0.0; D]);
     let (mut divergence, mut signal, mut damping) = (0.0, 0.0f64, 0.0);
     let (mut count, mut distances) = (0.0, 0.0);
+    let (mut crowding, mut weights) = ([0.0; D], 0.0);
     let point = std::array::from_fn(|d| particles.position[d][a]);
     Neighbours::new(&sample.grid, particles).for_each(point, |b, x, r2| {
+        if !pair.shifting.keeps_drift() && particles.zone[b] == Zone::Fluid {
+            let weight = pair.mass / particles.density[b] * pair.w(r2.sqrt());
+            weights += weight;
+            for d in 0..D {
+                crowding[d] += weight * sample.sums.crowding[d][b];
+            }
+        }
         if r2 < 1e-20 {
             return;
         }
@@ -121,6 +129,9 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
     let mean = distances / count;
     let shift = match pair.shifting {
         Shifting::Vacondio { .. } => repulsion.map(|x| mean * mean * x / count),
+        shifting if !shifting.keeps_drift() => {
+            std::array::from_fn(|d| sample.sums.crowding[d][a] - crowding[d] / weights)
+        }
         _ => fickian,
     };
     Reference { acceleration, shift, divergence, signal: WATER.sound_speed_at(rho_a) + signal, damping }
@@ -156,6 +167,11 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
         for (component, column) in sample.sums.strain.iter_mut().enumerate().take(sps::components(D)) {
             let ids = sample.particles.id.iter();
             *column = ids.map(|id| 5.0 * noise(id * 64 + 48 + component as u32)).collect();
+        }
+    }
+    if !sample.pair.shifting.keeps_drift() {
+        for (d, column) in sample.sums.crowding.iter_mut().enumerate() {
+            *column = sample.particles.id.iter().map(|id| 7.0 * noise(id * 64 + 56 + d as u32)).collect();
         }
     }
     let summary = sample.rates();
@@ -219,6 +235,14 @@ fn rates_are_the_printed_sums() {
         check(PairSettings { noise_damping: 0.2, ..turbulent }, [12, 9]);
         check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 2, 1.3) }, [12, 9]);
         check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 3, 1.3) }, [6, 9, 5]);
+        // Compiled for it with damping and walls, else one of the branches.
+        let shifting = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
+        for noise_damping in [0.0, 0.2] {
+            let net = PairSettings { shifting, noise_damping, ..viscous(kernel, 2, 1.3) };
+            check(net.clone(), [12, 9]);
+            check(PairSettings { dimensions: 3, ..net.clone() }, [6, 9, 5]);
+            check(PairSettings { viscous_term, ..net }, [12, 9]);
+        }
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         check(
             PairSettings {

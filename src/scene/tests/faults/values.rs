@@ -20,6 +20,7 @@ fn numbers_out_of_bounds_are_faults() {
         "the strength of the shifting is out of bounds",
         "Local(coefficient: -1)",
     );
+    check("Fickian()", "Fickian(drift: Gone)", "`Gone` is not a choice for `drift`", "Gone");
     check("end: 1.0", "end: 0", "`end` must be finite and greater than 0", "0");
     check("cfl: 0.3", "cfl: 3", "`cfl` must be greater than 0 and at most `1`", "3");
     check("every: 0.1", "every: -1", "`every` must be finite and greater than 0", "-1");

@@ -1,0 +1,191 @@
+//! Velocity gradient among the neighbours of a particle, summed together with its density: its symmetric part, the
+//! rate of strain, serves the damping of noise, all of it carries the velocity of a shifted particle. On the way ∇C by equal volumes, which a
+//! shift that is to carry nothing is made of.
+//!
+//! ```text
+//! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,   w = −(1/r) dW/dr,   ‾ = Σ_b w_b …/Σ_b w_b, b ≠ a
+//! G_ik = Σ_b w_b (v_b − v̄)_i (x_b − x̄)_k,   M_kj = Σ_b w_b (x_b − x̄)_k (x_b − x̄)_j
+//! s_a  = (m/ρ0) Σ_b ∇W
+//! ```
+//!
+//! The weights are those of Bonet & Lok (1999), the least squares are about the neighbours' own mean: what the particle
+//! has for a velocity does not show, so that neither the damping nor the shifting can feed on its noise. Over fluid, inflow
+//! and outflow: walls are left out (but of s), since the images of a particle close to a wall multiply its noise. Exact for linear
+//! fields whatever the neighbours weigh, so that all weigh the same and the density of the step need not be known yet.
+
+mod row;
+#[cfg(test)]
+mod tests;
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use row::{RowSums, sum};
+
+use super::blocks::for_each_block;
+use super::density::finish;
+use super::pack::{Only, Pack, Source};
+use super::rates::VelocityLevel;
+use super::settings::PairSettings;
+use super::sums::PairSums;
+use crate::math::grid::CellGrid;
+use crate::math::kernel::{KernelShape, WithShape};
+use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+use crate::physics::sps::{component, components};
+
+/// Most columns beside the coordinates: velocity in 3D and whether a neighbour flows.
+const MOST_COLUMNS: usize = 3 + 1;
+
+/// Sums density and pressure of the fluid rows over all rows, and the rate of strain of fluid, inflow and outflow rows
+/// over those alone, into `sums.strain`; the whole gradient into `sums.neighbour_gradient` if shifting carries velocities, s into
+/// `sums.crowding` if it carries no mass.
+pub fn sum_density_and_strain<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &mut ParticleArrays<R, D>,
+    level: VelocityLevel,
+    sums: &mut PairSums<R, D>,
+) {
+    sums.packs.prepare();
+    sums.columns.find_flow(particles);
+    for column in sums.strain.iter_mut().take(components(D)) {
+        column.resize(particles.len(), R::default());
+    }
+    let carried = if pair.shifting.carries_velocity() { particles.len() } else { 0 };
+    for column in sums.neighbour_gradient.iter_mut().flatten() {
+        column.resize(carried, R::default());
+    }
+    let crowded = if pair.shifting.keeps_drift() { 0 } else { particles.len() };
+    for column in &mut sums.crowding {
+        column.resize(crowded, R::default());
+    }
+    pair.kernel.with_shape(StrainPass { pair, grid, particles, level, sums });
+}
+
+struct StrainPass<'a, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    grid: &'a CellGrid<D>,
+    particles: &'a mut ParticleArrays<R, D>,
+    level: VelocityLevel,
+    sums: &'a mut PairSums<R, D>,
+}
+
+/// Density and pressure, components of the strain, gradient, and ∇C of a block's rows.
+type Outputs<'a, R, const D: usize> =
+    ([&'a mut [R]; 2], [&'a mut [R]; 6], [[&'a mut [R]; D]; D], [&'a mut [R]; D]);
+
+impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
+    type Output = ();
+
+    fn run<K: KernelShape>(self) {
+        let PairSums { strain, neighbour_gradient, crowding, columns, packs, .. } = self.sums;
+        let ParticleArrays { zone, position, velocity, velocity_before, density, pressure, .. } =
+            self.particles;
+        let velocity = match self.level {
+            VelocityLevel::Present => velocity,
+            VelocityLevel::Previous => velocity_before,
+        };
+        let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
+        for d in 0..D {
+            neighbours[d] = &velocity[d];
+        }
+        neighbours[D] = &columns.flow;
+        let source = Source {
+            grid: self.grid,
+            position,
+            columns: &neighbours[..D + 1],
+            inverse_h: 1.0 / self.pair.smoothing_length,
+            support_ratio: K::SUPPORT,
+            only: Only::All,
+        };
+        let (zone, packs) = (&*zone, &*packs);
+        let work = |cells: Range<usize>, outputs: Outputs<R, D>| {
+            let block = StrainBlock::<K, R, D> {
+                pair: self.pair,
+                source: &source,
+                zone,
+                cells,
+                outputs,
+                pack: &mut packs.of_this_thread(),
+                shape: PhantomData,
+            };
+            R::dispatch(self.pair.lanes, block);
+        };
+        let outputs = (
+            [&mut density[..], &mut pressure[..]],
+            strain.each_mut().map(Vec::as_mut_slice),
+            neighbour_gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice)),
+            crowding.each_mut().map(Vec::as_mut_slice),
+        );
+        for_each_block(self.grid, outputs, &work, &|(), ()| ());
+    }
+}
+
+struct StrainBlock<'a, K, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    source: &'a Source<'a, R, D>,
+    zone: &'a [Zone],
+    cells: Range<usize>,
+    outputs: Outputs<'a, R, D>,
+    pack: &'a mut Pack<R>,
+    shape: PhantomData<K>,
+}
+
+impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, K, R, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(self) {
+        let grid = self.source.grid;
+        let first = grid.rows(self.cells.start).start;
+        let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
+        let ([density, pressure], strain, mut whole, mut crowding) = self.outputs;
+        let crowded = !self.pair.shifting.keeps_drift();
+        // m/ρ0 ∇W over slope · x_ab/h, 1/m.
+        let volume = self.pair.mass / self.pair.tait.reference_density;
+        let crowding_scale = volume * self.pair.kernel_scale() * self.source.inverse_h;
+        for cell in self.cells.clone() {
+            let rows = grid.rows(cell);
+            if !self.zone[rows.clone()].iter().any(|&zone| flows(zone)) {
+                continue;
+            }
+            self.pack.fill::<L, D>(self.source, cell);
+            for row in rows {
+                if !flows(self.zone[row]) {
+                    continue;
+                }
+                let RowSums { kernel_sum, gradient, slopes } = if crowded {
+                    sum::<K, L, D, true>(self.pack, self.source, row)
+                } else {
+                    sum::<K, L, D, false>(self.pack, self.source, row)
+                };
+                if self.zone[row] == Zone::Fluid {
+                    density[row - first] = kernel_sum;
+                }
+                for (columns, components) in whole.iter_mut().zip(gradient) {
+                    for (column, component) in columns.iter_mut().zip(components) {
+                        if let Some(slot) = column.get_mut(row - first) {
+                            *slot = R::from_f64(component);
+                        }
+                    }
+                }
+                for (column, slope) in crowding.iter_mut().zip(slopes) {
+                    if let Some(slot) = column.get_mut(row - first) {
+                        *slot = R::from_f64(crowding_scale * slope);
+                    }
+                }
+                for i in 0..D {
+                    for j in 0..=i {
+                        let mean = 0.5 * (gradient[i][j] + gradient[j][i]);
+                        strain[component::<D>(i, j)][row - first] = R::from_f64(mean);
+                    }
+                }
+            }
+        }
+        let rows = first..grid.rows(self.cells.end - 1).end;
+        finish(self.pair, &self.zone[rows], density, pressure);
+    }
+}
