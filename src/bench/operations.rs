@@ -33,9 +33,9 @@ pub const fn damping(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 11
 }
 
-/// What a shift less its drift adds to the sums of `pass/strain/row.rs`: ∇C 2 D.
+/// What a shift less its drift adds to the sums of `pass/strain/row.rs`: the volume 1, ∇C 2 D.
 pub const fn crowding(dimensions: usize) -> usize {
-    2 * dimensions
+    2 * dimensions + 1
 }
 
 /// What it adds to the rates: w(q) 7, weight and sum of the weights 2; the sum itself takes the place of shifting.

@@ -29,7 +29,7 @@ pub struct PairSums<R, const D: usize> {
     pub gradient: [[Vec<R>; D]; D],
     /// The same among a particle's neighbours alone (`pass/strain/mod.rs`), 1/s; empty unless shifting carries the velocity.
     pub neighbour_gradient: [[Vec<R>; D]; D],
-    /// Σ (m/ρ0) ∇W over all neighbours, 1/m, of the flow's rows: ∇C by equal volumes (`pass/strain/mod.rs`); empty unless the fluid takes its mean
+    /// ∇C = Σ V_b ∇W, 1/m, of the flow's rows, by the volumes of the step before (`pass/strain/mod.rs`); empty unless the fluid takes its mean
     /// from the shift.
     pub crowding: [Vec<R>; D],
     /// Rate of strain (components as those of `stress`), 1/s, of the flow's rows; empty without damping of noise.
@@ -61,6 +61,8 @@ pub(super) struct PairColumns<R> {
     pub flow: Vec<R>,
     /// Volume m/ρ of fluid rows, m³ (m² in 2D), 0 of others; empty unless an inlet, an outlet or shifting asks for the fluid.
     pub fluid_volume: Vec<R>,
+    /// Volume m/ρ of all rows before their density is summed, m³ (m² in 2D); empty unless shifting carries no mass.
+    pub volume: Vec<R>,
     /// Number of wall rows before each row, and of all at the end. Empty if there is no wall.
     pub walls_before: Vec<u32>,
     /// Number of wall rows before each chunk of rows.
@@ -139,6 +141,22 @@ impl<R: Real> PairColumns<R> {
             }
         });
         total
+    }
+
+    /// Fills the column of the volumes that the densities of the moment make.
+    pub(super) fn find_volume<const D: usize>(
+        &mut self,
+        pair: &PairSettings,
+        particles: &ParticleArrays<R, D>,
+    ) {
+        self.volume.resize(particles.len(), R::default());
+        let mass = R::from_f64(pair.mass);
+        let work = |rows: Range<usize>, volumes: &mut [R]| {
+            for (volume, &density) in volumes.iter_mut().zip(&particles.density[rows]) {
+                *volume = mass / density;
+            }
+        };
+        for_each_part(0..particles.len(), self.volume.as_mut_slice(), &work);
     }
 
     /// Fills the column of the fluid's volumes.

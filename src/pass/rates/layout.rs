@@ -19,7 +19,7 @@ pub(super) struct Layout {
     pub normal: Option<usize>,
     /// Components of T/ρ², only with sub-particle stress.
     pub stress: Option<usize>,
-    /// ∇C by equal volumes, then the fluid's volumes, only where its mean is taken from the shift.
+    /// ∇C, then the fluid's volumes, only where its mean is taken from the shift.
     pub crowding: Option<usize>,
     /// All columns, coordinates included.
     pub count: usize,

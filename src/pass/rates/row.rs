@@ -308,16 +308,16 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 for d in 0..D {
                     shift[d] = weight.mul_add(entry.column(first + d), shift[d]);
                 }
-                continue;
-            }
-            let mut spread = volume_slope;
-            if terms.vacondio {
-                spread = L::select(in_support, vacondio::repulsion(inverse_q), zero);
-                distance = distance + L::select(in_support, q, zero);
-                neighbours = neighbours + L::select(in_support, one, zero);
-            }
-            for d in 0..D {
-                shift[d] = spread.mul_add(x[d], shift[d]);
+            } else {
+                let mut spread = volume_slope;
+                if terms.vacondio {
+                    spread = L::select(in_support, vacondio::repulsion(inverse_q), zero);
+                    distance = distance + L::select(in_support, q, zero);
+                    neighbours = neighbours + L::select(in_support, one, zero);
+                }
+                for d in 0..D {
+                    shift[d] = spread.mul_add(x[d], shift[d]);
+                }
             }
         }
 

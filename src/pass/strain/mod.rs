@@ -1,17 +1,19 @@
 //! Velocity gradient among the neighbours of a particle, summed together with its density: its symmetric part, the
-//! rate of strain, serves the damping of noise, all of it carries the velocity of a shifted particle. On the way ∇C by equal volumes, which a
+//! rate of strain, serves the damping of noise, all of it carries the velocity of a shifted particle. On the way ∇C, which a
 //! shift that is to carry nothing is made of.
 //!
 //! ```text
 //! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,   w = −(1/r) dW/dr,   ‾ = Σ_b w_b …/Σ_b w_b, b ≠ a
 //! G_ik = Σ_b w_b (v_b − v̄)_i (x_b − x̄)_k,   M_kj = Σ_b w_b (x_b − x̄)_k (x_b − x̄)_j
-//! s_a  = (m/ρ0) Σ_b ∇W
+//! s_a  = Σ_b V_b ∇W,   V_b = m/ρ_b of the step before
 //! ```
 //!
 //! The weights are those of Bonet & Lok (1999), the least squares are about the neighbours' own mean: what the particle
 //! has for a velocity does not show, so that neither the damping nor the shifting can feed on its noise. Over fluid, inflow
 //! and outflow: walls are left out (but of s), since the images of a particle close to a wall multiply its noise. Exact for linear
-//! fields whatever the neighbours weigh, so that all weigh the same and the density of the step need not be known yet.
+//! fields whatever the neighbours weigh, so that all weigh the same and the density of the step need not be known yet. s needs volumes, and
+//! takes those of the step before, which differ by what sound does in a step: with equal ones it would have the gradient of the pressure in it, of
+//! which the mean around leaves what is narrow, next to edges (docs/noise.md).
 
 mod row;
 #[cfg(test)]
@@ -36,8 +38,8 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::sps::{component, components};
 
-/// Most columns beside the coordinates: velocity in 3D and whether a neighbour flows.
-const MOST_COLUMNS: usize = 3 + 1;
+/// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
+const MOST_COLUMNS: usize = 3 + 1 + 1;
 
 /// Sums density and pressure of the fluid rows over all rows, and the rate of strain of fluid, inflow and outflow rows
 /// over those alone, into `sums.strain`; the whole gradient into `sums.neighbour_gradient` if shifting carries velocities, s into
@@ -58,9 +60,12 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
     for column in sums.neighbour_gradient.iter_mut().flatten() {
         column.resize(carried, R::default());
     }
-    let crowded = if pair.shifting.keeps_drift() { 0 } else { particles.len() };
+    let crowded = !pair.shifting.keeps_drift();
+    if crowded {
+        sums.columns.find_volume(pair, particles);
+    }
     for column in &mut sums.crowding {
-        column.resize(crowded, R::default());
+        column.resize(if crowded { particles.len() } else { 0 }, R::default());
     }
     pair.kernel.with_shape(StrainPass { pair, grid, particles, level, sums });
 }
@@ -93,10 +98,14 @@ impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
             neighbours[d] = &velocity[d];
         }
         neighbours[D] = &columns.flow;
+        let crowded = !self.pair.shifting.keeps_drift();
+        if crowded {
+            neighbours[D + 1] = &columns.volume;
+        }
         let source = Source {
             grid: self.grid,
             position,
-            columns: &neighbours[..D + 1],
+            columns: &neighbours[..if crowded { D + 2 } else { D + 1 }],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
             only: Only::All,
@@ -144,9 +153,8 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
         let ([density, pressure], strain, mut whole, mut crowding) = self.outputs;
         let crowded = !self.pair.shifting.keeps_drift();
-        // m/ρ0 ∇W over slope · x_ab/h, 1/m.
-        let volume = self.pair.mass / self.pair.tait.reference_density;
-        let crowding_scale = volume * self.pair.kernel_scale() * self.source.inverse_h;
+        // ∇W over slope · x_ab/h, 1/m^(D+1).
+        let gradient_scale = self.pair.kernel_scale() * self.source.inverse_h;
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
             if !self.zone[rows.clone()].iter().any(|&zone| flows(zone)) {
@@ -174,7 +182,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
                 }
                 for (column, slope) in crowding.iter_mut().zip(slopes) {
                     if let Some(slot) = column.get_mut(row - first) {
-                        *slot = R::from_f64(crowding_scale * slope);
+                        *slot = R::from_f64(gradient_scale * slope);
                     }
                 }
                 for i in 0..D {

@@ -14,7 +14,7 @@ pub(super) struct RowSums<R, const D: usize> {
     pub kernel_sum: R,
     /// Gradient of the velocity over the flow, the row itself left out, 1/s.
     pub gradient: [[f64; D]; D],
-    /// Σ slope · x_ab/h over all, or 0.
+    /// Σ V_b slope · x_ab/h over all, or 0.
     pub slopes: [f64; D],
 }
 
@@ -42,7 +42,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     // By component: M is symmetric.
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
-    for entry in pack.entries::<L>(2 * D + 1) {
+    for entry in pack.entries::<L>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
         let mut x = [zero; D];
         let mut q2 = L::constant(LEAST_Q2);
         for d in 0..D {
@@ -58,14 +58,17 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
         let of_all = K::slope(q, inverse_q);
         let slope = of_all * entry.column(2 * D);
         weight_sum = weight_sum + slope;
+        if CROWDED {
+            let of_volume = of_all * entry.column(2 * D + 1);
+            for d in 0..D {
+                slopes[d] = of_volume.mul_add(x[d], slopes[d]);
+            }
+        }
         for i in 0..D {
             let across = slope * (v_a[i] - entry.column(D + i));
             let along = slope * x[i];
             across_sum[i] = across_sum[i] + across;
             along_sum[i] = along_sum[i] + along;
-            if CROWDED {
-                slopes[i] = of_all.mul_add(x[i], slopes[i]);
-            }
             for j in 0..D {
                 sum[i][j] = across.mul_add(x[j], sum[i][j]);
                 if j <= i {

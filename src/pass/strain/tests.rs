@@ -54,7 +54,7 @@ fn strain_of_a_linear_flow_is_exact_beside_walls_and_faces_and_density_is_the_sa
     }
 }
 
-/// ∇C by equal volumes and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along x by `drawn` Δ, and
+/// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along x by `drawn` Δ, and
 /// stirred by `noise` Δ.
 fn shifts(drift: Drift, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
     let shifting = Shifting::Local { coefficient: 32.0, drift };
@@ -65,8 +65,9 @@ fn shifts(drift: Drift, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
         *x += drawn * SPACING * (wave * *x).sin();
     }
     sample.stir(noise, 0.0);
+    // Twice: the second has the volumes of this arrangement, as if nobody had moved in a step.
     sample.strain();
-    sample.particles.pressure.fill(0.0);
+    sample.strain();
     sample.rates();
     let of = |columns: &[Vec<f64>; 2], row: usize| columns.each_ref().map(|column| column[row]);
     let rows = || (0..24 * 12).map(|id| sample.row(id));
@@ -76,6 +77,17 @@ fn shifts(drift: Drift, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
 
 fn size(shifts: &[[f64; 2]]) -> f64 {
     (shifts.iter().flatten().map(|x| x * x).sum::<f64>() / shifts.len() as f64).sqrt()
+}
+
+#[test]
+fn the_gradient_of_the_concentration_is_that_of_the_rates_when_nobody_has_moved() {
+    let [crowding, _] = shifts(Drift::Removed, 0.1, 0.2);
+    let [shift, _] = shifts(Drift::Kept, 0.1, 0.2);
+    for (crowding, shift) in crowding.iter().zip(&shift) {
+        for d in 0..2 {
+            assert!((crowding[d] - shift[d]).abs() < 1e-12 * size(std::slice::from_ref(shift)).max(1.0));
+        }
+    }
 }
 
 #[test]

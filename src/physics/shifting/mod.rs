@@ -12,8 +12,7 @@
 //!
 //! Where a stream is stretched, its lattice is, too, and ∇C has ½ ∇·M in it (M = −Σ V_b x_ab ∇W, which is the unit matrix on a lattice at
 //! rest). That evens nothing out: it is a drift of the fluid as a whole, for which the velocities of a steady flow make up (docs/noise.md).
-//! [`Drift::Removed`] takes the mean around from ∇C, here by equal volumes (a density that rises steadily is none of shifting's business):
-//! a wave of the wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform of the kernel, so that next to nothing is left of
+//! [`Drift::Removed`] takes the mean around from ∇C: a wave of the wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform of the kernel, so that next to nothing is left of
 //! what is even over several supports, and next to all of a wave of two spacings. It is ours; no source has it.
 //!
 //! The gradient that carries a velocity must not contain the particle's own: with v' the part of it that the neighbours
