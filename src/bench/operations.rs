@@ -246,6 +246,7 @@ mod tests {
         let mut grid = CellGrid::new([0.0; D], upper, [false; D], pair.support(), pair.cell_size());
         let mut arrays = ParticleArrays::<Counted, D> {
             evolves_pressure: matches!(pair.pressure, PressureLaw::Evolved(_)),
+            drifts: matches!(pair.pressure, PressureLaw::Evolved(_)),
             ..Default::default()
         };
         for id in 0..particles as u32 {

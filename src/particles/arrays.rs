@@ -35,11 +35,13 @@ pub struct ParticleArrays<R: Real, const D: usize> {
     pub density: Vec<R>,
     /// Pressure, Pa.
     pub pressure: Vec<R>,
-    /// Whether the pressure evolves by an equation of its own: then the two next columns are in use, else empty.
+    /// Whether the pressure evolves by an equation of its own: then the next column is in use, else empty.
     pub evolves_pressure: bool,
     /// Evolved pressure half a step earlier, Pa.
     pub pressure_before: Vec<R>,
-    /// What the transport velocity has beyond the velocity, m/s.
+    /// Whether particles are moved by more than their velocity: then the next column is in use, else empty.
+    pub drifts: bool,
+    /// What the velocity that moved a particle in the last step had beyond its own, m/s: that of the transport velocity, or of shifting.
     pub drift: [Vec<R>; D],
     /// Wall: distance d_w of the particle behind its surface, m. Others: distance to the nearest wall surface, m
     /// (`R::from_f64(f64::INFINITY)` when none is in the support).
@@ -62,6 +64,7 @@ impl<R: Real, const D: usize> Default for ParticleArrays<R, D> {
             density: Vec::new(),
             pressure: Vec::new(),
             evolves_pressure: false,
+            drifts: false,
             pressure_before: Vec::new(),
             drift: std::array::from_fn(|_| Vec::new()),
             wall_distance: Vec::new(),
@@ -108,7 +111,10 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             permute(column, order, &mut spare.reals);
         }
         if self.evolves_pressure {
-            for column in self.drift.iter_mut().chain([&mut self.pressure_before]) {
+            permute(&mut self.pressure_before, order, &mut spare.reals);
+        }
+        if self.drifts {
+            for column in &mut self.drift {
                 permute(column, order, &mut spare.reals);
             }
         }
@@ -160,6 +166,7 @@ mod tests {
             density: count(7),
             pressure: count(8),
             evolves_pressure: true,
+            drifts: true,
             pressure_before: count(12),
             drift: [count(13), count(14)],
             wall_distance: count(9),

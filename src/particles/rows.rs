@@ -80,6 +80,12 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         real_vector(&self.velocity, row)
     }
 
+    /// Velocity that moved a row in the last step, m/s: its own and its drift.
+    pub fn carrying_velocity_of(&self, row: usize) -> DVec3 {
+        let drift = if self.drifts { real_vector(&self.drift, row) } else { DVec3::ZERO };
+        self.velocity_of(row) + drift
+    }
+
     /// Acceleration of a row, m/s².
     pub fn acceleration_of(&self, row: usize) -> DVec3 {
         real_vector(&self.acceleration, row)
@@ -108,6 +114,8 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         self.wall_distance.push(R::from_f64(row.wall_distance));
         if self.evolves_pressure {
             self.pressure_before.push(R::from_f64(row.pressure_before));
+        }
+        if self.drifts {
             for axis in 0..D {
                 self.drift[axis].push(R::from_f64(row.drift[axis]));
             }
@@ -130,7 +138,10 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             column.reserve_exact(rows);
         }
         if self.evolves_pressure {
-            for column in self.drift.iter_mut().chain([&mut self.pressure_before]) {
+            self.pressure_before.reserve_exact(rows);
+        }
+        if self.drifts {
+            for column in &mut self.drift {
                 column.reserve_exact(rows);
             }
         }
@@ -149,7 +160,7 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             density: self.density[row].to_f64(),
             pressure: self.pressure[row].to_f64(),
             pressure_before: if self.evolves_pressure { self.pressure_before[row].to_f64() } else { 0.0 },
-            drift: if self.evolves_pressure { real_vector(&self.drift, row) } else { DVec3::ZERO },
+            drift: if self.drifts { real_vector(&self.drift, row) } else { DVec3::ZERO },
             wall_distance: self.wall_distance[row].to_f64(),
             wall_normal: if self.wall_normal[0].is_empty() {
                 DVec3::ZERO
@@ -186,7 +197,8 @@ mod tests {
 
     #[test]
     fn a_row_comes_back_as_it_was_pushed() {
-        let mut arrays = ParticleArrays::<f64, 2> { evolves_pressure: true, ..Default::default() };
+        let mut arrays =
+            ParticleArrays::<f64, 2> { evolves_pressure: true, drifts: true, ..Default::default() };
         let row = Row {
             id: 7,
             zone: Zone::Outflow,

@@ -32,6 +32,7 @@ pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order
         pressure,
         evolves_pressure,
         pressure_before,
+        drifts,
         drift,
         wall_distance,
         wall_normal,
@@ -45,11 +46,12 @@ pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order
         to.put(format!("arrays.position.{axis}"), rows.pick(&position[axis]));
         to.put(format!("arrays.velocity.{axis}"), rows.pick(&velocity[axis]));
         to.put(format!("arrays.velocity_before.{axis}"), rows.pick(&velocity_before[axis]));
-        // Empty where there is no wall, and where the pressure does not evolve.
+        // Empty where there is no wall, and where nothing drifts.
         to.put(format!("arrays.wall_normal.{axis}"), rows.pick_if_any(&wall_normal[axis]));
         to.put(format!("arrays.drift.{axis}"), rows.pick_if_any(&drift[axis]));
     }
     to.put("arrays.evolves_pressure", vec![u8::from(*evolves_pressure)]);
+    to.put("arrays.drifts", vec![u8::from(*drifts)]);
     to.put("arrays.pressure_before", rows.pick_if_any(pressure_before));
     to.put("arrays.density", rows.pick(density));
     to.put("arrays.pressure", rows.pick(pressure));
@@ -82,13 +84,16 @@ pub fn restore<R: Real, const D: usize>(from: &mut Columns) -> Result<ParticleAr
     }
     let evolves_pressure = from.take_exactly::<u8>("arrays.evolves_pressure", 1)? == [1];
     let evolving = if evolves_pressure { rows } else { 0 };
+    let drifts = from.take_exactly::<u8>("arrays.drifts", 1)? == [1];
+    let drifting = if drifts { rows } else { 0 };
     let drift = vector::<R, D>("drift", from)?;
-    if drift.iter().any(|column| column.len() != evolving) {
-        return Err(Misfit(format!("its drifts are not one for each of {evolving} rows")));
+    if drift.iter().any(|column| column.len() != drifting) {
+        return Err(Misfit(format!("its drifts are not one for each of {drifting} rows")));
     }
     Ok(ParticleArrays {
         evolves_pressure,
         pressure_before: from.take_exactly("arrays.pressure_before", evolving)?,
+        drifts,
         drift,
         zone,
         patch: from.take_exactly("arrays.patch", rows)?,

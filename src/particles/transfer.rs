@@ -19,7 +19,7 @@ use crate::math::real::Real;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///
-/// What the integrator needs beside them, velocity and evolved pressure of an earlier time and the drift, is kept for every
+/// What the integrator needs beside them, velocity and evolved pressure of an earlier time, and the drift are kept for every
 /// particle whose velocity, and where it evolves pressure, the caller left as it was. One where he changed them, or that is
 /// new, takes a plain step next: the integrator would start from the earlier time and lose the change.
 pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
@@ -69,9 +69,10 @@ struct Left<R, const D: usize> {
     fresh: Vec<bool>,
     present: [Vec<R>; D],
     before: [Vec<R>; D],
-    /// Pressures, present and earlier, and drifts; empty where the pressure does not evolve.
+    /// Pressures, present and earlier; empty where the pressure does not evolve.
     pressure: Vec<R>,
     pressure_before: Vec<R>,
+    /// Empty where nothing drifts.
     drift: [Vec<R>; D],
 }
 
@@ -106,7 +107,7 @@ impl<R: Real, const D: usize> Left<R, D> {
         same.then(|| Past {
             velocity: real_vector(&self.before, row),
             pressure: if evolves { self.pressure_before[row].to_f64() } else { pressure },
-            drift: if evolves { real_vector(&self.drift, row) } else { DVec3::ZERO },
+            drift: if self.drift[0].is_empty() { DVec3::ZERO } else { real_vector(&self.drift, row) },
             fresh: self.fresh[row],
         })
     }

@@ -23,12 +23,14 @@ use super::rates::{
     RatesFound, StepsSincePlain, Sums, add_wall_friction, sum_density, sum_gradients, sum_rates,
 };
 use super::schedule::{Stage, StageSystems, StepSystems};
+use super::setup::SceneInUse;
 use super::shift::shift;
 use super::stopwatch::Stopwatch;
 use super::transitions::stock::FreeNumbers;
 use super::transitions::{TransitionLists, transition};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
+use crate::physics::shifting::Shifting;
 
 /// The arrays, their sort and the two homes of the state.
 pub struct NeighboursPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
@@ -70,6 +72,9 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
         parts.world.init_resource::<AddedForces>();
         parts.world.init_resource::<Bodies>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
+        let scene = &parts.world.resource::<SceneInUse>().0;
+        let drifts = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting != Shifting::Off);
+        parts.world.insert_resource(ParticleArrays::<R, D> { drifts, ..Default::default() });
         parts.stage.add_systems((
             sum_density::<R, D>.in_set(StageSystems::Density),
             sum_gradients::<R, D>.in_set(StageSystems::Gradients),
@@ -90,7 +95,11 @@ impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
         parts.world.init_resource::<AddedForces>();
         parts.world.init_resource::<Bodies>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
-        parts.world.insert_resource(ParticleArrays::<R, D> { evolves_pressure: true, ..Default::default() });
+        parts.world.insert_resource(ParticleArrays::<R, D> {
+            evolves_pressure: true,
+            drifts: true,
+            ..Default::default()
+        });
         parts.stage.add_systems((
             sum_volumes::<R, D>.in_set(StageSystems::Density),
             (sum_edac_rates::<R, D>, add_wall_friction::<R, D>, sum_edac_body_forces::<R, D>)

@@ -34,11 +34,15 @@ pub fn shift<R: Real, const D: usize>(
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };
-    let ParticleArrays { zone, position, velocity, velocity_before, .. } = &mut *arrays;
+    let ParticleArrays { zone, position, velocity, velocity_before, drift, .. } = &mut *arrays;
+    let per_step = 1.0 / step.time_step;
     let (zone, sums) = (&*zone, &sums.0);
-    let work = |rows: Range<usize>, (position, mut now, mut before): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, [mut now, mut before, mut drift]): Columns<R, D>| {
         for (at, row) in rows.enumerate() {
             if zone[row] != Zone::Fluid && zone[row] != Zone::Outflow {
+                for drift in &mut drift {
+                    drift[at] = R::default();
+                }
                 continue;
             }
             let concentration: [f64; D] = std::array::from_fn(|axis| sums.shift[axis][row].to_f64());
@@ -46,6 +50,7 @@ pub fn shift<R: Real, const D: usize>(
             let moved = shifting.displacement(concentration, speed, step);
             for axis in 0..D {
                 position[axis][at] += moved[axis];
+                drift[axis][at] = R::from_f64(moved[axis] * per_step);
             }
             if shifting.carries_velocity() && zone[row] == Zone::Fluid {
                 let gradient =
@@ -61,11 +66,14 @@ pub fn shift<R: Real, const D: usize>(
     };
     let columns = (
         position.each_mut().map(Vec::as_mut_slice),
-        velocity.each_mut().map(Vec::as_mut_slice),
-        velocity_before.each_mut().map(Vec::as_mut_slice),
+        [
+            velocity.each_mut().map(Vec::as_mut_slice),
+            velocity_before.each_mut().map(Vec::as_mut_slice),
+            drift.each_mut().map(Vec::as_mut_slice),
+        ],
     );
     for_each_part(0..zone.len(), columns, &work);
 }
 
-/// Positions and velocities, present and before, of a part's rows.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
+/// Positions; velocities, present and before, and drifts of a part's rows.
+type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3]);

@@ -23,7 +23,7 @@ use crate::math::column::{Column, Columns};
 use crate::systems::checkpoint::{record, value};
 
 /// Version of the layout, and of what a state consists of: raised with every change of either.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 const MAGIC: [u8; 8] = *b"\x89sphecs\n";
 const DIGEST: usize = 32;

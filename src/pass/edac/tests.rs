@@ -35,6 +35,7 @@ fn edac_of(pair: &PairSettings) -> Edac {
 fn sample<R: Real, const D: usize>(pair: PairSettings, counts: [usize; D], periodic: bool) -> Sample<R, D> {
     let mut sample = Sample::<R, D>::lattice(pair, counts, periodic);
     sample.particles.evolves_pressure = true;
+    sample.particles.drifts = true;
     let rows = sample.particles.len();
     sample.particles.pressure_before.resize(rows, R::default());
     for column in &mut sample.particles.drift {

@@ -142,6 +142,9 @@ pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -
     if arrays.evolves_pressure != world.resource::<ParticleArrays<R, D>>().evolves_pressure {
         return Err(Misfit("its pressure does not follow from the scheme of the scene".to_owned()));
     }
+    if arrays.drifts != world.resource::<ParticleArrays<R, D>>().drifts {
+        return Err(Misfit("its drift does not follow from the scheme of the scene".to_owned()));
+    }
     let stored = from.take::<u32>("stored.id")?;
     let tag = from.take::<f32>("particle.tag")?;
     let mut particles = vec![None; tag.len()];
