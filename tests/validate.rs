@@ -108,6 +108,44 @@ fn a_case_of_ones_own_is_run_measured_and_judged() {
     assert_eq!(fs::read(out.join("uniform/stream/summary.json")).expect("a summary"), first);
 }
 
+#[test]
+fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_taken() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let path = case(folder.path(), 0.25);
+    let arguments = ["--quick", "--reuse", "--case", path.as_str()];
+    let stream = out.join("uniform/stream");
+    let sphecs = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sphecs"));
+        command.args(arguments).arg("--out").arg(&stream).output().expect("the program starts").status
+    };
+    let steps = |folder: &Path| {
+        let text = fs::read_to_string(folder.join("summary.json")).expect("a summary");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        (summary["status"].clone(), summary["steps"].as_u64().expect("a number"))
+    };
+    let scene = folder.path().join("stream.ron").to_string_lossy().into_owned();
+
+    // Asked to end after three steps, it is complete, but is not the run of the case.
+    assert!(sphecs(&["run", &scene, "--steps", "3"]).success());
+    assert_eq!(steps(&stream), ("completed".into(), 3));
+    assert_eq!(validate(&arguments, &out).status.code(), Some(0));
+    let (status, whole) = steps(&stream);
+    assert!(status == "completed" && whole > 5, "{whole}");
+    let monitor = fs::read(stream.join("monitor.csv")).expect("rows");
+
+    // Out of wall time after its first step, it has a checkpoint, which is gone on with.
+    fs::remove_dir_all(&stream).expect("removed");
+    assert_eq!(sphecs(&["run", &scene, "--max-walltime", "0.000001s"]).code(), Some(75));
+    assert!(steps(&stream).1 < whole);
+    let begun = fs::metadata(stream.join("scene.ron")).and_then(|file| file.modified()).expect("a time");
+    assert_eq!(validate(&arguments, &out).status.code(), Some(0));
+    assert_eq!(steps(&stream), ("completed".into(), whole));
+    assert_eq!(fs::read(stream.join("monitor.csv")).expect("rows"), monitor);
+    let ended = fs::metadata(stream.join("scene.ron")).and_then(|file| file.modified()).expect("a time");
+    assert_eq!(begun, ended, "it was run anew");
+}
+
 /// A lid over a shear of 1/s in water of 0.1 m²/s: half a square metre of it per metre of depth is held back by 50 N, which is 0.2 of ½ρU²A.
 #[test]
 fn forces_on_bodies_are_measured() {

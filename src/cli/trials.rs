@@ -46,7 +46,7 @@ pub struct ValidateArguments {
     /// Folder for runs, pages and plots
     #[arg(long, value_name = "DIR", default_value = "runs/validation")]
     pub out: PathBuf,
-    /// Take completed runs of the same scene and version from the folder
+    /// Take completed runs of the same scene and version from the folder, go on with interrupted ones
     #[arg(long)]
     pub reuse: bool,
     /// Threads to compute with [default: all cores]

@@ -37,6 +37,7 @@ use crate::output::error::OutputError;
 use crate::output::summary::{Status, Summary};
 use crate::run::console::Console;
 use crate::run::error::RunError;
+use crate::run::resume::{self, ResumeOptions};
 use crate::run::signals::Signal;
 use crate::run::words::duration;
 use crate::run::{self, Ending, RunOptions};
@@ -55,7 +56,7 @@ pub struct ValidateOptions {
     pub tier: Tier,
     /// Folder for runs, pages and plots.
     pub folder: PathBuf,
-    /// Take completed runs of the same scene and version from the folder.
+    /// Take completed runs of the same scene and version from the folder, and go on with those that were begun.
     pub reuse: bool,
     /// Threads; None: as many as the machine has cores.
     pub threads: Option<usize>,
@@ -176,18 +177,41 @@ fn run_case(case: &Case, options: &ValidateOptions) -> Result<Result<Outcome, Si
     Ok(Ok(outcome))
 }
 
-/// Sails one run, or takes an earlier one; why it has no results, or the signal that stopped it.
+/// What a folder has of a run.
+enum Earlier {
+    Nothing,
+    /// It was stopped or killed.
+    Begun,
+    Whole,
+}
+
+impl Earlier {
+    /// What the folder has of the run of this scene to its end, by this version.
+    fn of(scene: &Scene, folder: &Path) -> Self {
+        let Ok(summary) = Summary::read(folder) else { return Earlier::Nothing };
+        let run = &summary.run;
+        let same_text =
+            || std::fs::read_to_string(folder.join("scene.ron")).is_ok_and(|text| text == scene.text);
+        let to_its_end = run.until.is_none() && run.most_steps.is_none();
+        if run.version != env!("CARGO_PKG_VERSION") || !to_its_end || !same_text() {
+            return Earlier::Nothing;
+        }
+        match summary.status {
+            Status::Completed => Earlier::Whole,
+            Status::Running | Status::Interrupted | Status::Terminated | Status::OutOfTime => Earlier::Begun,
+            Status::BlownUp | Status::Failed => Earlier::Nothing,
+        }
+    }
+}
+
+/// Sails one run, goes on with one that was begun, or takes an earlier one; why it has no results, or the signal that stopped it.
 fn sail(
     scene: Scene,
     folder: &Path,
     options: &ValidateOptions,
 ) -> Result<Result<Option<String>, Signal>, ValidateError> {
-    if options.reuse
-        && let Ok(summary) = Summary::read(folder)
-        && summary.status == Status::Completed
-        && summary.run.version == env!("CARGO_PKG_VERSION")
-        && std::fs::read_to_string(folder.join("scene.ron")).is_ok_and(|text| text == scene.text)
-    {
+    let earlier = if options.reuse { Earlier::of(&scene, folder) } else { Earlier::Nothing };
+    if let Earlier::Whole = earlier {
         return Ok(Ok(None));
     }
     let run_options = RunOptions {
@@ -201,7 +225,19 @@ fn sail(
         allow_oversize: false,
         console: Console::Quiet,
     };
-    match run::run(scene, &run_options) {
+    let ending = match earlier {
+        Earlier::Begun => match resume::resume(&ResumeOptions {
+            run: run_options.clone(),
+            sets: Vec::new(),
+            allow_other_isa: false,
+        }) {
+            // Begun by another layout of checkpoints or on another machine, or damaged: from its start.
+            Err(error) if !matches!(error, RunError::Flow { .. }) => run::run(scene, &run_options),
+            ending => ending,
+        },
+        Earlier::Nothing | Earlier::Whole => run::run(scene, &run_options),
+    };
+    match ending {
         Ok(Ending::Completed | Ending::OutOfTime) => Ok(Ok(None)),
         Ok(Ending::Stopped(signal)) => Ok(Err(signal)),
         Err(RunError::Flow { stop, .. }) => Ok(Ok(Some(stop.to_string()))),
