@@ -144,6 +144,15 @@ fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_take
     assert_eq!(fs::read(stream.join("monitor.csv")).expect("rows"), monitor);
     let ended = fs::metadata(stream.join("scene.ron")).and_then(|file| file.modified()).expect("a time");
     assert_eq!(begun, ended, "it was run anew");
+
+    // With no checkpoint that reads, it is run from its start.
+    fs::remove_dir_all(&stream).expect("removed");
+    assert_eq!(sphecs(&["run", &scene, "--max-walltime", "0.000001s"]).code(), Some(75));
+    for file in fs::read_dir(stream.join("checkpoints")).expect("a folder") {
+        fs::write(file.expect("a file").path(), b"nothing").expect("written");
+    }
+    assert_eq!(validate(&arguments, &out).status.code(), Some(0));
+    assert_eq!(steps(&stream), ("completed".into(), whole));
 }
 
 /// A lid over a shear of 1/s in water of 0.1 m²/s: half a square metre of it per metre of depth is held back by 50 N, which is 0.2 of ½ρU²A.

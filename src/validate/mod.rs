@@ -231,8 +231,11 @@ fn sail(
             sets: Vec::new(),
             allow_other_isa: false,
         }) {
-            // Begun by another layout of checkpoints or on another machine, or damaged: from its start.
-            Err(error) if !matches!(error, RunError::Flow { .. }) => run::run(scene, &run_options),
+            // Nothing to go on from: its checkpoints are damaged, of another layout or of another machine. What else may
+            // fail, a full disk say, would fail again, and leaves what was begun.
+            Err(RunError::Output(OutputError::Request(_) | OutputError::Damaged { .. })) => {
+                run::run(scene, &run_options)
+            }
             ending => ending,
         },
         Earlier::Nothing | Earlier::Whole => run::run(scene, &run_options),
