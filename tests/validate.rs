@@ -2,7 +2,8 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 fn validate(arguments: &[&str], out: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sphecs"));
@@ -153,6 +154,40 @@ fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_take
     }
     assert_eq!(validate(&arguments, &out).status.code(), Some(0));
     assert_eq!(steps(&stream), ("completed".into(), whole));
+}
+
+#[test]
+fn runs_go_side_by_side_and_a_signal_stops_them_all() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    fs::write(folder.path().join("stream.ron"), SCENE).expect("written");
+    let path = folder.path().join("endless.ron");
+    let case = r#"Case(title: "Endless streams", source: "nobody", setting: "Two.", runs: [
+        (name: "one", scene: "stream.ron", set: [("time.end", "1.0e4")], tier: Quick),
+        (name: "other", scene: "stream.ron", set: [("time.end", "2.0e4")], tier: Quick),
+    ], figures: [(name: "steps", what: "none", value: Formula("1"))])"#;
+    fs::write(&path, case).expect("written");
+    let status = |run: &str| {
+        let text = fs::read_to_string(out.join("endless").join(run).join("summary.json")).ok()?;
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        Some(summary["status"].as_str().expect("a word").to_owned())
+    };
+    let begun = || status("one").is_some() && status("other").is_some();
+
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sphecs"));
+    command.args(["validate", "--threads", "2", "--case"]).arg(&path).arg("--out").arg(&out);
+    let mut child = command.stdout(Stdio::null()).spawn().expect("the program starts");
+    while !begun() && child.try_wait().expect("a child").is_none() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(begun(), "the second waits for the first");
+    Command::new("kill").arg(child.id().to_string()).status().expect("kill");
+    assert_eq!(child.wait().expect("a child").code(), Some(143));
+    for run in ["one", "other"] {
+        assert_eq!(status(run).as_deref(), Some("terminated"), "{run}");
+        let checkpoints = fs::read_dir(out.join("endless").join(run).join("checkpoints")).expect("a folder");
+        assert!(checkpoints.count() > 0, "{run} has no checkpoint");
+    }
 }
 
 /// A lid over a shear of 1/s in water of 0.1 m²/s: half a square metre of it per metre of depth is held back by 50 N, which is 0.2 of ½ρU²A.

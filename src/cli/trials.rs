@@ -49,7 +49,7 @@ pub struct ValidateArguments {
     /// Take completed runs of the same scene and version from the folder, go on with interrupted ones
     #[arg(long)]
     pub reuse: bool,
-    /// Threads to compute with [default: all cores]
+    /// Threads to compute with, as many runs at a time [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     /// Say what cases there are, and run none

@@ -73,11 +73,19 @@ pub enum Ending {
 /// # Errors
 /// [`RunError`]: before the first step nothing is written; later, what was written stays readable.
 pub fn run(scene: Scene, options: &RunOptions) -> Result<Ending, RunError> {
+    let signals = Signals::listen().map_err(RunError::Signals)?;
+    on_threads(options.threads, || run_here(scene, options, signals))?
+}
+
+/// The same on the pool of the thread that calls, whatever threads the options ask for, until these signals stop it.
+///
+/// # Errors
+/// As those of [`run`].
+pub fn run_here(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Ending, RunError> {
     // Asked before time is spent on the fill, and again by the folder itself.
     check_free(&options.folder, options.force)?;
     if !options.allow_oversize {
         room::check(&scene, options)?;
     }
-    let signals = Signals::listen().map_err(RunError::Signals)?;
-    on_threads(options.threads, || Voyage::begin(scene, options, signals)?.sail())?
+    Voyage::begin(scene, options, signals)?.sail()
 }

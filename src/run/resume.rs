@@ -49,10 +49,18 @@ pub struct ResumeOptions {
 /// [`RunError`]; before the first step the folder is as it was, unless its output could not be cut back.
 pub fn resume(options: &ResumeOptions) -> Result<Ending, RunError> {
     let signals = Signals::listen().map_err(RunError::Signals)?;
-    on_threads(options.run.threads, || match board(options, signals)? {
+    on_threads(options.run.threads, || resume_here(options, signals))?
+}
+
+/// The same on the pool of the thread that calls, whatever threads the options ask for, until these signals stop it.
+///
+/// # Errors
+/// As those of [`resume`].
+pub fn resume_here(options: &ResumeOptions, signals: Signals) -> Result<Ending, RunError> {
+    match board(options, signals)? {
         Some(voyage) => voyage.sail(),
         None => Ok(Ending::Completed),
-    })?
+    }
 }
 
 /// The run ready for its next step; None when it is at its end.

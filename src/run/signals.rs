@@ -39,7 +39,7 @@ impl Signal {
 }
 
 /// What has been asked for since the handlers were set.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Signals {
     received: Arc<AtomicUsize>,
     checkpoint: Arc<AtomicBool>,
@@ -63,9 +63,15 @@ impl Signals {
             flag::register(signal.number(), Arc::clone(&armed))?;
             flag::register_usize(signal.number(), Arc::clone(&received), signal.number() as usize)?;
         }
-        let checkpoint = Arc::new(AtomicBool::new(false));
-        flag::register(SIGUSR1, Arc::clone(&checkpoint))?;
-        Ok(Self { received, checkpoint })
+        Ok(Self { received, checkpoint: checkpoint_flag()? })
+    }
+
+    /// Those of a run beside others: what stops one stops all, a checkpoint is asked of each.
+    ///
+    /// # Errors
+    /// When the system refuses a handler.
+    pub fn beside(&self) -> io::Result<Self> {
+        Ok(Self { received: Arc::clone(&self.received), checkpoint: checkpoint_flag()? })
     }
 
     /// Whether a checkpoint has been asked for since this was asked last.
@@ -73,9 +79,21 @@ impl Signals {
         self.checkpoint.swap(false, Ordering::Relaxed)
     }
 
+    /// As if this signal had come: all that heed these signals stop.
+    pub fn ask(&self, signal: Signal) {
+        self.received.store(signal.number() as usize, Ordering::Relaxed);
+    }
+
     /// The signal received last, if any.
     pub fn received(&self) -> Option<Signal> {
         let number = self.received.load(Ordering::Relaxed);
         [Signal::Interrupt, Signal::Terminate].into_iter().find(|signal| signal.number() as usize == number)
     }
+}
+
+/// A flag that each SIGUSR1 raises.
+fn checkpoint_flag() -> io::Result<Arc<AtomicBool>> {
+    let flag = Arc::new(AtomicBool::new(false));
+    flag::register(SIGUSR1, Arc::clone(&flag))?;
+    Ok(flag)
 }

@@ -4,7 +4,7 @@
 //! case file ─ case (checked) ─▶ runs of shipped scenes ─ value ─▶ figures ─ verdict ─▶ console, pages, plots, report.json
 //! ```
 //!
-//! Rooms: `schema/` (what may stand in a case file), `case` (reading), `check` (its faults), `value/` (ways to measure),
+//! Rooms: `schema/` (what may stand in a case file), `case` (reading), `check` (its faults), `fleet` (the runs, side by side), `value/` (ways to measure),
 //! `exact/` (solutions in closed form), `verdict` (bands), `plot`, `picture` and `report` (what is left of it).
 //!
 //! To add a case: `assets/validation/NAME.ron`. Runs are scenes of `scenes/`, references formulas, exact solutions, tables
@@ -13,6 +13,7 @@
 pub mod case;
 mod check;
 pub mod exact;
+mod fleet;
 mod picture;
 pub mod plot;
 pub mod report;
@@ -22,11 +23,13 @@ pub mod verdict;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use miette::Diagnostic;
 
 use case::Case;
-use report::{Measured, Outcome, RunLine};
+use fleet::{Landed, Passage};
+use report::{Measured, Outcome};
 use schema::{ReferenceFile, RunFile, Tier, ValueFile};
 use value::reading::{Reading, error_of, names};
 use value::{Context, RunResults, evaluate, runs_of};
@@ -34,15 +37,11 @@ use verdict::Verdict;
 
 use crate::output::disk::write_whole;
 use crate::output::error::OutputError;
-use crate::output::summary::{Status, Summary};
 use crate::run::console::Console;
 use crate::run::error::RunError;
-use crate::run::resume::{self, ResumeOptions};
 use crate::run::signals::Signal;
 use crate::run::words::duration;
-use crate::run::{self, Ending, RunOptions};
 use crate::scene::faults::SceneFaults;
-use crate::scene::model::Scene;
 
 /// Name of the report for programs.
 const REPORT: &str = "report.json";
@@ -58,7 +57,7 @@ pub struct ValidateOptions {
     pub folder: PathBuf,
     /// Take completed runs of the same scene and version from the folder, and go on with those that were begun.
     pub reuse: bool,
-    /// Threads; None: as many as the machine has cores.
+    /// Threads, on which runs go side by side; None: as many as the machine has cores.
     pub threads: Option<usize>,
     /// Where the words go.
     pub console: Console,
@@ -97,33 +96,104 @@ pub enum ValidateError {
 /// [`ValidateError`]: faults of any case before anything runs, and files that cannot be written.
 pub fn validate(options: &ValidateOptions) -> Result<Judgement, ValidateError> {
     let cases = options.cases.iter().map(|name| Case::load(name)).collect::<Result<Vec<_>, _>>()?;
-    let mut outcomes = Vec::new();
-    for case in cases {
-        let outcome = match run_case(&case, options)? {
-            Ok(outcome) => outcome,
-            Err(signal) => return Ok(Judgement::Stopped(signal)),
-        };
-        if outcome.runs.is_empty() {
-            options.console.say(&format!("{}: nothing to do in this tier\n", case.name));
-            continue;
-        }
-        let page = report::page(&case, &outcome, &command(options, &case));
-        write(&options.folder.join(format!("{}.md", case.name)), &page)?;
-        outcomes.push((case, outcome));
-        write(&options.folder.join(REPORT), &report::json(&outcomes))?;
+    let passages_of = |(index, case)| Passage::of_case(index, case, options.tier, &options.folder);
+    let passages: Vec<Passage<'_>> = cases.iter().enumerate().flat_map(passages_of).collect();
+    let mut judge = Judge::new(&cases, &passages, options);
+    judge.hear_complete_cases()?;
+    let judge = Mutex::new(judge);
+    let stopped = fleet::sail_all(&cases, &passages, options, |index, landed| {
+        judge.lock().unwrap_or_else(PoisonError::into_inner).land(index, landed)
+    })?;
+    if let Some(signal) = stopped {
+        return Ok(Judgement::Stopped(signal));
     }
-    let missed: Vec<&str> = outcomes
-        .iter()
-        .filter(|(_, outcome)| outcome.is_missed())
-        .map(|(case, _)| case.name.as_str())
-        .collect();
-    let folder = options.folder.display();
-    options.console.say(&if missed.is_empty() {
-        format!("all that must be met is met; pages and plots in {folder}")
-    } else {
-        format!("missed: {}; pages and plots in {folder}", missed.join(", "))
-    });
-    Ok(if missed.is_empty() { Judgement::Met } else { Judgement::Missed })
+    Ok(judge.into_inner().unwrap_or_else(PoisonError::into_inner).judgement())
+}
+
+/// Hears the cases in their order, each as soon as its runs and those of the cases before it are made.
+struct Judge<'a> {
+    cases: &'a [Case],
+    passages: &'a [Passage<'a>],
+    options: &'a ValidateOptions,
+    /// By passage, until its case is heard.
+    landed: Vec<Option<Landed>>,
+    /// The case to be heard next.
+    next: usize,
+    outcomes: Vec<(&'a Case, Outcome)>,
+}
+
+impl<'a> Judge<'a> {
+    fn new(cases: &'a [Case], passages: &'a [Passage<'a>], options: &'a ValidateOptions) -> Self {
+        let landed = passages.iter().map(|_| None).collect();
+        Self { cases, passages, options, landed, next: 0, outcomes: Vec::new() }
+    }
+
+    fn land(&mut self, index: usize, landed: Landed) -> Result<(), ValidateError> {
+        let case = &self.cases[self.passages[index].case_index].name;
+        let took = landed.line.failure.clone().unwrap_or_else(|| duration(landed.line.wall_time));
+        let name = format!("{case}/{}", landed.line.name);
+        self.options.console.say(&format!("ran {name:<32} {took}"));
+        self.landed[index] = Some(landed);
+        self.hear_complete_cases()
+    }
+
+    fn hear_complete_cases(&mut self) -> Result<(), ValidateError> {
+        while let Some(case) = self.cases.get(self.next) {
+            let of_case = |index: &usize| self.passages[*index].case_index == self.next;
+            let of_case: Vec<usize> = (0..self.passages.len()).filter(of_case).collect();
+            if of_case.iter().any(|&index| self.landed[index].is_none()) {
+                break;
+            }
+            self.next += 1;
+            if of_case.is_empty() {
+                self.options.console.say(&format!("{}: nothing to do in this tier\n", case.name));
+                continue;
+            }
+            let outcome = self.hear(case, &of_case);
+            let page = report::page(case, &outcome, &command(self.options, case));
+            write(&self.options.folder.join(format!("{}.md", case.name)), &page)?;
+            self.outcomes.push((case, outcome));
+            write(&self.options.folder.join(REPORT), &report::json(&self.outcomes))?;
+        }
+        Ok(())
+    }
+
+    /// Measures a case by its runs.
+    fn hear(&mut self, case: &Case, runs: &[usize]) -> Outcome {
+        self.options.console.say(&format!("\n{}: {}", case.name, case.file.title));
+        let mut outcome = Outcome::default();
+        let mut results: BTreeMap<String, Vec<RunResults>> = BTreeMap::new();
+        for &index in runs {
+            let Some(landed) = self.landed[index].take() else { continue };
+            if let Some(found) = landed.results {
+                results.entry(self.passages[index].run.name.value.clone()).or_default().push(found);
+            }
+            outcome.runs.push(landed.line);
+        }
+        let mut wanted: Vec<&RunFile> = runs.iter().map(|&index| self.passages[index].run).collect();
+        wanted.dedup_by_key(|run| run.name.value.as_str());
+        measure(case, &wanted, &results, &mut outcome, self.options);
+        draw(case, &results, &mut outcome, self.options);
+        self.options.console.say("");
+        outcome
+    }
+
+    /// What all cases come to.
+    fn judgement(&self) -> Judgement {
+        let missed: Vec<&str> = self
+            .outcomes
+            .iter()
+            .filter(|(_, outcome)| outcome.is_missed())
+            .map(|(case, _)| case.name.as_str())
+            .collect();
+        let folder = self.options.folder.display();
+        self.options.console.say(&if missed.is_empty() {
+            format!("all that must be met is met; pages and plots in {folder}")
+        } else {
+            format!("missed: {}; pages and plots in {folder}", missed.join(", "))
+        });
+        if missed.is_empty() { Judgement::Met } else { Judgement::Missed }
+    }
 }
 
 fn command(options: &ValidateOptions, case: &Case) -> String {
@@ -141,133 +211,6 @@ fn write(path: &Path, text: &str) -> Result<(), OutputError> {
         std::fs::create_dir_all(folder).map_err(OutputError::io(folder, "make the folder"))?;
     }
     write_whole(path, text.as_bytes())
-}
-
-/// Runs and measures a case, or tells the signal that stopped it.
-fn run_case(case: &Case, options: &ValidateOptions) -> Result<Result<Outcome, Signal>, ValidateError> {
-    let file = &case.file;
-    let wanted: Vec<&RunFile> = file.runs.iter().filter(|run| run.tier <= options.tier).collect();
-    let mut outcome = Outcome::default();
-    if wanted.is_empty() {
-        return Ok(Ok(outcome));
-    }
-    options.console.say(&format!("{}: {}", case.name, file.title));
-    let mut results: BTreeMap<String, Vec<RunResults>> = BTreeMap::new();
-    for run in &wanted {
-        for (member, set) in run.members(options.tier).iter().enumerate() {
-            let name = run.member_name(member);
-            let folder = options.folder.join(&case.name).join(&name);
-            let failure = match sail(case.member_scene(run, set)?, &folder, options)? {
-                Ok(failure) => failure,
-                Err(signal) => return Ok(Err(signal)),
-            };
-            let found = RunResults::read(&folder)?;
-            let line = run_line(name, run, set, &found.summary, failure);
-            let took = line.failure.clone().unwrap_or_else(|| duration(line.wall_time));
-            options.console.say(&format!("  run {:<20} {took}", line.name));
-            if line.failure.is_none() {
-                results.entry(run.name.value.clone()).or_default().push(found);
-            }
-            outcome.runs.push(line);
-        }
-    }
-    measure(case, &wanted, &results, &mut outcome, options);
-    draw(case, &results, &mut outcome, options);
-    options.console.say("");
-    Ok(Ok(outcome))
-}
-
-/// What a folder has of a run.
-enum Earlier {
-    Nothing,
-    /// It was stopped or killed.
-    Begun,
-    Whole,
-}
-
-impl Earlier {
-    /// What the folder has of the run of this scene to its end, by this version.
-    fn of(scene: &Scene, folder: &Path) -> Self {
-        let Ok(summary) = Summary::read(folder) else { return Earlier::Nothing };
-        let run = &summary.run;
-        let same_text =
-            || std::fs::read_to_string(folder.join("scene.ron")).is_ok_and(|text| text == scene.text);
-        let to_its_end = run.until.is_none() && run.most_steps.is_none();
-        if run.version != env!("CARGO_PKG_VERSION") || !to_its_end || !same_text() {
-            return Earlier::Nothing;
-        }
-        match summary.status {
-            Status::Completed => Earlier::Whole,
-            Status::Running | Status::Interrupted | Status::Terminated | Status::OutOfTime => Earlier::Begun,
-            Status::BlownUp | Status::Failed => Earlier::Nothing,
-        }
-    }
-}
-
-/// Sails one run, goes on with one that was begun, or takes an earlier one; why it has no results, or the signal that stopped it.
-fn sail(
-    scene: Scene,
-    folder: &Path,
-    options: &ValidateOptions,
-) -> Result<Result<Option<String>, Signal>, ValidateError> {
-    let earlier = if options.reuse { Earlier::of(&scene, folder) } else { Earlier::Nothing };
-    if let Earlier::Whole = earlier {
-        return Ok(Ok(None));
-    }
-    let run_options = RunOptions {
-        folder: folder.to_path_buf(),
-        force: true,
-        threads: options.threads,
-        until: None,
-        steps: None,
-        checkpoint_every: None,
-        most_wall_time: None,
-        allow_oversize: false,
-        console: Console::Quiet,
-    };
-    let ending = match earlier {
-        Earlier::Begun => match resume::resume(&ResumeOptions {
-            run: run_options.clone(),
-            sets: Vec::new(),
-            allow_other_isa: false,
-        }) {
-            // Nothing to go on from: its checkpoints are damaged, of another layout or of another machine. What else may
-            // fail, a full disk say, would fail again, and leaves what was begun.
-            Err(RunError::Output(OutputError::Request(_) | OutputError::Damaged { .. })) => {
-                run::run(scene, &run_options)
-            }
-            ending => ending,
-        },
-        Earlier::Nothing | Earlier::Whole => run::run(scene, &run_options),
-    };
-    match ending {
-        Ok(Ending::Completed | Ending::OutOfTime) => Ok(Ok(None)),
-        Ok(Ending::Stopped(signal)) => Ok(Err(signal)),
-        Err(RunError::Flow { stop, .. }) => Ok(Ok(Some(stop.to_string()))),
-        Err(error) => Err(error.into()),
-    }
-}
-
-fn run_line(
-    name: String,
-    run: &RunFile,
-    set: &[(String, String)],
-    summary: &Summary,
-    failure: Option<String>,
-) -> RunLine {
-    let ledger = &summary.ledger;
-    RunLine {
-        name,
-        scene: run.scene.value.clone(),
-        set: set.to_vec(),
-        particles: ledger.fluid + ledger.wall + ledger.inflow + ledger.outflow,
-        steps: summary.steps,
-        wall_time: summary.wall_time,
-        threads: summary.threads,
-        lanes: summary.lanes.clone(),
-        failure,
-        may_fail: run.may_fail,
-    }
 }
 
 /// Measures the figures of the runs of this tier, in their order.

@@ -130,8 +130,11 @@ pub fn page(case: &Case, outcome: &Outcome, command: &str) -> String {
         text += &format!("| {} | `{}`{with} | {particles} | {steps} | {took} |\n", run.name, run.scene);
     }
     if let Some(run) = outcome.runs.first() {
-        let threads = if run.threads == 1 { "thread" } else { "threads" };
-        text += &format!("\n{} {threads}, {} lanes. Again by\n", run.threads, run.lanes);
+        let threads = match run.threads {
+            1 => "1 thread".to_owned(),
+            count => format!("{count} threads, with as many runs at a time"),
+        };
+        text += &format!("\n{threads}, {} lanes. Again by\n", run.lanes);
     }
     text += &format!("```sh\n{command}\n```\n");
     if let Some(remarks) = &file.remarks {
@@ -158,7 +161,7 @@ struct FigureEntry<'a> {
 }
 
 /// The contents of `report.json`: runs and figures of all cases.
-pub fn json(outcomes: &[(Case, Outcome)]) -> String {
+pub fn json(outcomes: &[(&Case, Outcome)]) -> String {
     let figures: Vec<FigureEntry<'_>> = outcomes
         .iter()
         .flat_map(|(case, outcome)| {
