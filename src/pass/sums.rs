@@ -149,14 +149,7 @@ impl<R: Real> PairColumns<R> {
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
     ) {
-        self.volume.resize(particles.len(), R::default());
-        let mass = R::from_f64(pair.mass);
-        let work = |rows: Range<usize>, volumes: &mut [R]| {
-            for (volume, &density) in volumes.iter_mut().zip(&particles.density[rows]) {
-                *volume = mass / density;
-            }
-        };
-        for_each_part(0..particles.len(), self.volume.as_mut_slice(), &work);
+        fill_volumes(&mut self.volume, pair, particles, |_| true);
     }
 
     /// Fills the column of the fluid's volumes.
@@ -165,15 +158,7 @@ impl<R: Real> PairColumns<R> {
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
     ) {
-        self.fluid_volume.resize(particles.len(), R::default());
-        let mass = R::from_f64(pair.mass);
-        let work = |rows: Range<usize>, volumes: &mut [R]| {
-            let densities = &particles.density[rows.clone()];
-            for ((volume, zone), &density) in volumes.iter_mut().zip(&particles.zone[rows]).zip(densities) {
-                *volume = if *zone == Zone::Fluid { mass / density } else { R::default() };
-            }
-        };
-        for_each_part(0..particles.len(), self.fluid_volume.as_mut_slice(), &work);
+        fill_volumes(&mut self.fluid_volume, pair, particles, |zone| zone == Zone::Fluid);
     }
 
     /// Fills the column that says what flows.
@@ -226,4 +211,22 @@ impl<R: Real> PairColumns<R> {
         }
         has_walls
     }
+}
+
+/// Volumes of the rows whose zone counts, 0 for the others.
+fn fill_volumes<R: Real, const D: usize>(
+    column: &mut Vec<R>,
+    pair: &PairSettings,
+    particles: &ParticleArrays<R, D>,
+    counts: impl Fn(Zone) -> bool + Sync,
+) {
+    column.resize(particles.len(), R::default());
+    let mass = R::from_f64(pair.mass);
+    let work = |rows: Range<usize>, volumes: &mut [R]| {
+        let densities = &particles.density[rows.clone()];
+        for ((volume, &zone), &density) in volumes.iter_mut().zip(&particles.zone[rows]).zip(densities) {
+            *volume = if counts(zone) { mass / density } else { R::default() };
+        }
+    };
+    for_each_part(0..particles.len(), column.as_mut_slice(), &work);
 }
