@@ -72,6 +72,7 @@ pub fn sail_all(
     let signals = Signals::listen().map_err(RunError::Signals)?;
     let next = AtomicUsize::new(0);
     let take = || {
+        let _guard = StopOthers(&signals);
         while signals.received().is_none() {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(passage) = passages.get(index) else { break };
@@ -87,6 +88,17 @@ pub fn sail_all(
     });
     endings.map_err(RunError::from)?.into_iter().collect::<Result<(), _>>()?;
     Ok(signals.received())
+}
+
+/// Stops the runs beside one that panics: the panic is handed on only when all threads are done.
+struct StopOthers<'a>(&'a Signals);
+
+impl Drop for StopOthers<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.ask(Signal::Terminate);
+        }
+    }
 }
 
 /// What a folder has of a run.
