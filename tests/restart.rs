@@ -126,11 +126,12 @@ fn every_shipped_scene_goes_on_to_the_same_bits() {
 fn other_precisions_stresses_and_outlets_go_on_to_the_same_bits() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut faults = Vec::new();
-    let variants: [(&str, &[(&str, &str)]); 11] = [
+    let variants: [(&str, &[(&str, &str)]); 12] = [
         ("quickstart.ron", &[("precision", "F32")]),
         ("duct3d.ron", &[("precision", "F32")]),
         ("quickstart.ron", &[("scheme", "Wcsph(viscosity: Sps())")]),
         ("taylor_green.ron", &[("scheme", "Wcsph(viscosity: Sps())"), ("precision", "F32")]),
+        ("quickstart.ron", &[("scheme", "Wcsph(shifting: Local(), integrator: KickDrift)")]),
         ("quickstart.ron", &[("outlets.0.condition", "Orlanski(pressure: Frozen)")]),
         (
             "quickstart.ron",

@@ -31,7 +31,7 @@ REQUIREMENTS = HERE / "requirements.txt"
 DIFFERENCES = """\
 What differs:
 - Precision: PySPH computes in f64; sphecs in f32, as the scene says, and in f64. Positions are f64 in all.
-- Integrator: one evaluation of the forces a step in both; leapfrog over two steps in sphecs, kick-drift-kick in PySPH.
+- Integrator: kick-drift-kick with one evaluation of the forces a step in both.
 - Time step: sphecs chooses it anew at every step, and pays for that; PySPH takes the mean of those steps.
 - Walls: pressure from the kernel mean of the fluid's in both; no slip by the distances from the wall's surface in
   sphecs, by the kernel mean of the fluid's velocity, reversed, in PySPH.

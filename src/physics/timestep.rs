@@ -5,20 +5,21 @@
 //! λ_a = Σ 4 ν m_b/(ρ_a + ρ_b) |F| (1 + d_b/d_a)
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Eq. 18, with C = 0.3. Their text announces a viscous limit that the equation
+//! Alvarado-Rodríguez et al. (2017), Eq. 18, with C = 0.3, or 0.5 under kick–drift–kick ([`Integrator`]). Their text announces a viscous limit that the equation
 //! lacks: C_ν is it, 0.125 as for any explicit scheme. The sum itself tells more: λ_a is the rate at which it damps a particle among
 //! neighbours at rest. The leapfrog damps by 1 − 2 λ Δt in two steps (`integrator/verlet.rs`): C_λ = ½ keeps that from turning round. Shear from
 //! particle to particle is damped by 1.06 to 1.36 λ (lattices in 2D and 3D, h from 1.33 to 2.2 Δ), for which the leapfrog is stable up to 0.7 with sound
 //! at C = 0.3 beside it.
 //!
 //! Under the leapfrog the largest λ_a is that of particles with no wall in their support. The image velocities of a no-slip wall damp
-//! those next to it several times as fast; what of that a step cannot follow they take implicitly ([`Verlet::share`]).
+//! those next to it several times as fast; what of that a step cannot follow they take implicitly ([`friction`]).
 //!
 //! Where the pressure evolves the signal is c_s + max |v|, C = 0.25 and the acceleration at least that of the body force, as in the
 //! scheme's description; λ_a is that of the pressure's damping where it is the larger, and of all particles, C_λ = 0.3: with ½ a start at C = 1 blows up
 //! (test `the_longest_steps_that_a_scene_may_have_pass_nothing_that_is_not_finite`).
 //!
-//! [`Verlet::share`]: super::integrator::verlet::Verlet::share
+//! [`friction`]: super::integrator::friction
+//! [`Integrator`]: super::integrator::Integrator
 
 /// What limits a step.
 #[derive(Clone, Copy, Debug, PartialEq)]

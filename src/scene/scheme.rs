@@ -2,6 +2,7 @@
 
 use crate::math::kernel::Kernel;
 use crate::physics::edac::Edac;
+use crate::physics::integrator::Integrator;
 use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
@@ -30,8 +31,8 @@ pub struct Wcsph {
     pub shifting: Shifting,
     /// p_b − p_a in place of p_a + p_b where p_a < 0.
     pub tensile_control: bool,
-    /// A plain step replaces the leapfrog every so many steps, ≥ 1.
-    pub plain_step_every: u32,
+    /// How particles advance.
+    pub integrator: Integrator,
 }
 
 /// Parameters of the scheme of Negi et al. (2020).

@@ -14,7 +14,7 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::blocks::join_parts;
-use crate::physics::integrator::verlet;
+use crate::physics::integrator::friction;
 use crate::physics::timestep::TimeStepLimits;
 use crate::scene::model::{Scene, Scheme};
 
@@ -198,7 +198,7 @@ fn step_at_rest(scene: &Scene) -> f64 {
     let limits = TimeStepLimits {
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
-        damping: verlet::DAMPING,
+        damping: friction::DAMPING,
         smoothing_length: scene.scheme.smoothing_ratio() * scene.spacing,
         viscosity: scene.fluid.viscosity,
     };

@@ -14,7 +14,9 @@ use super::setup::{Resolution, SceneInUse};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::integrator::verlet::{self, Verlet};
+use crate::physics::integrator::kick_drift::KickDrift;
+use crate::physics::integrator::verlet::Verlet;
+use crate::physics::integrator::{Advance, Integrator, friction};
 use crate::physics::timestep::TimeStepLimits;
 
 /// Rows that a thread takes at a time.
@@ -37,19 +39,25 @@ pub fn kick<R: Real, const D: usize>(
     let limits = TimeStepLimits {
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
-        damping: verlet::DAMPING,
+        damping: friction::DAMPING,
         smoothing_length: resolution.smoothing_length,
         viscosity: found.largest_viscosity,
     };
     let arrays = &mut *arrays;
     let time_step =
         limits.time_step(largest_acceleration(arrays), found.largest_signal, found.largest_damping);
-    let scheme = Verlet { time_step, time_step_before: clock.time_step, plain: since_plain.0 == 0 };
-    since_plain.0 = (since_plain.0 + 1) % parameters.plain_step_every;
-    if scheme.is_fast(found.largest_damping_at_walls) {
-        slow_down(&scheme, &sums.0.damping, arrays);
+    let time_step_before = clock.time_step;
+    let damping = found.largest_damping_at_walls;
+    match parameters.integrator {
+        Integrator::Verlet { plain_step_every } => {
+            let scheme = Verlet { time_step, time_step_before, plain: since_plain.0 == 0 };
+            since_plain.0 = (since_plain.0 + 1) % plain_step_every;
+            advance_fluid(&scheme, damping, &sums.0.damping, arrays);
+        }
+        Integrator::KickDrift => {
+            advance_fluid(&KickDrift { time_step, time_step_before }, damping, &sums.0.damping, arrays);
+        }
     }
-    kick_fluid(&scheme, arrays);
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
         move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, arrays);
     }
@@ -79,8 +87,25 @@ pub(super) fn largest_acceleration<R: Real, const D: usize>(arrays: &ParticleArr
     squared.sqrt()
 }
 
+/// Velocities and positions of the fluid; `largest_damping` and `damping`, 1/s, are those at walls.
+fn advance_fluid<A: Advance, R: Real, const D: usize>(
+    scheme: &A,
+    largest_damping: f64,
+    damping: &[R],
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    if friction::is_fast(scheme, largest_damping) {
+        slow_down(scheme, damping, arrays);
+    }
+    kick_fluid(scheme, arrays);
+}
+
 /// Leaves of the accelerations at walls what a step can follow.
-fn slow_down<R: Real, const D: usize>(scheme: &Verlet, damping: &[R], arrays: &mut ParticleArrays<R, D>) {
+fn slow_down<A: Advance, R: Real, const D: usize>(
+    scheme: &A,
+    damping: &[R],
+    arrays: &mut ParticleArrays<R, D>,
+) {
     let (zone, fresh) = (&arrays.zone, &arrays.fresh);
     for acceleration in &mut arrays.acceleration {
         acceleration
@@ -90,14 +115,14 @@ fn slow_down<R: Real, const D: usize>(scheme: &Verlet, damping: &[R], arrays: &m
             .with_min_len(CHUNK)
             .for_each(|((a, damping), (&zone, &fresh))| {
                 let damping = damping.to_f64();
-                if zone == Zone::Fluid && scheme.is_fast(damping) {
-                    *a = *a * R::from_f64(scheme.share(fresh, damping));
+                if zone == Zone::Fluid && friction::is_fast(scheme, damping) {
+                    *a = *a * R::from_f64(friction::share(scheme, fresh, damping));
                 }
             });
     }
 }
 
-fn kick_fluid<R: Real, const D: usize>(scheme: &Verlet, arrays: &mut ParticleArrays<R, D>) {
+fn kick_fluid<A: Advance, R: Real, const D: usize>(scheme: &A, arrays: &mut ParticleArrays<R, D>) {
     let (zone, fresh) = (&arrays.zone, &arrays.fresh);
     let columns = arrays
         .position
@@ -115,10 +140,7 @@ fn kick_fluid<R: Real, const D: usize>(scheme: &Verlet, arrays: &mut ParticleArr
             .with_min_len(CHUNK)
             .for_each(|((((x, v), v_before), &a), (&zone, &fresh))| {
                 if zone == Zone::Fluid {
-                    let next = scheme.velocity(fresh, *v, *v_before, a);
-                    *x = scheme.position(*x, v.to_f64(), a.to_f64());
-                    *v_before = *v;
-                    *v = next;
+                    (*x, [*v, *v_before]) = scheme.advance(fresh, *x, [*v, *v_before], a);
                 }
             });
     }

@@ -39,7 +39,7 @@ pub struct RatesFound {
     pub largest_damping_at_walls: f64,
 }
 
-/// Steps since the last plain one; 0: the present step is plain, as the first and then every so many are.
+/// Steps since the last plain one; 0: the present step is plain, as the first and then every so many are, and all of kick–drift–kick.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepsSincePlain(pub u32);
 

@@ -33,8 +33,8 @@ const STIRRED_3D: &str = r#"Scene(
 /// random, so that √(steps n) ε of Σ m |v|, some 1e-13, is the most to expect (measured: below 1e-15). The tensile control
 /// is off: p_b − p_a in place of p_a + p_b where p_a < 0 is no antisymmetric force.
 #[track_caller]
-fn check_momentum(text: &str, steps: u64, n: usize) {
-    let mut simulation = flow(text, &[("scheme", "Wcsph(tensile_control: false)")]);
+fn check_momentum(text: &str, scheme: &str, steps: u64, n: usize) {
+    let mut simulation = flow(text, &[("scheme", scheme)]);
     let before = simulation.monitor_row().momentum;
     let states = fluid(&mut simulation);
     assert_eq!(states.len(), n);
@@ -48,12 +48,13 @@ fn check_momentum(text: &str, steps: u64, n: usize) {
 
 #[test]
 fn a_stirred_box_keeps_its_momentum_in_2d() {
-    check_momentum(STIRRED_2D, 400, 400);
+    check_momentum(STIRRED_2D, "Wcsph(tensile_control: false)", 400, 400);
+    check_momentum(STIRRED_2D, "Wcsph(tensile_control: false, integrator: KickDrift)", 400, 400);
 }
 
 #[test]
 fn a_stirred_box_keeps_its_momentum_in_3d() {
-    check_momentum(STIRRED_3D, 200, 1000);
+    check_momentum(STIRRED_3D, "Wcsph(tensile_control: false)", 200, 1000);
 }
 
 /// Relative errors of Taylor–Green vortices at half a second, when the exact speeds have fallen to 0.67: of the velocity (root of
@@ -100,6 +101,8 @@ const SHEAR: &str = r#"Scene(
     time: (end: 100.0), output: (every: 1.0),
 )"#;
 
+const KICK_DRIFT: (&str, &str) = ("scheme", "Wcsph(smoothing_ratio: 1.5, integrator: KickDrift)");
+
 #[track_caller]
 fn check_shear(pairs: &[(&str, &str)]) {
     let mut simulation = flow(SHEAR, pairs);
@@ -125,11 +128,14 @@ fn check_shear(pairs: &[(&str, &str)]) {
 fn rows_against_each_other_come_to_rest() {
     check_shear(&[]);
     check_shear(&[("precision", "F32")]);
+    check_shear(&[KICK_DRIFT]);
 }
 
 #[test]
 fn rows_against_each_other_come_to_rest_between_walls() {
-    check_shear(&[("periodic", "[\"x\"]"), ("walls", "(slip: NoSlip)")]);
+    let walls = [("periodic", "[\"x\"]"), ("walls", "(slip: NoSlip)")];
+    check_shear(&walls);
+    check_shear(&[walls[0], walls[1], KICK_DRIFT]);
 }
 
 /// Each f32 sum is off by some √40 6e-8 of its terms; over 200 steps that adds up to 1e-5 of the speed and of the path in spacings

@@ -11,14 +11,18 @@
 //! at v(n+1), so that the terms that depend on velocity and pressure themselves are of second order too (test
 //! `second_order_on_a_damped_oscillator`). Position and velocity are staggered, so that nothing is evaluated twice.
 //!
-//! Velocity and pressure alone, in which sound swings, are integrated as by the two-step scheme of Adams and Bashforth: an
+//! Under `Wcsph` the pressure is a matter of positions, and sound neither grows nor decays (`mod.rs`). Dissipative terms beside it are stable to
+//! λ Δt = 0.7 up to ω Δt = 1.
+//!
+//! Where the pressure evolves, velocity and pressure alone, in which sound swings, are integrated as by the two-step scheme of Adams and Bashforth: an
 //! undamped oscillation of frequency ω grows by (ω Δt)⁴/4 per step. The pressure's own damping outweighs that: at
 //! Δt = 0.25 h/c_s sound of wave number k grows by 1e-3 (k h)⁴ and is damped by 8e-3 (k h)² for α = 0.5, and the gradient sum of the
 //! quintic spline gives no wave more than k h = 0.88 (test `sound_is_stable_at_the_usual_step`). A purely dissipative term is stable up to λ Δt = 1.
 
+use super::Advance;
 use crate::math::real::Real;
 
-/// C_λ: a step is at most this over the largest damping rate.
+/// C_λ where the pressure evolves: a step is at most this over the largest damping rate.
 pub const DAMPING: f64 = 0.3;
 
 /// Sizes of the present and the previous step.
@@ -51,6 +55,28 @@ impl KickDrift {
     #[inline(always)]
     pub fn position(&self, position: f64, velocity: f64, drift: f64) -> f64 {
         position + self.time_step * (velocity + drift)
+    }
+}
+
+impl Advance for KickDrift {
+    fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    fn friction_span(&self, fresh: bool) -> f64 {
+        self.time_step + if fresh { self.time_step } else { self.time_step_before }
+    }
+
+    #[inline(always)]
+    fn advance<R: Real>(
+        &self,
+        fresh: bool,
+        position: f64,
+        [now, half]: [R; 2],
+        acceleration: R,
+    ) -> (f64, [R; 2]) {
+        let half = self.half(fresh, now, half, acceleration);
+        (self.position(position, half.to_f64(), 0.0), [self.guess(half, acceleration), half])
     }
 }
 

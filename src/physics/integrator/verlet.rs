@@ -16,21 +16,9 @@
 //! every 50 steps it holds only below 0.0125 h²/ν, and not next to a wall, whose images damp faster
 //! than the fluid (a Poiseuille flow at h = 2.2 Δ blew up in 0.04 s). Damped with v(n−1) it decays for
 //! λ Δt < 1 (test `viscous_decay_is_stable_without_plain_steps`), at the same cost.
-//!
-//! A particle next to a no-slip wall is damped by the wall's image at a rate λ that can be many times that of the fluid, and the step
-//! need not follow it: what is beyond C_λ/Δt is taken implicitly,
-//!
-//! ```text
-//! v(n+1) = v(n−1) + T dv/dt(n)/(1 + T (λ − C_λ/Δt)),   T = Δt(n−1) + Δt(n), or Δt(n) in a plain step
-//! ```
-//!
-//! the Rosenbrock form of an implicit Euler step for that part alone: Hairer & Wanner (1996), section IV.7. It changes nothing in a
-//! steady flow, and in an unsteady one what happens within a few steps (test `fast_damping_decays_without_swinging`).
 
+use super::Advance;
 use crate::math::real::Real;
-
-/// C_λ: a step follows a damping up to this over its rate.
-pub const DAMPING: f64 = 0.5;
 
 /// Sizes of the present and the previous step, and whether all particles take a plain one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,21 +42,32 @@ impl Verlet {
         }
     }
 
-    /// Whether a damping rate (1/s) is beyond what the step follows.
-    pub fn is_fast(&self, damping: f64) -> bool {
-        damping * self.time_step > DAMPING
-    }
-
-    /// The share of its acceleration that a particle with a damping rate (1/s) takes: 1 unless that [is fast](Self::is_fast).
-    pub fn share(&self, fresh: bool, damping: f64) -> f64 {
-        let span = if self.plain || fresh { self.time_step } else { self.time_step + self.time_step_before };
-        1.0 / (1.0 + span * (damping - DAMPING / self.time_step).max(0.0))
-    }
-
     /// Position at n+1, m, from position and velocity at n and the acceleration at n, m/s².
     #[inline(always)]
     pub fn position(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
         position + self.time_step * (velocity + 0.5 * self.time_step * acceleration)
+    }
+}
+
+impl Advance for Verlet {
+    fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    fn friction_span(&self, fresh: bool) -> f64 {
+        if self.plain || fresh { self.time_step } else { self.time_step + self.time_step_before }
+    }
+
+    #[inline(always)]
+    fn advance<R: Real>(
+        &self,
+        fresh: bool,
+        position: f64,
+        [now, before]: [R; 2],
+        acceleration: R,
+    ) -> (f64, [R; 2]) {
+        let next = self.velocity(fresh, now, before, acceleration);
+        (self.position(position, now.to_f64(), acceleration.to_f64()), [next, now])
     }
 }
 
@@ -125,28 +124,6 @@ mod tests {
             assert!(now.abs() <= 1.0, "step {step}: {now}");
         }
         assert!(now.abs() < 1e-12, "{now}");
-    }
-
-    #[test]
-    fn fast_damping_decays_without_swinging() {
-        let time_step = 0.004;
-        for rate in [1.0, 100.0, 1e3, 1e6] {
-            let (mut before, mut now) = (1.0, 1.0);
-            for step in 0..200 {
-                let scheme = Verlet { time_step, time_step_before: time_step, plain: step % 50 == 0 };
-                let from = if scheme.plain { now } else { before };
-                let rate_of_change = -rate * from * scheme.share(false, rate);
-                let next = scheme.velocity(false, now, before, rate_of_change);
-                (before, now) = (now, next);
-                assert!(now >= 0.0 && now <= before, "λ = {rate}, step {step}: {before} -> {now}");
-            }
-            assert!(now <= (-rate * time_step * 200.0).exp().max(1e-20) * 1.01, "λ = {rate}: {now}");
-        }
-        let slow = Verlet { time_step, time_step_before: time_step, plain: false };
-        assert!(
-            !slow.is_fast(100.0) && slow.share(false, 100.0) == 1.0,
-            "nothing changes what the step follows"
-        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::checker::Checker;
 use crate::math::kernel::Kernel;
 use crate::physics::edac::Edac;
+use crate::physics::integrator::Integrator;
 use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::faults::Fault;
@@ -66,22 +67,19 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
             noise_damping,
             shifting,
             tensile_control,
-            plain_step_every,
+            integrator,
         } => {
             let kernel = kernel.unwrap_or(Kernel::WendlandC2);
             let smoothing_ratio = ratio(smoothing_ratio.as_ref(), kernel, dimensions, check);
-            let every = match plain_step_every {
-                Some(number) if !(1..=u64::from(u32::MAX)).contains(&number.value) => {
-                    check.report(Fault::new(
-                        "`plain_step_every` must be at least 1",
-                        number.span,
-                        format!("is `{}`", number.value),
-                    ));
-                    1
-                }
-                Some(number) => number.value as u32,
-                None => 50,
-            };
+            if let Some(integrator) = integrator
+                && integrator.value == (Integrator::Verlet { plain_step_every: 0 })
+            {
+                check.report(Fault::new(
+                    "`plain_step_every` must be at least 1",
+                    integrator.span,
+                    "is `0`".to_owned(),
+                ));
+            }
             if let Some(shifting) = shifting
                 && !(0.0..=Shifting::LARGEST_STRENGTH).contains(&shifting.value.strength())
             {
@@ -121,7 +119,7 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
                 noise_damping: noise_damping.as_ref().map(|damping| damping.value).unwrap_or_default(),
                 shifting: shifting.as_ref().map(|s| s.value).unwrap_or_default(),
                 tensile_control: tensile_control.unwrap_or(true),
-                plain_step_every: every,
+                integrator: integrator.as_ref().map(|integrator| integrator.value).unwrap_or_default(),
             })
         }
         SchemeFile::EdacTvf {

@@ -40,7 +40,7 @@ pub fn body_force(components: [Expression; 3]) -> BodyForce {
 /// End and time step, defaults put in.
 pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSettings {
     let usual = match scheme {
-        Scheme::Wcsph(_) => 0.3,
+        Scheme::Wcsph(scheme) => scheme.integrator.courant_factor(),
         Scheme::EdacTvf(_) => 0.25,
     };
     TimeSettings {

@@ -9,6 +9,7 @@ use serde::de::{self, Deserializer, IgnoredAny, Visitor};
 use super::model::{Precision, WhenEmpty};
 use super::notation::typed::Spanned;
 use crate::math::kernel::Kernel;
+use crate::physics::integrator::Integrator;
 use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
@@ -161,9 +162,9 @@ pub enum SchemeFile {
         /// p_b − p_a in place of p_a + p_b where p_a < 0, default true.
         #[serde(default)]
         tensile_control: Option<bool>,
-        /// A plain step replaces the leapfrog every so many steps, default 50.
+        /// How particles advance, default `Verlet`.
         #[serde(default)]
-        plain_step_every: Option<Spanned<u64>>,
+        integrator: Option<Spanned<Integrator>>,
     },
     /// Evolved pressure and transport velocity of Negi et al. (2020).
     EdacTvf {
@@ -200,7 +201,7 @@ impl Default for SchemeFile {
             noise_damping: None,
             shifting: None,
             tensile_control: None,
-            plain_step_every: None,
+            integrator: None,
         }
     }
 }

@@ -33,7 +33,7 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
         ("shifting", "Fickian()"),
         ("viscosity", "Sps()"),
         ("tensile_control", "true"),
-        ("plain_step_every", "50"),
+        ("integrator", "Verlet()"),
         ("noise_damping", "Off"),
     ] {
         let edac = format!("EdacTvf({field}: {value})");
