@@ -11,7 +11,7 @@
 //! particle to particle is damped by 1.06 to 1.36 λ (lattices in 2D and 3D, h from 1.33 to 2.2 Δ), for which the leapfrog is stable up to 0.7 with sound
 //! at C = 0.3 beside it.
 //!
-//! Under the leapfrog the largest λ_a is that of particles with no wall in their support. The image velocities of a no-slip wall damp
+//! Under `Wcsph` the largest λ_a is that of particles with no wall in their support. The image velocities of a no-slip wall damp
 //! those next to it several times as fast; what of that a step cannot follow they take implicitly ([`friction`]).
 //!
 //! Where the pressure evolves the signal is c_s + max |v|, C = 0.25 and the acceleration at least that of the body force, as in the

@@ -33,7 +33,7 @@ pub struct RatesFound {
     pub largest_divergence: f64,
     /// Largest kinematic viscosity, eddy viscosity included, m²/s.
     pub largest_viscosity: f64,
-    /// Largest rate at which the viscous term damps a particle, 1/s; under the leapfrog of those with no wall in their support.
+    /// Largest rate at which the viscous term damps a particle, 1/s; under `Wcsph` of those with no wall in their support.
     pub largest_damping: f64,
     /// Largest one of those with a wall in their support, 1/s; 0 where the pressure evolves.
     pub largest_damping_at_walls: f64,

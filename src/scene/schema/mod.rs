@@ -268,7 +268,7 @@ pub struct ReservoirFile {
 pub struct TimeFile {
     /// End of the run, s.
     pub end: Number,
-    /// Courant factor, default 0.3, of `EdacTvf` 0.25.
+    /// Courant factor, default 0.3, with `KickDrift` 0.5, of `EdacTvf` 0.25.
     #[serde(default)]
     pub cfl: Option<Number>,
     /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
