@@ -58,7 +58,7 @@ fn a_uniform_stream_stays_as_it_is_forwards_and_backwards() {
                 ];
                 let simulation = Simulation::from_scene(plug::scene(&sets));
                 let stream = DVec3::X * velocity.parse::<f64>().expect("a number");
-                check_stream(&format!("{scheme}, {velocity}, {condition}"), simulation, 500, stream, 1e-8);
+                check_stream(&format!("{scheme}, {velocity}, {condition}"), simulation, 300, stream, 1e-8);
             }
         }
     }

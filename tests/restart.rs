@@ -131,7 +131,7 @@ fn other_precisions_stresses_and_outlets_go_on_to_the_same_bits() {
         ("duct3d.ron", &[("precision", "F32")]),
         ("quickstart.ron", &[("scheme", "Wcsph(viscosity: Sps())")]),
         ("taylor_green.ron", &[("scheme", "Wcsph(viscosity: Sps())"), ("precision", "F32")]),
-        ("quickstart.ron", &[("scheme", "Wcsph(shifting: Local(), integrator: KickDrift)")]),
+        ("quickstart.ron", &[("scheme", "Wcsph(shifting: Local(), integrator: Verlet())")]),
         ("quickstart.ron", &[("outlets.0.condition", "Orlanski(pressure: Frozen)")]),
         (
             "quickstart.ron",

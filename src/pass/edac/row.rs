@@ -323,12 +323,14 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let background = self.edac.background * reference * squared_speed;
         let inflow = self.volume * self.gradient_scale * divergence.sum().to_f64();
         let diffusion = -nu_of_pressure * diffusion.sum().to_f64();
+        let relaxing = self.edac.relaxing(h, pair.tait.sound_speed, density - reference, pressure);
         let mut rates = RowRates {
             acceleration: [0.0; D],
             background: push.map(|push| -background * scale * push),
-            pressure_rate: density * squared_speed * inflow + diffusion,
+            pressure_rate: density * squared_speed * inflow + diffusion + relaxing,
             divergence: -inflow,
-            damping: -nu.max(nu_of_pressure) * damping.sum().to_f64() - self.own_damping / density,
+            damping: -nu.max(nu_of_pressure) * damping.sum().to_f64() - self.own_damping / density
+                + self.edac.relaxation * pair.tait.sound_speed / h,
             split: ([0.0; D], [0.0; 3]),
         };
         for d in 0..D {

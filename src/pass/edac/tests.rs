@@ -145,6 +145,9 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
         divergence -= m / rho_b * xv * slope;
         damping -= squares / m * pair.pair_viscosity().max(nu_edac) * per_viscosity * slope;
     });
+    damping += edac.relaxation * c / h;
+    let excess = particles.density[a] - WATER.reference_density;
+    pressure_rate += edac.relaxation * c / h * (c * c * excess - particles.pressure[a]);
     Reference { acceleration, background, pressure_rate, divergence, damping }
 }
 
@@ -201,7 +204,7 @@ fn rates_are_the_printed_sums() {
         let edac = Edac { printed: true, average_pressure: false, background: 0.3, alpha: 1.5, ..usual };
         let wall_model = WallModel::Image { velocity_cap: Some(1.5), pressure: WallPressure::Extrapolated };
         check(PairSettings { wall_model, ..evolved(kernel, 2, 1.5, edac) }, [12, 9]);
-        let edac = Edac { lattice_normalised: false, ..usual };
+        let edac = Edac { lattice_normalised: false, relaxation: 0.3, ..usual };
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         let walled = PairSettings {
             wall_parts: vec![WallPartSettings::default(), free_slip],
@@ -334,6 +337,22 @@ fn an_even_lattice_has_the_reference_density_and_rests() {
                 }
                 assert_eq!(sample.sums.pressure_rate[row], 0.0);
             }
+        }
+    }
+}
+
+#[test]
+fn the_pressure_goes_to_that_of_the_density() {
+    for pressure in [-4000.0, 0.0, 4000.0] {
+        let edac = Edac { relaxation: 0.1, ..Edac::default() };
+        let mut sample = sample::<f64, 2>(evolved(Kernel::QuinticSpline, 2, 1.2, edac), [13, 15], true);
+        sample.particles.pressure.fill(pressure);
+        sample.particles.density.fill(1.01 * WATER.reference_density);
+        rates(&mut sample);
+        let (h, c) = (sample.pair.smoothing_length, WATER.sound_speed);
+        let rate = 0.1 * c / h * (0.01 * WATER.reference_density * c * c - pressure);
+        for found in &sample.sums.pressure_rate {
+            assert!((found / rate - 1.0).abs() < 1e-12, "{found}, not {rate} Pa/s");
         }
     }
 }

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::math::real::Real;
 
 /// How the particles of `Wcsph` advance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Integrator {
     /// Verlet's scheme with a corrective step: Alvarado-Rodríguez et al. (2017).
@@ -27,17 +27,12 @@ pub enum Integrator {
         plain_step_every: u32,
     },
     /// Kick–drift–kick with one evaluation of the rates a step.
+    #[default]
     KickDrift,
 }
 
 fn plain_step_every() -> u32 {
     50
-}
-
-impl Default for Integrator {
-    fn default() -> Self {
-        Integrator::Verlet { plain_step_every: plain_step_every() }
-    }
 }
 
 impl Integrator {

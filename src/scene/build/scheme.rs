@@ -129,6 +129,7 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
             background,
             average_pressure,
             lattice_normalised,
+            relaxation,
             printed,
         } => {
             let kernel = kernel.unwrap_or(Kernel::QuinticSpline);
@@ -145,6 +146,13 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
                 ),
                 average_pressure: average_pressure.unwrap_or(usual.average_pressure),
                 lattice_normalised: lattice_normalised.unwrap_or(usual.lattice_normalised),
+                relaxation: up_to(
+                    relaxation.as_ref(),
+                    usual.relaxation,
+                    Edac::LARGEST_RELAXATION,
+                    "relaxation",
+                    check,
+                ),
                 printed: printed.unwrap_or(usual.printed),
             };
             Scheme::EdacTvf(EdacTvf { kernel, smoothing_ratio, terms })

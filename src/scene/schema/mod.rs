@@ -162,7 +162,7 @@ pub enum SchemeFile {
         /// p_b − p_a in place of p_a + p_b where p_a < 0, default true.
         #[serde(default)]
         tensile_control: Option<bool>,
-        /// How particles advance, default `Verlet`.
+        /// How particles advance, default `KickDrift`.
         #[serde(default)]
         integrator: Option<Spanned<Integrator>>,
     },
@@ -186,6 +186,9 @@ pub enum SchemeFile {
         /// Divide ν and ν_edac by their lattice coefficient, default true.
         #[serde(default)]
         lattice_normalised: Option<bool>,
+        /// Rate at which the pressure goes to that of the summed density, over c0/h, default 0, as published.
+        #[serde(default)]
+        relaxation: Option<Number>,
         /// With the printed η² = 0.01 h² in the denominator of the viscous sums, default false.
         #[serde(default)]
         printed: Option<bool>,
@@ -268,7 +271,7 @@ pub struct ReservoirFile {
 pub struct TimeFile {
     /// End of the run, s.
     pub end: Number,
-    /// Courant factor, default 0.3, with `KickDrift` 0.5, of `EdacTvf` 0.25.
+    /// Courant factor, default 0.5, with `Verlet` 0.3, of `EdacTvf` 0.25.
     #[serde(default)]
     pub cfl: Option<Number>,
     /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.

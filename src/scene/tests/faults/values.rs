@@ -46,6 +46,7 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
     check(wcsph, &set, "`plain_step_every` must be at least 1", never);
     check(wcsph, "EdacTvf(alpha: -0.5)", "`alpha` of the scheme is out of bounds", "-0.5");
     check(wcsph, "EdacTvf(background: 11)", "`background` of the scheme is out of bounds", "11");
+    check(wcsph, "EdacTvf(relaxation: 2)", "`relaxation` of the scheme is out of bounds", "2");
     check(wcsph, "EdacTvf(smoothing_ratio: 15)", "`smoothing_ratio` is out of bounds", "15");
     check(wcsph, "EdacTfv()", "`EdacTfv` is not a choice for `scheme`", "EdacTfv");
 }
