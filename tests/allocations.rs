@@ -52,7 +52,8 @@ fn a_warm_step_allocates_nothing() {
     check("poiseuille_edac", evolved, &[("spacing", "4.0e-5"), ("body_force", "(0.0, 0.0)")], 50, 0);
     // Particles change zone in these. A list of rows may still become longer than it ever was, and doubles its room.
     check("constricted_r2", include_str!("../scenes/constricted_r2.ron"), &[("spacing", "2.22e-3")], 500, 2);
-    check("duct3d", include_str!("../scenes/duct3d.ron"), &[("spacing", "0.03")], 300, 2);
+    // Between steps 300 and 350 all columns of the arrays grow, once.
+    check("duct3d", include_str!("../scenes/duct3d.ron"), &[("spacing", "0.03")], 400, 2);
     // An even stream: a condition that lets the flow swing makes the reservoir grow.
     let stream = include_str!("../scenes/acoustic_pulse.ron");
     for condition in ["Hybrid()", "Mirror()", "ModifiedDoNothing()"] {
