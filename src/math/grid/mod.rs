@@ -287,7 +287,11 @@ mod tests {
     #[test]
     fn points_outside_have_no_cell() {
         let grid = CellGrid::new([0.0; 2], [1.0; 2], [false, true], 0.3, 0.3);
-        assert!(grid.cell_of([1.0, 0.0]).is_some());
+        assert_eq!(
+            grid.cell_of([1.0, 0.0]),
+            Some(grid.cells()[0] - 1),
+            "the upper end belongs to the last cell"
+        );
         for point in [[1.0 + 1e-9, 0.5], [-1e-9, 0.5], [0.5, 1.0], [f64::NAN, 0.5], [0.5, f64::INFINITY]] {
             assert_eq!(grid.cell_of(point), None, "{point:?}");
         }
