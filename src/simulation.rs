@@ -11,12 +11,12 @@ use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 pub use crate::particles::sample::Sample;
-use crate::particles::zone::Zone;
 use crate::pass::sampling::Sampler;
 use crate::pass::section::{self, Section};
-use crate::scene::model::{ParticleSeed, Precision, Scene, Scheme};
+use crate::scene::model::{ParticleSeed, Precision, ProbeSight, Scene, Scheme};
 use crate::scene::spawn;
 use crate::systems::bodies::{Bodies, BodyForcesRow};
+use crate::systems::boundaries::watch::OutletWatch;
 use crate::systems::checkpoint::{Kept, particles};
 use crate::systems::clock::Clock;
 use crate::systems::core_plugins::{
@@ -50,7 +50,7 @@ struct Typed {
     refresh: fn(&mut World),
     monitor_row: fn(&mut World) -> MonitorRow,
     gather: fn(&mut World),
-    sample: fn(&World, &[DVec3]) -> Vec<Option<Sample>>,
+    sample: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>>,
     mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
 }
 
@@ -293,6 +293,11 @@ impl Simulation {
         self.world.resource::<Failure>().fault.as_ref()
     }
 
+    /// What outlets were seen to do that they should not, in the order in which it was found.
+    pub fn notes(&self) -> &[String] {
+        &self.world.resource::<OutletWatch>().notes
+    }
+
     /// The particle ledger.
     pub fn ledger(&self) -> &Ledger {
         self.world.resource::<Ledger>()
@@ -312,6 +317,12 @@ impl Simulation {
     /// Velocity (m/s), pressure (Pa) and density (kg/m³) of the fluid at points, by corrected kernel sums;
     /// None where no fluid is near.
     pub fn sample(&mut self, points: &[DVec3]) -> Vec<Option<Sample>> {
+        let fluid: Vec<_> = points.iter().map(|&point| (point, ProbeSight::Fluid)).collect();
+        self.sample_seeing(&fluid)
+    }
+
+    /// The same, of what is seen at each point.
+    pub fn sample_seeing(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
         (self.typed.refresh)(&mut self.world);
         (self.typed.sample)(&self.world, points)
     }
@@ -354,12 +365,16 @@ fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
     }
 }
 
-fn sample<R: Real, const D: usize>(world: &World, points: &[DVec3]) -> Vec<Option<Sample>> {
-    let arrays = world.resource::<ParticleArrays<R, D>>();
-    let sampler = Sampler::new(&world.resource::<Grid<D>>().0, arrays, &world.resource::<Pair>().0, |zone| {
-        zone == Zone::Fluid
-    });
-    points.iter().map(|&point| sampler.sample(point)).collect()
+fn sample<R: Real, const D: usize>(world: &World, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
+    let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<ParticleArrays<R, D>>());
+    let pair = &world.resource::<Pair>().0;
+    let fluid = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Fluid.sees(zone));
+    let flow = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Flow.sees(zone));
+    let of = |&(point, sight): &(DVec3, ProbeSight)| match sight {
+        ProbeSight::Fluid => fluid.sample(point),
+        ProbeSight::Flow => flow.sample(point),
+    };
+    points.iter().map(of).collect()
 }
 
 fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {

@@ -258,6 +258,21 @@ fn blow_up_says_where_and_keeps_the_frames() {
     }
 }
 
+/// An outlet that pulls the stream through it: first said, then the end, with its name, what the folder keeps of both.
+#[test]
+fn an_outlet_that_fails_is_named_before_and_after_the_flow_blows_up() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    let sets =
+        ["--set", "outlets.0.condition=Mirror(variant: Linear)", "--set", "spacing=2.5e-3", "--until", "2"];
+    let output = short_run(&run, &sets).output().expect("started");
+    refused(&output, 3, &["blew up", "the plane of outlet 0, `Mirror`"]);
+    let said = text(&output.stdout);
+    assert!(said.contains("note: "), "{said}");
+    let notes = summary(&run)["notes"].as_array().expect("notes").clone();
+    assert!(notes.iter().any(|note| said.contains(note.as_str().expect("text"))), "{notes:?}\n{said}");
+}
+
 /// A run that would last for long, once its first frame is on the disk.
 fn long_run(out: &Path) -> Child {
     let mut command = sphecs(["run", "scenes/quickstart.ron", "--until", "1e6", "--allow-oversize", "--out"]);

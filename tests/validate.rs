@@ -51,7 +51,7 @@ fn case(folder: &Path, speed: f64) -> String {
         (name: "sure", what: "its error", must: Near(value: 0.011547, by: 1e-5), value: Formula("mean_error")),
         (name: "spread", what: "distance of two twins, m/s", must: Near(value: 0.028284, by: 1e-5), value: Profile(
             run: "twins", probe: "line", field: speed, when: At(0.05), reference: Members, norm: RootMeanSquare)),
-        (name: "same", what: "distance from the other run", value: Profile(
+        (name: "same", what: "distance from the other run", must: AtMost(1.0), value: Profile(
             run: "stream", probe: "line", field: u, when: At(0.05), reference: Run("later"), norm: Largest)),
     ],
     plots: [(name: "line", title: "u", across: "x, m", upward: "u, m/s", curves: [
@@ -77,6 +77,7 @@ fn a_case_of_ones_own_is_run_measured_and_judged() {
     assert_eq!(output.status.code(), Some(0), "{said}\n{}", text(&output.stderr));
     assert!(said.contains("all that must be met is met"), "{said}");
     assert!(!said.contains("the other run"), "its second run is not of this tier:\n{said}");
+    assert!(said.contains("figures, 1 are of runs that this tier leaves out"), "{said}");
 
     let page = fs::read_to_string(out.join("uniform.md")).expect("a page");
     for words in [
@@ -87,6 +88,7 @@ fn a_case_of_ones_own_is_run_measured_and_judged() {
         "| mean speed of the twins, m/s | 0.27 ± 0.012 |",
         "| twins.3 |",
         "![Speed, t = 0 s](uniform_speed_1.png)",
+        "To be met, too, but not measured here, as their runs are of another tier or have no results: distance from the other run.",
     ] {
         assert!(page.contains(words), "no `{words}` in\n{page}");
     }
@@ -106,7 +108,18 @@ fn a_case_of_ones_own_is_run_measured_and_judged() {
     let output = validate(&["--reuse", "--case", &path], &out);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("distance from the other run"));
+    assert!(text(&output.stdout).contains("all that must be met is met; pages"), "{}", text(&output.stdout));
+    let page = fs::read_to_string(out.join("uniform.md")).expect("a page");
+    assert!(!page.contains("earlier build"), "{page}");
     assert_eq!(fs::read(out.join("uniform/stream/summary.json")).expect("a summary"), first);
+    // A run that another build made is taken, and told of.
+    let summary = out.join("uniform/stream/summary.json");
+    let of_another =
+        fs::read_to_string(&summary).expect("a summary").replace("\"build\": \"", "\"build\": \"0");
+    fs::write(&summary, of_another).expect("written");
+    validate(&["--reuse", "--case", &path], &out);
+    let page = fs::read_to_string(out.join("uniform.md")).expect("a page");
+    assert!(page.contains("Taken from an earlier build of this version: stream."), "{page}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! `summary.json`: how a run stands or how it ended.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
@@ -114,6 +115,15 @@ pub struct StageTime {
     pub seconds: f64,
 }
 
+/// What tells one build of the program from another of the same version: the checksum of the running file, empty where it cannot be read.
+pub fn this_build() -> &'static str {
+    static BUILD: OnceLock<String> = OnceLock::new();
+    BUILD.get_or_init(|| {
+        let bytes = std::env::current_exe().and_then(std::fs::read);
+        bytes.map_or_else(|_| String::new(), |bytes| format!("{:08x}", crc32fast::hash(&bytes)))
+    })
+}
+
 /// The contents of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -122,6 +132,12 @@ pub struct Summary {
     /// Why it ended before its end.
     #[serde(default)]
     pub message: Option<String>,
+    /// What outlets were seen to do that they should not.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// The build of the program that ended it ([`this_build`]).
+    #[serde(default)]
+    pub build: String,
     /// Seconds of wall time.
     pub wall_time: f64,
     /// Steps done.

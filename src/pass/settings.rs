@@ -41,7 +41,7 @@ pub struct PairSettings {
     pub tensile_control: bool,
     /// How walls enter the sums.
     pub wall_model: WallModel,
-    /// Body force per mass, m/s²: the hydrostatic part of a wall's pressure.
+    /// Body force per mass, m/s², where it is the same everywhere: the hydrostatic part of a mirrored wall's pressure.
     pub body_force: [f64; 3],
     /// Wall parts, by the patch index of their rows.
     pub wall_parts: Vec<WallPartSettings>,
@@ -66,8 +66,6 @@ pub struct WallPartSettings {
     pub free_slip: bool,
     /// The part takes the stress of the law of the wall.
     pub wall_function: bool,
-    /// Acceleration of its surface, m/s².
-    pub acceleration: [f64; 3],
 }
 
 impl PairSettings {

@@ -43,6 +43,9 @@ pub struct PairSums<R, const D: usize> {
     /// Velocities as the fluid's viscous term sees them, m/s, of all rows: of walls those of `physics/wall/dummy.rs`. Empty unless
     /// walls are dummy particles.
     pub velocity_seen: [Vec<R>; D],
+    /// Body force per mass, m/s², of the fluid rows: that by which a mirrored pressure goes on into a wall. Empty where it is the same everywhere,
+    /// [`PairSettings::body_force`](super::settings::PairSettings::body_force).
+    pub body_force: [Vec<R>; D],
     /// What a wall row with a wall function takes: acceleration of its neighbours over w(q), m/s²; 0 of all others. Empty where no wall has one.
     pub friction: [Vec<R>; D],
     /// Σ w(q) over the fluid rows that feel it; empty with it.
@@ -88,6 +91,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             stress: std::array::from_fn(|_| Vec::new()),
             wall_stress: std::array::from_fn(|_| Vec::new()),
             velocity_seen: std::array::from_fn(|_| Vec::new()),
+            body_force: std::array::from_fn(|_| Vec::new()),
             friction: std::array::from_fn(|_| Vec::new()),
             friction_felt: Vec::new(),
             columns: PairColumns::default(),

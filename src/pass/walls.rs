@@ -33,19 +33,20 @@ const CHUNK: usize = 8192;
 /// Columns of the pack beside the coordinates: density and pressure of the flow.
 const COLUMNS: usize = 2;
 
-/// Sets pressure and density of the wall rows from the flow around them.
+/// Sets pressure and density of the wall rows from the flow around them; `carried` is g − a_wall at a wall row, m/s².
 pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
+    carried: &(impl Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync),
 ) {
     sums.packs.prepare();
     if sums.columns.find_walls(pair, particles) == 0 {
         return;
     }
     sums.columns.wall_pressure.resize(particles.len(), R::default());
-    pair.kernel.with_shape(WallPass { pair, grid, particles: &*particles, sums });
+    pair.kernel.with_shape(WallPass { pair, grid, particles: &*particles, sums, carried });
     // Written only now: the extrapolation reads pressures while it runs.
     let found = &sums.columns.wall_pressure;
     let zone = &particles.zone;
@@ -60,14 +61,17 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     });
 }
 
-struct WallPass<'a, R: Real, const D: usize> {
+struct WallPass<'a, F, R: Real, const D: usize> {
     pair: &'a PairSettings,
     grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
     sums: &'a mut PairSums<R, D>,
+    carried: &'a F,
 }
 
-impl<R: Real, const D: usize> WithShape for WallPass<'_, R, D> {
+impl<F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync, R: Real, const D: usize> WithShape
+    for WallPass<'_, F, R, D>
+{
     type Output = ();
 
     fn run<K: KernelShape>(self) {
@@ -84,8 +88,9 @@ impl<R: Real, const D: usize> WithShape for WallPass<'_, R, D> {
         let packs = &self.sums.packs;
         let walls_before = &columns.walls_before;
         let work = |cells: Range<usize>, pressure: &mut [R]| {
-            let block = WallBlock::<K, R, D> {
+            let block = WallBlock::<K, F, R, D> {
                 pair: self.pair,
+                carried: self.carried,
                 source: &source,
                 particles: self.particles,
                 walls_before,
@@ -100,8 +105,9 @@ impl<R: Real, const D: usize> WithShape for WallPass<'_, R, D> {
     }
 }
 
-struct WallBlock<'a, K, R: Real, const D: usize> {
+struct WallBlock<'a, K, F, R: Real, const D: usize> {
     pair: &'a PairSettings,
+    carried: &'a F,
     source: &'a Source<'a, R, D>,
     particles: &'a ParticleArrays<R, D>,
     walls_before: &'a [u32],
@@ -111,7 +117,9 @@ struct WallBlock<'a, K, R: Real, const D: usize> {
     shape: PhantomData<K>,
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WallBlock<'_, K, R, D> {
+impl<K: KernelShape, F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D], R: Real, const D: usize> Vectorised<R>
+    for WallBlock<'_, K, F, R, D>
+{
     type Output = ();
 
     #[inline(always)]
@@ -126,12 +134,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WallBlock<'_, K,
             self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if self.particles.zone[row] == Zone::Wall {
-                    let part = self.pair.wall_part(self.particles.patch[row]);
-                    let mut force = [0.0; D];
-                    for d in 0..D {
-                        force[d] =
-                            (self.pair.body_force[d] - part.acceleration[d]) * self.pair.smoothing_length;
-                    }
+                    let force = (self.carried)(self.particles, row).map(|g| g * self.pair.smoothing_length);
                     let point = self.pack.relative(self.source, row);
                     let pressure = mean_pressure::<K, L, D>(self.pack, point, force);
                     self.pressure[row - first] = R::from_f64(pressure);
@@ -178,7 +181,6 @@ mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
     use crate::pass::samples::{SPACING, Sample, WATER, noise, settings};
-    use crate::pass::settings::WallPartSettings;
 
     /// Fluid above a wall, its pressure given by height.
     fn over_a_wall(pair: PairSettings, pressure: impl Fn(f64) -> f64) -> Sample<f64, 2> {
@@ -196,23 +198,24 @@ mod tests {
         sample
     }
 
-    fn extrapolate(sample: &mut Sample<f64, 2>) {
-        extrapolate_wall_pressure(&sample.pair, &sample.grid, &mut sample.particles, &mut sample.sums);
+    fn extrapolate(sample: &mut Sample<f64, 2>, force: [f64; 2]) {
+        let carried = |_: &ParticleArrays<f64, 2>, _| force;
+        extrapolate_wall_pressure(
+            &sample.pair,
+            &sample.grid,
+            &mut sample.particles,
+            &mut sample.sums,
+            &carried,
+        );
     }
 
     #[test]
     fn hydrostatic_pressure_goes_on_into_the_wall() {
         for kernel in Kernel::ALL {
-            let part = WallPartSettings { acceleration: [0.0, 2.0, 0.0], ..Default::default() };
-            let pair = PairSettings {
-                body_force: [0.0, -8.0, 0.0],
-                wall_parts: vec![part],
-                ..settings(kernel, 2, 1.3)
-            };
-            // A wall that is pushed up at 2 m/s² feels the fluid as if under 10 m/s².
+            let pair = settings(kernel, 2, 1.3);
             let hydrostatic = |height: f64| 50.0 - 1000.0 * 10.0 * height;
             let mut sample = over_a_wall(pair, hydrostatic);
-            extrapolate(&mut sample);
+            extrapolate(&mut sample, [0.0, -10.0]);
             let reach = sample.pair.support();
             for row in 0..sample.particles.len() {
                 let height = sample.particles.position[1][row] + 0.3;
@@ -235,7 +238,7 @@ mod tests {
                 sample.particles.pressure[row] = 100.0 + noise(row as u32);
             }
         }
-        extrapolate(&mut sample);
+        extrapolate(&mut sample, [0.0; 2]);
         for row in 0..sample.particles.len() {
             let pressure = sample.particles.pressure[row];
             assert!((99.0..=101.0).contains(&pressure) || pressure == 0.0, "{pressure} Pa");

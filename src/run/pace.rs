@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::systems::clock::Clock;
+
 /// Seconds of wall time over which the pace is taken: long enough to smooth the frames, short enough to
 /// follow a time step that shrinks as the flow starts.
 const WINDOW: f64 = 60.0;
@@ -18,6 +20,11 @@ pub struct Progress {
     pub fraction: f64,
     /// Steps × particles so far, reservoir not counted.
     pub particle_steps: f64,
+}
+
+/// Part of a run that is done, 0 to 1.
+pub fn fraction(clock: &Clock, until: f64, most_steps: u64) -> f64 {
+    (clock.time / until).max(clock.step as f64 / most_steps as f64).min(1.0)
 }
 
 /// The pace of the last minute.

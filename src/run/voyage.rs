@@ -7,7 +7,7 @@ use super::display::Display;
 use super::error::RunError;
 use super::log::{self, Log};
 use super::occasions::Occasions;
-use super::pace::{Pace, Progress};
+use super::pace::{Pace, Progress, fraction};
 use super::signals::{Signal, Signals};
 use super::words::{duration, figure, grouped};
 use super::{Ending, RunOptions, opening, report, wreck};
@@ -18,12 +18,11 @@ use crate::output::frame::Frame;
 use crate::output::header::Header;
 use crate::output::pack::Packed;
 use crate::output::probes::ProbeSet;
-use crate::output::summary::{LedgerCounts, StageTime, Status, Summary};
+use crate::output::summary::{LedgerCounts, StageTime, Status, Summary, this_build};
 use crate::particles::zone::Zone;
 use crate::scene::model::{ForcesEvery, Scene};
 use crate::simulation::{Simulation, Stop};
 use crate::systems::checkpoint::record;
-use crate::systems::clock::Clock;
 
 /// A run under way.
 pub struct Voyage {
@@ -40,6 +39,8 @@ pub struct Voyage {
     /// Step of the last checkpoint handed over; None before the first.
     last_checkpoint: Option<u64>,
     pace: Pace,
+    /// How many of the simulation's notes were said.
+    notes_said: usize,
     started: Instant,
 }
 
@@ -111,6 +112,7 @@ impl Voyage {
         Self {
             occasions: Occasions::new(started, every, options.most_wall_time),
             probes: ProbeSet::new(scene),
+            notes_said: simulation.notes().len(),
             simulation,
             folder,
             signals,
@@ -171,8 +173,17 @@ impl Voyage {
                 }
                 return Ok(Halt::Flow(stop));
             }
+            self.say_notes();
             self.write_forces()?;
             self.take_pace();
+        }
+    }
+
+    /// Says what was found of the outlets in the step.
+    fn say_notes(&mut self) {
+        for note in &self.simulation.notes()[self.notes_said..] {
+            self.display.say(&format!("note: {note}"));
+            self.notes_said += 1;
         }
     }
 
@@ -263,7 +274,7 @@ impl Voyage {
         self.log.last_row_step = Some(self.log.last_row.step);
         self.folder.monitor(&self.log.last_row)?;
         if !self.probes.is_empty() {
-            let samples = self.simulation.sample(&self.probes.points());
+            let samples = self.simulation.sample_seeing(&self.probes.points());
             let flows = self.simulation.mass_flows(&self.probes.sections());
             self.folder.probe(&self.probes.reduce(self.log.last_row.time, &samples, &flows))?;
         }
@@ -350,8 +361,9 @@ impl Voyage {
         let (clock, frames) = (self.simulation.clock(), self.log.frame_count);
         let kept = match self.folder.finish(summary) {
             Ok(_) => {
-                let particulars =
-                    self.simulation.fault().map(|fault| wreck::particulars(&path, &header, &clock, fault));
+                let scene = self.simulation.scene();
+                let of = |fault| wreck::particulars(&path, &header, scene, &clock, fault);
+                let particulars = self.simulation.fault().map(of);
                 particulars.unwrap_or_default() + &wreck::kept(&path, frames, self.last_checkpoint)
             }
             Err(error) => wreck::not_closed(&error),
@@ -375,12 +387,9 @@ impl Voyage {
             lanes: InstructionSet::best().name().to_owned(),
             ledger: LedgerCounts::from(self.simulation.ledger()),
             stages,
+            notes: self.simulation.notes().to_vec(),
+            build: this_build().to_owned(),
             run: self.folder.header().clone(),
         }
     }
-}
-
-/// Part of a run that is done, 0 to 1.
-fn fraction(clock: &Clock, until: f64, most_steps: u64) -> f64 {
-    (clock.time / until).max(clock.step as f64 / most_steps as f64).min(1.0)
 }

@@ -9,6 +9,7 @@ use crate::output::blow_up;
 use crate::output::error::OutputError;
 use crate::output::header::Header;
 use crate::output::summary::Status;
+use crate::scene::model::{Patch, Scene};
 use crate::simulation::Stop;
 use crate::systems::clock::Clock;
 use crate::systems::failure::Fault;
@@ -22,14 +23,14 @@ pub fn cure(stop: &Stop) -> (Status, String) {
             (Status::Failed, "lengthen its `depth`, lower `time.end`, or let it be `Fed`".to_owned())
         }
         Stop::ReservoirEmpty { .. } => {
-            (Status::Failed, "raise `reservoir.initial`, or let it grow with `when_empty: Grow`".to_owned())
+            (Status::Failed, "raise `reservoir.particles`, or let it grow with `when_empty: Grow`".to_owned())
         }
     }
 }
 
 /// Keeps the surroundings of a fault and says what is known of its particle, a line each. To be called when the results are closed: the last
 /// frame is read back.
-pub fn particulars(folder: &Path, header: &Header, clock: &Clock, fault: &Fault) -> String {
+pub fn particulars(folder: &Path, header: &Header, scene: &Scene, clock: &Clock, fault: &Fault) -> String {
     let vector = |vector: DVec3| {
         let parts: Vec<String> = vector.to_array().into_iter().take(header.dimensions).map(figure).collect();
         format!("({})", parts.join(", "))
@@ -57,6 +58,7 @@ pub fn particulars(folder: &Path, header: &Header, clock: &Clock, fault: &Fault)
             figure(good.pressure),
         );
     }
+    text += &next_to_outlet(scene, fault).unwrap_or_default();
     let nearest = |(near, distance): (&Nearby, f64)| {
         format!(
             ", the nearest, {} particle {}, {} Δ away",
@@ -73,6 +75,23 @@ pub fn particulars(folder: &Path, header: &Header, clock: &Clock, fault: &Fault)
         }
         Err(error) => format!("\nits surroundings could not be kept: {error}"),
     }
+}
+
+/// The outlet in whose zone, or within two supports before which, a particle failed: its condition is the first thing to doubt.
+fn next_to_outlet(scene: &Scene, fault: &Fault) -> Option<String> {
+    let reach = 2.0 * scene.scheme.support(scene.spacing);
+    let near = |patch: &Patch| {
+        let along = patch.along(fault.position);
+        along > -reach && along < patch.depth + reach && patch.covers(fault.position, reach)
+    };
+    let (number, outlet) = scene.outlets.iter().enumerate().find(|(_, outlet)| near(&outlet.patch))?;
+    let along = outlet.patch.along(fault.position) / scene.spacing;
+    let side = if along < 0.0 { "before" } else { "behind" };
+    Some(format!(
+        "\nit is {} Δ {side} the plane of outlet {number}, `{}`, which may be why: docs/which_outlet.md says which condition holds where",
+        figure(along.abs()),
+        outlet.condition.name()
+    ))
 }
 
 /// What is left of a run: frames and checkpoint.

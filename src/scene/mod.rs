@@ -13,6 +13,7 @@
 //! * [`model`], [`scheme`]: the checked scene
 //! * [`lattice`], [`fill`], [`rows`], [`walls`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
+//! * [`body`], [`probe`]: what is measured
 //! * [`summary`]: its figures
 //! * [`demand`]: what a run of it takes of the disk
 //! * [`faults`]: what is wrong with it
@@ -31,6 +32,7 @@ pub mod inflow;
 pub mod lattice;
 pub mod model;
 pub mod notation;
+pub mod probe;
 pub mod rings;
 pub mod rows;
 pub mod schema;

@@ -9,6 +9,7 @@ pub use super::body::{Body, BodyReference, ForcesEvery};
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
+pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
 use crate::physics::eos::Tait;
@@ -324,40 +325,6 @@ pub struct OutputSettings {
     pub forces: ForcesEvery,
     /// Probes.
     pub probes: Vec<Probe>,
-}
-
-/// A declared measurement.
-#[derive(Clone, Debug)]
-pub struct Probe {
-    /// Name, unique in the scene.
-    pub name: String,
-    /// What is measured.
-    pub kind: ProbeKind,
-    /// Interval of the time mean in the results, s; None: no mean.
-    pub mean: Option<(f64, f64)>,
-}
-
-/// Where and what a probe measures: velocity, pressure and density.
-#[derive(Clone, Debug)]
-pub enum ProbeKind {
-    /// At one point, m.
-    Point(DVec3),
-    /// At `count` ≥ 2 points evenly from `from` to `to`, ends included, m.
-    Line {
-        /// First point, m.
-        from: DVec3,
-        /// Last point, m.
-        to: DVec3,
-        /// Number of points.
-        count: usize,
-    },
-    /// Mass flow (kg/s, per metre of depth in 2D) and mean pressure through a plane section of the domain.
-    Section {
-        /// A point of the section, m.
-        at: DVec3,
-        /// Unit normal.
-        normal: DVec3,
-    },
 }
 
 /// A particle at t = 0.

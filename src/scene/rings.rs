@@ -5,14 +5,36 @@
 //! ```
 //!
 //! Negi et al. (2020), section 4.6, put the first ring on the circumference itself and the others Δ apart, “such that the volume is
-//! consistent”: the rings here stand in the middle of the shells that they are to fill, half a spacing behind the surface as on a
-//! lattice, which makes their volume that of the cylinder (with a ring at R it is that of a radius Δ/2 larger). In 2D.
+//! consistent”; that is [`FirstRing::Circumference`], r_k = R − k Δ. By default the rings stand in the middle of the shells that they are to fill, half a
+//! spacing behind the surface as on a lattice, which makes their volume that of the cylinder (with a ring at R it is that of a radius Δ/2 larger).
+//! In 2D.
 
 use glam::DVec3;
+use serde::Deserialize;
 
 use super::fill::{Place, wall_thickness};
 use super::model::Scene;
 use crate::particles::zone::Zone;
+
+/// Where the first ring of a cylinder is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum FirstRing {
+    /// Half a spacing behind the surface.
+    #[default]
+    HalfSpacing,
+    /// On the surface: Negi et al. (2020).
+    Circumference,
+}
+
+impl FirstRing {
+    /// Its depth, over Δ.
+    fn depth(self) -> f64 {
+        match self {
+            FirstRing::HalfSpacing => 0.5,
+            FirstRing::Circumference => 0.0,
+        }
+    }
+}
 
 /// A cylinder whose wall particles stand on rings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +43,8 @@ pub struct Rings {
     pub centre: DVec3,
     /// Radius, m, > 0.
     pub radius: f64,
+    /// Where its first ring is.
+    pub first: FirstRing,
 }
 
 /// Puts the rings of a scene in the places of the wall particles that the lattice has in their cylinders.
@@ -35,7 +59,7 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
     places.retain(|place| !within(place));
     for rings in &scene.layout.rings {
         let deepest = wall_thickness(scene) - 1e-9 * spacing;
-        let radii = (0..).map(|ring| (f64::from(ring) + 0.5) * spacing);
+        let radii = (0..).map(|ring| (f64::from(ring) + rings.first.depth()) * spacing);
         for depth in radii.take_while(|depth| *depth < deepest.min(rings.radius + 1e-9 * spacing)) {
             let radius = (rings.radius - depth).max(0.0);
             let count = (std::f64::consts::TAU * radius / spacing).round().max(1.0) as u32;
@@ -81,5 +105,19 @@ mod tests {
         }
         // Wendland at 1.5 Δ feels three layers: 2π (0.95 + 0.85 + 0.75)/0.1.
         assert_eq!(depths.len(), 60 + 53 + 47);
+    }
+
+    #[test]
+    fn the_first_ring_may_be_the_circumference() {
+        let on_it =
+            CYLINDER.replace("radius: 1.0),\n        )]", "radius: 1.0, first: Circumference),\n        )]");
+        assert_ne!(on_it, CYLINDER);
+        let scene = load_str("cylinder", &on_it, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let all = seeds(&scene);
+        let ring = all.iter().filter(|seed| seed.zone == Zone::Wall && seed.patch == 1);
+        let radii: Vec<f64> = ring.map(|seed| seed.position.distance(glam::DVec3::X * 0.1)).collect();
+        // One layer more is within what it feels: 2π (1.0 + 0.9 + 0.8 + 0.7)/0.1.
+        assert_eq!(radii.len(), 63 + 57 + 50 + 44);
+        assert_eq!(radii.iter().filter(|radius| (**radius - 1.0).abs() < 1e-12).count(), 63);
     }
 }

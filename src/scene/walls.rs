@@ -15,6 +15,19 @@ impl WallPart {
     pub fn velocity_at(&self, point: DVec3, time: f64) -> DVec3 {
         DVec3::from(self.velocity.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
     }
+
+    /// Acceleration v·∇v of what moves with the surface at a point of it (m) and time (s), m/s², by a central difference over a thousandth of `length` (m)
+    /// to either side: that of a cylinder that turns is ω² R to its axis.
+    pub fn turning_at(&self, point: DVec3, time: f64, length: f64) -> DVec3 {
+        let velocity = self.velocity_at(point, time);
+        let speed = velocity.length();
+        if speed == 0.0 {
+            return DVec3::ZERO;
+        }
+        let way = velocity * (1e-3 * length / speed);
+        let difference = self.velocity_at(point + way, time) - self.velocity_at(point - way, time);
+        difference * (speed / (2e-3 * length))
+    }
 }
 
 /// A wall particle's surface.

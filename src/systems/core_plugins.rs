@@ -9,6 +9,7 @@ use super::boundaries::inlets::apply_inlets;
 use super::boundaries::outlets::{OutletStates, apply_outlets};
 use super::boundaries::rows::PatchRows;
 use super::boundaries::walls::apply_walls;
+use super::boundaries::watch::{OutletWatch, watch_outlets};
 use super::boundaries::wave_zone::outlet_rates;
 use super::clock::Clock;
 use super::edac::{even_outlets, kick_and_drift, sum_edac_rates, sum_volumes};
@@ -115,6 +116,7 @@ impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
 impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
         parts.keep::<OutletStates>("outlets");
+        parts.keep::<OutletWatch>("outlet_watch");
         parts.keep::<HeldAtWalls>("held_at_walls");
         parts.keep::<FreeNumbers>("free_numbers");
         parts.world.init_resource::<TransitionLists>();
@@ -135,6 +137,8 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
             hold_at_walls::<R, D>.in_set(StepSystems::Shift).after(shift::<R, D>).after(even_outlets::<R, D>),
         );
         parts.step.add_systems(transition::<R, D>.in_set(StepSystems::Transition));
+        // So that what comes behind the check comes behind both.
+        parts.step.add_systems(watch_outlets.in_set(StepSystems::Observe).before(check_state::<R, D>));
     }
 }
 

@@ -47,7 +47,6 @@ pub fn pair_settings(scene: &Scene) -> PairSettings {
         .map(|part| WallPartSettings {
             free_slip: part.slip.is_free_in_pairs(),
             wall_function: part.slip == Slip::WallFunction,
-            acceleration: [0.0; 3],
         })
         .collect();
     pair

@@ -13,7 +13,7 @@ use super::schema::{RunFile, Tier};
 use super::value::RunResults;
 use super::{ValidateError, ValidateOptions};
 use crate::output::error::OutputError;
-use crate::output::summary::{Status, Summary};
+use crate::output::summary::{Status, Summary, this_build};
 use crate::run::console::Console;
 use crate::run::error::RunError;
 use crate::run::resume::{self, ResumeOptions};
@@ -197,6 +197,8 @@ fn run_line(passage: &Passage<'_>, summary: &Summary, failure: Option<String>) -
         wall_time: summary.wall_time,
         threads: summary.threads,
         lanes: summary.lanes.clone(),
+        notes: summary.notes.clone(),
+        of_another_build: summary.build != this_build(),
         failure,
         may_fail: passage.run.may_fail,
     }

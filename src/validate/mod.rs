@@ -187,10 +187,20 @@ impl<'a> Judge<'a> {
             .map(|(case, _)| case.name.as_str())
             .collect();
         let folder = self.options.folder.display();
+        let of_case = |case: &Case| case.file.figures.iter().filter(|figure| figure.must.is_some()).count();
+        let measured = |(case, outcome): &(&Case, Outcome)| of_case(case) - outcome.unseen.len();
+        let (all, measured): (usize, usize) =
+            (self.cases.iter().map(of_case).sum(), self.outcomes.iter().map(measured).sum());
+        let unseen = match all - measured {
+            0 => String::new(),
+            count => format!(
+                " ({measured} of {all} figures, {count} are of runs that this tier leaves out or that blew up and may)"
+            ),
+        };
         self.options.console.say(&if missed.is_empty() {
-            format!("all that must be met is met; pages and plots in {folder}")
+            format!("all that must be met is met{unseen}; pages and plots in {folder}")
         } else {
-            format!("missed: {}; pages and plots in {folder}", missed.join(", "))
+            format!("missed: {}{unseen}; pages and plots in {folder}", missed.join(", "))
         });
         if missed.is_empty() { Judgement::Met } else { Judgement::Missed }
     }
@@ -231,6 +241,9 @@ fn measure(
         let name = &figure.name.value;
         if is_left_out(&figure.value, &present, options.tier, &left_out, &readings) {
             left_out.push(name);
+            if figure.must.is_some() {
+                outcome.unseen.push(index);
+            }
             continue;
         }
         let value = evaluate(&figure.value, Context { case, runs, known: &known, readings: &readings });

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::case::Case;
-use super::schema::FigureFile;
+use super::schema::{CaseFile, FigureFile};
 use super::value::reading::Reading;
 use super::verdict::{Verdict, figures, number, signs};
 use crate::run::words::{duration, grouped};
@@ -38,6 +38,10 @@ pub struct RunLine {
     pub threads: usize,
     /// Lanes.
     pub lanes: String,
+    /// What its outlets were seen to do that they should not.
+    pub notes: Vec<String>,
+    /// Whether another build of this version made it.
+    pub of_another_build: bool,
     /// Why it has no results.
     pub failure: Option<String>,
     /// Whether a failure is no miss.
@@ -51,6 +55,9 @@ pub struct Outcome {
     pub runs: Vec<RunLine>,
     /// Its figures, those of runs that this tier leaves out not among them.
     pub figures: Vec<Measured>,
+    /// Places among the case's figures of those with a band to be met that were not looked at: their runs are of another tier, or blew up
+    /// and may.
+    pub unseen: Vec<usize>,
     /// Plots and pictures that were drawn: file and title.
     pub plots: Vec<(String, String)>,
 }
@@ -115,6 +122,7 @@ pub fn page(case: &Case, outcome: &Outcome, command: &str) -> String {
             measured.verdict.word()
         );
     }
+    text += &unseen_line(file, outcome);
     for (path, title) in &outcome.plots {
         text += &format!("\n![{title}]({path})\n");
     }
@@ -129,6 +137,14 @@ pub fn page(case: &Case, outcome: &Outcome, command: &str) -> String {
         let (particles, steps) = (grouped(run.particles), grouped(run.steps));
         text += &format!("| {} | `{}`{with} | {particles} | {steps} | {took} |\n", run.name, run.scene);
     }
+    let earlier: Vec<&str> =
+        outcome.runs.iter().filter(|run| run.of_another_build).map(|run| run.name.as_str()).collect();
+    if !earlier.is_empty() {
+        text += &format!("\nTaken from an earlier build of this version: {}.\n", earlier.join(", "));
+    }
+    for run in outcome.runs.iter().filter(|run| !run.notes.is_empty()) {
+        text += &format!("\n`{}` said: {}.\n", run.name, run.notes.join("; "));
+    }
     if let Some(run) = outcome.runs.first() {
         let threads = match run.threads {
             1 => "1 thread".to_owned(),
@@ -141,6 +157,18 @@ pub fn page(case: &Case, outcome: &Outcome, command: &str) -> String {
         text += &format!("\n## Remarks\n{}\n", remarks.trim());
     }
     text
+}
+
+/// What should be met and was not measured; nothing where all was.
+fn unseen_line(file: &CaseFile, outcome: &Outcome) -> String {
+    if outcome.unseen.is_empty() {
+        return String::new();
+    }
+    let what: Vec<&str> = outcome.unseen.iter().map(|&index| file.figures[index].what.as_str()).collect();
+    format!(
+        "\nTo be met, too, but not measured here, as their runs are of another tier or have no results: {}.\n",
+        what.join("; ").replace('|', "\\|")
+    )
 }
 
 /// A figure as `report.json` has it.
@@ -189,7 +217,15 @@ pub fn json(outcomes: &[(&Case, Outcome)]) -> String {
         .iter()
         .flat_map(|(case, outcome)| outcome.runs.iter().map(|run| (case.name.as_str(), run)))
         .collect();
-    let report =
-        serde_json::json!({ "version": env!("CARGO_PKG_VERSION"), "runs": runs, "figures": figures });
+    let unseen: Vec<(&str, &str)> = outcomes
+        .iter()
+        .flat_map(|(case, outcome)| {
+            let name = |index: &usize| case.file.figures[*index].name.value.as_str();
+            outcome.unseen.iter().map(move |index| (case.name.as_str(), name(index)))
+        })
+        .collect();
+    let report = serde_json::json!({
+        "version": env!("CARGO_PKG_VERSION"), "runs": runs, "figures": figures, "not_measured": unseen,
+    });
     format!("{report:#}\n")
 }

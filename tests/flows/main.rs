@@ -36,6 +36,8 @@ struct State {
     velocity: DVec3,
     /// kg/m³.
     density: f64,
+    /// Pa.
+    pressure: f64,
 }
 
 /// The fluid particles by number.
@@ -50,6 +52,7 @@ fn fluid(simulation: &mut Simulation) -> Vec<State> {
             position: position.0,
             velocity: velocity.0,
             density: thermodynamics.density,
+            pressure: thermodynamics.pressure,
         })
         .collect();
     states.sort_by_key(|state| state.id);

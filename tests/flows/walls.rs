@@ -125,19 +125,31 @@ fn a_lid_that_swings_drags_the_fluid_along() {
 #[test]
 fn water_in_a_box_carries_its_weight_on_walls_of_every_model() {
     check("hydrostatic pressure", [[0.002; 3], [0.0007; 3]], |scheme, model| {
-        let walls = format!("(model: {model})");
-        let mut simulation = flow(BOX, &[("scheme", scheme), ("walls", walls.as_str())]);
-        simulation.run_until(8.0).expect("water at rest");
-        assert_eq!(simulation.monitor_row().through_walls, 0);
-        let heights = (0..9).map(|i| -0.4 + 0.1 * f64::from(i));
-        let points: Vec<DVec3> = heights.map(|y| DVec3::new(0.02, y, 0.0)).collect();
-        let samples = simulation.sample(&points);
-        let pressures: Vec<f64> = samples.iter().map(|sample| sample.expect("water").pressure).collect();
-        // The mean is that of the filling, which an evolved pressure keeps to the squares of what settled.
-        let mean = pressures.iter().sum::<f64>() / 9.0;
-        let off = points.iter().zip(&pressures).map(|(at, p)| (p - mean + 1000.0 * at.y).abs());
-        off.fold(0.0, f64::max) / 1000.0
+        hydrostatic_error(scheme, model, "(0.0, -1.0)")
     });
+}
+
+/// The same where the weight comes gently and is an expression.
+#[test]
+fn walls_of_every_model_carry_a_weight_that_comes() {
+    check("weight that comes", [[0.002; 3], [0.0007; 3]], |scheme, model| {
+        hydrostatic_error(scheme, model, "(0.0, \"-min(t, 1.0)\")")
+    });
+}
+
+fn hydrostatic_error(scheme: &str, model: &str, weight: &str) -> f64 {
+    let walls = format!("(model: {model})");
+    let mut simulation = flow(BOX, &[("scheme", scheme), ("walls", walls.as_str()), ("body_force", weight)]);
+    simulation.run_until(8.0).expect("water at rest");
+    assert_eq!(simulation.monitor_row().through_walls, 0);
+    let heights = (0..9).map(|i| -0.4 + 0.1 * f64::from(i));
+    let points: Vec<DVec3> = heights.map(|y| DVec3::new(0.02, y, 0.0)).collect();
+    let samples = simulation.sample(&points);
+    let pressures: Vec<f64> = samples.iter().map(|sample| sample.expect("water").pressure).collect();
+    // The mean is that of the filling, which an evolved pressure keeps to the squares of what settled.
+    let mean = pressures.iter().sum::<f64>() / 9.0;
+    let off = points.iter().zip(&pressures).map(|(at, p)| (p - mean + 1000.0 * at.y).abs());
+    off.fold(0.0, f64::max) / 1000.0
 }
 
 /// Fluid between a cylinder that turns and one at rest, started as it ends.
@@ -161,6 +173,23 @@ fn fluid_between_cylinders_turns_as_couette_has_it() {
         let mut simulation = flow(ANNULUS, &[("scheme", scheme), ("walls.model", model)]);
         simulation.run_until(2.5).expect("a flow in a ring");
         ring_error(&mut simulation)
+    });
+}
+
+/// Root of the mean squared error of the pressure in that flow, less its mean, over ρ (ω R)².
+#[test]
+fn pressure_between_cylinders_holds_the_fluid_in_its_circle() {
+    check("annulus, pressure", [[0.42; 3], [0.09; 3]], |scheme, model| {
+        let mut simulation = flow(ANNULUS, &[("scheme", scheme), ("walls.model", model)]);
+        simulation.run_until(2.5).expect("a flow in a ring");
+        let b = 2.0 / (0.5_f64.powi(-2) - 1.0);
+        // ∂p/∂r = ρ (b/r − b r)²/r
+        let exact = |r: f64| 1000.0 * b * b * (0.5 * r * r - 2.0 * r.ln() - 0.5 / (r * r));
+        let states = fluid(&mut simulation);
+        let off = states.iter().map(|state| state.pressure - exact(state.position.length()));
+        let mean = off.clone().sum::<f64>() / states.len() as f64;
+        let square = off.map(|off| (off - mean).powi(2)).sum::<f64>() / states.len() as f64;
+        square.sqrt() / 1000.0
     });
 }
 

@@ -15,7 +15,7 @@ use glam::DVec3;
 use super::header::ProbeShape;
 use crate::particles::sample::Sample;
 use crate::pass::section::Section;
-use crate::scene::model::{Probe, ProbeKind, Scene};
+use crate::scene::model::{Probe, ProbeKind, ProbeSight, Scene};
 
 /// The points of one probe.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,8 @@ pub struct ProbePoints {
     pub areas: Vec<f64>,
     /// The part of the plane that a section is; None for the others.
     pub section: Option<Section>,
+    /// Whose fields are sampled.
+    pub sees: ProbeSight,
 }
 
 /// What one probe measured.
@@ -80,9 +82,11 @@ impl ProbeSet {
         self.probes.is_empty()
     }
 
-    /// All points of all probes, in the order that [`Self::reduce`] takes samples, m.
-    pub fn points(&self) -> Vec<DVec3> {
-        self.probes.iter().flat_map(|probe| probe.points.iter().copied()).collect()
+    /// All points of all probes, in the order that [`Self::reduce`] takes samples, m, with what is seen there.
+    pub fn points(&self) -> Vec<(DVec3, ProbeSight)> {
+        let of =
+            |probe: &ProbePoints| probe.points.iter().map(|&point| (point, probe.sees)).collect::<Vec<_>>();
+        self.probes.iter().flat_map(of).collect()
     }
 
     /// All sections, in the order that [`Self::reduce`] takes their mass flows.
@@ -133,6 +137,7 @@ fn probe_points(probe: &Probe, scene: &Scene) -> ProbePoints {
         points: Vec::new(),
         areas: Vec::new(),
         section: None,
+        sees: probe.sees,
     };
     match probe.kind {
         ProbeKind::Point(at) => result.points = vec![at],
@@ -173,6 +178,7 @@ mod tests {
             at,
             areas: vec![0.1; points.len()],
             section: Some(Section::new(at, DVec3::X, &points, 0.1, [None; 3], 2)),
+            sees: ProbeSight::Fluid,
             points,
         }
     }
@@ -187,7 +193,7 @@ mod tests {
             ProbePoints { shape: ProbeShape::Point, section: None, points: vec![DVec3::X], ..section() };
         let set = ProbeSet { probes: vec![point, section()] };
         assert_eq!(set.sections().len(), 1);
-        let samples: Vec<_> = set.points().iter().map(pressed).collect();
+        let samples: Vec<_> = set.points().iter().map(|(point, _)| pressed(point)).collect();
         let sample = set.reduce(0.25, &samples, &[1005.0]);
         let ProbeValues::Section { mass_flow, mean_pressure } = sample.values[1] else {
             panic!("a section gives integrals");
@@ -203,7 +209,7 @@ mod tests {
             ProbeValues::Section { mean_pressure, .. } => mean_pressure,
             ProbeValues::Fields(_) => panic!("a section gives integrals"),
         };
-        let samples: Vec<_> = set.points().iter().map(|p| pressed(p).filter(|_| p.y < 0.5)).collect();
+        let samples: Vec<_> = set.points().iter().map(|(p, _)| pressed(p).filter(|_| p.y < 0.5)).collect();
         assert!((pressure(&samples) - 5.0).abs() < 1e-12);
         assert!(pressure(&[None; 10]).is_nan());
     }

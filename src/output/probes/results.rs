@@ -166,6 +166,7 @@ mod tests {
     use crate::output::table::Table;
     use crate::particles::sample::Sample;
     use crate::pass::section::Section;
+    use crate::scene::model::ProbeSight;
     use glam::DVec3;
 
     const MEAN: Option<(f64, f64)> = Some((1.0, 3.0));
@@ -192,6 +193,7 @@ mod tests {
             areas: vec![0.5; count],
             section: (header.kind == ProbeShape::Section)
                 .then(|| Section::new(DVec3::X, DVec3::X, &[DVec3::X], 1.0, [None; 3], 2)),
+            sees: ProbeSight::Fluid,
         };
         let probes =
             header().probes.iter().zip([3, 2, 1]).map(|(header, count)| probe(header, count)).collect();
@@ -204,7 +206,7 @@ mod tests {
         let samples: Vec<Option<Sample>> = set
             .points()
             .iter()
-            .map(|point| Sample {
+            .map(|(point, _)| Sample {
                 velocity: DVec3::X * (time + point.x),
                 pressure: 10.0 * time,
                 density: 1000.0,

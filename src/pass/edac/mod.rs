@@ -93,7 +93,9 @@ impl<R: Real, const D: usize> WithShape for EdacPass<'_, R, D> {
             wall_normal,
             ..
         } = self.particles;
-        let PairSums { shift, divergence, pressure_rate, velocity_seen, columns, packs, .. } = self.sums;
+        let PairSums { shift, divergence, pressure_rate, velocity_seen, body_force, columns, packs, .. } =
+            self.sums;
+        let body_force = &*body_force;
         let layout = self.layout;
         let images = &columns.image_distance;
         let vectors = [&*velocity, &*drift, &*wall_normal, &*velocity_seen];
@@ -114,6 +116,7 @@ impl<R: Real, const D: usize> WithShape for EdacPass<'_, R, D> {
                 source: &source,
                 zone,
                 wall_distance,
+                body_force,
                 cells,
                 outputs: (acceleration, shift, scalars),
                 pack: &mut packs.of_this_thread(),
@@ -140,6 +143,7 @@ struct EdacBlock<'a, K, R: Real, const D: usize> {
     source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
     wall_distance: &'a [R],
+    body_force: &'a [Vec<R>; D],
     cells: Range<usize>,
     outputs: Outputs<'a, R, D>,
     pack: &'a mut Pack<R>,
@@ -151,7 +155,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for EdacBlock<'_, K,
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> EdacSummary {
-        let pair_loop = PairLoop::<L, D>::new(self.pair, self.edac, self.layout);
+        let pair_loop = PairLoop::<L, D>::new(self.pair, self.edac, self.layout, self.body_force);
         match (pair_loop.is_plain(), pair_loop.has_walls()) {
             (true, false) => self.sweep::<L, true, false>(&pair_loop),
             (true, true) => self.sweep::<L, true, true>(&pair_loop),

@@ -93,6 +93,8 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     pair: &'a PairSettings,
     edac: &'a Edac,
     layout: Layout,
+    /// Body force of the rows, m/s²; empty where it is that of `pair`.
+    body_force: &'a [Vec<L::Real>; D],
     terms: Terms,
     /// Largest image factor.
     cap: L,
@@ -130,7 +132,12 @@ pub(super) struct RowRates<const D: usize> {
 
 impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
     #[inline(always)]
-    pub fn new(pair: &'a PairSettings, edac: &'a Edac, layout: Layout) -> Self {
+    pub fn new(
+        pair: &'a PairSettings,
+        edac: &'a Edac,
+        layout: Layout,
+        body_force: &'a [Vec<L::Real>; D],
+    ) -> Self {
         let of_pressure = edac.pressure_viscosity(pair.smoothing_length, pair.tait.sound_speed);
         let viscosity = [pair.pair_viscosity(), of_pressure / pair.edac_coefficient(edac)];
         let own_slope = if edac.printed { 0.0 } else { pair.kernel.slope(D, pair.smoothing_length, 0.0) };
@@ -138,6 +145,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             pair,
             edac,
             layout,
+            body_force,
             terms: Terms {
                 printed: edac.printed,
                 mirrored: pair.wall_model.pressure() == WallPressure::Mirrored,
@@ -194,7 +202,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             x_a[d] = L::splat(point[d]);
             v_a[d] = L::splat(own(layout.velocity + d));
             drift_a[d] = L::splat(own(layout.drift + d));
-            weight_a[d] = L::constant(-density * pair.body_force[d] * h);
+            let force = self.body_force[d].get(row).map_or(pair.body_force[d], |force| force.to_f64());
+            weight_a[d] = L::constant(-density * force * h);
         }
         let rho_a = L::constant(density);
         let p_a = L::constant(pressure);

@@ -60,20 +60,25 @@ impl<R: Real, const D: usize> WithShape for BodyPass<'_, R, D> {
             crowding: &sums.crowding,
             fluid_volume: &sums.columns.fluid_volume,
         });
-        let row_loop =
-            OfRow { pair: self.pair, layout: self.layout, wall_distance: &particles.wall_distance };
+        let row_loop = OfRow {
+            pair: self.pair,
+            layout: self.layout,
+            wall_distance: &particles.wall_distance,
+            body_force: &sums.body_force,
+        };
         sum_body::<K, R, D>(self.pair, self.grid, particles, &columns[..count], sums, &row_loop, self.body)
     }
 }
 
 /// The pair loop of a row, with all terms that the scene has.
-struct OfRow<'a, R> {
+struct OfRow<'a, R, const D: usize> {
     pair: &'a PairSettings,
     layout: Layout,
     wall_distance: &'a [R],
+    body_force: &'a [Vec<R>; D],
 }
 
-impl<R: Real, const D: usize> RowLoop<R, D> for OfRow<'_, R> {
+impl<R: Real, const D: usize> RowLoop<R, D> for OfRow<'_, R, D> {
     #[inline(always)]
     fn sum<K: KernelShape, L: Lanes<Real = R>>(
         &self,
@@ -82,7 +87,7 @@ impl<R: Real, const D: usize> RowLoop<R, D> for OfRow<'_, R> {
         point: [R; D],
         row: usize,
     ) -> RowForce<D> {
-        let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout);
+        let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout, self.body_force);
         let distance = self.wall_distance[row].to_f64();
         let rates = pair_loop.sum::<K, false, false, false, false, true>(pack, source, point, row, distance);
         RowForce { acceleration: rates.acceleration, pressure: rates.split.0, moment: rates.split.1 }

@@ -147,6 +147,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             crowding,
             stress,
             velocity_seen,
+            body_force,
             columns,
             packs,
             ..
@@ -175,6 +176,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             support_ratio: K::SUPPORT,
             only: Only::All,
         };
+        let body_force = &*body_force;
         let work = |cells: Range<usize>, outputs: Outputs<R, D>| {
             let block = RatesBlock::<K, R, D> {
                 pair: self.pair,
@@ -182,6 +184,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
                 source: &source,
                 zone,
                 wall_distance,
+                body_force,
                 eddy_viscosity,
                 cells,
                 outputs,
@@ -208,6 +211,7 @@ struct RatesBlock<'a, K, R: Real, const D: usize> {
     source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
     wall_distance: &'a [R],
+    body_force: &'a [Vec<R>; D],
     eddy_viscosity: &'a [R],
     cells: Range<usize>,
     outputs: Outputs<'a, R, D>,
@@ -220,7 +224,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for RatesBlock<'_, K
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> RatesSummary {
-        let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout);
+        let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout, self.body_force);
         let (damped, walls) = (pair_loop.is_damped(), pair_loop.has_walls());
         match (pair_loop.is_plain(), damped, walls, pair_loop.is_net()) {
             (true, false, false, false) => self.sweep::<L, true, false, false, false>(&pair_loop),

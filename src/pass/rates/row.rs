@@ -18,6 +18,8 @@ use crate::physics::wall::{WallPressure, image};
 pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     pair: &'a PairSettings,
     layout: Layout,
+    /// Body force of the rows, m/s²; empty where it is that of `pair`.
+    body_force: &'a [Vec<L::Real>; D],
     terms: Terms,
     /// Largest image factor.
     cap: L,
@@ -57,7 +59,7 @@ pub(super) struct RowRates<const D: usize> {
 
 impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
     #[inline(always)]
-    pub fn new(pair: &'a PairSettings, layout: Layout) -> Self {
+    pub fn new(pair: &'a PairSettings, layout: Layout, body_force: &'a [Vec<L::Real>; D]) -> Self {
         let (artificial, printed) = match pair.viscous_term {
             Viscosity::Laminar { printed, .. } => (0.0, printed),
             Viscosity::Artificial { alpha } => (alpha, false),
@@ -68,6 +70,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         Self {
             pair,
             layout,
+            body_force,
             terms: Terms {
                 artificial: artificial != 0.0,
                 printed,
@@ -146,7 +149,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         for d in 0..D {
             x_a[d] = L::splat(point[d]);
             v_a[d] = L::splat(own(layout.velocity + d));
-            weight_a[d] = L::constant(-density * pair.body_force[d] * h);
+            let force = self.body_force[d].get(row).map_or(pair.body_force[d], |force| force.to_f64());
+            weight_a[d] = L::constant(-density * force * h);
         }
         let mut strain_a = [zero; 6];
         if let Some(first) = layout.strain {

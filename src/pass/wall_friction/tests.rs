@@ -9,7 +9,7 @@ use crate::pass::settings::WallPartSettings;
 const VISCOSITY: f64 = 1e-4;
 
 fn wall_function() -> WallPartSettings {
-    WallPartSettings { free_slip: true, wall_function: true, acceleration: [0.0; 3] }
+    WallPartSettings { free_slip: true, wall_function: true }
 }
 
 /// Fluid over a wall of five layers, which is flat in y; `offset` (Δ) puts its surface between two layers.

@@ -213,6 +213,19 @@ impl Default for OutletCondition {
 }
 
 impl OutletCondition {
+    /// Its name in a scene.
+    pub fn name(&self) -> &'static str {
+        match self {
+            OutletCondition::WaveEquation { .. } => "WaveEquation",
+            OutletCondition::Orlanski { .. } => "Orlanski",
+            OutletCondition::DoNothing => "DoNothing",
+            OutletCondition::ModifiedDoNothing { .. } => "ModifiedDoNothing",
+            OutletCondition::Mirror { .. } => "Mirror",
+            OutletCondition::Characteristic { .. } => "Characteristic",
+            OutletCondition::Hybrid { .. } => "Hybrid",
+        }
+    }
+
     /// The wave equation of the condition, if it solves one.
     pub fn wave(&self) -> Option<WaveCondition> {
         match *self {

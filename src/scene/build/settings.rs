@@ -79,7 +79,7 @@ pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> O
             interval
         });
         let kind = probe_kind(&probe.kind.value, check);
-        probes.push(Probe { name: name.value.clone(), kind, mean });
+        probes.push(Probe { name: name.value.clone(), kind, mean, sees: probe.sees });
     }
     let checkpoint_every =
         file.checkpoint_every.as_ref().map_or(CHECKPOINT_EVERY, |number| check.positive(number, "s"));

@@ -62,8 +62,9 @@ fn concentric(
     check: &mut Checker<'_>,
 ) -> Option<Rings> {
     let before = check.blemishes();
-    let WallFillFile::Concentric { center, radius } = &file.value;
-    let rings = Rings { centre: check.vector(center, "m"), radius: check.positive(radius, "m") };
+    let WallFillFile::Concentric { center, radius, first } = &file.value;
+    let rings =
+        Rings { centre: check.vector(center, "m"), radius: check.positive(radius, "m"), first: *first };
     if check.dimensions != 2 {
         let label = "must be left out in 3D";
         check.report(Fault::new("`Concentric` is for cylinders in 2D", file.head, label));

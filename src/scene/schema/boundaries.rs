@@ -8,6 +8,7 @@ use crate::physics::outlet::OutletCondition;
 use crate::physics::wall::{Slip, WallModel};
 use crate::scene::notation::tree::Span;
 use crate::scene::notation::typed::Spanned;
+use crate::scene::rings::FirstRing;
 
 /// The walls.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -57,12 +58,15 @@ pub struct WallPartFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WallFillFile {
-    /// On rings in a cylinder, in 2D: the first half a spacing behind the surface, the next a spacing further in.
+    /// On rings in a cylinder, in 2D, a spacing apart.
     Concentric {
         /// Centre of the cylinder, m.
         center: Vector,
         /// Its radius, m.
         radius: Number,
+        /// Where the first ring is, default half a spacing behind the surface.
+        #[serde(default)]
+        first: FirstRing,
     },
 }
 

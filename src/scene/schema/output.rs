@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::{Number, Text, Vector};
-use crate::scene::model::ForcesEvery;
+use crate::scene::model::{ForcesEvery, ProbeSight};
 use crate::scene::notation::typed::Spanned;
 
 /// What is written and when.
@@ -37,6 +37,9 @@ pub struct ProbeFile {
     /// Interval of the time mean, s.
     #[serde(default)]
     pub mean: Option<Spanned<(Number, Number)>>,
+    /// What it sees, default `Fluid`.
+    #[serde(default)]
+    pub sees: ProbeSight,
 }
 
 /// Where and what a probe measures.

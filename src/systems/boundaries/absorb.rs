@@ -16,6 +16,11 @@ use crate::scene::model::{Outlet, Scene};
 /// the resonance of an inlet with a throat is hardly damped; longer, and the start takes longer to settle.
 const PASSAGES: f64 = 4.0;
 
+/// Time in which sound that an outlet lets go has left, s.
+pub fn settling_time(scene: &Scene, outlet: &Outlet) -> f64 {
+    PASSAGES * scene.extent_along(outlet.patch.towards) / scene.fluid.sound_speed
+}
+
 /// Passages of sound along the section in which the velocity at its points is followed: of a vortex more is read as sound, the longer it
 /// is, of sound less the shorter it is (docs/outlets.md).
 const CROSSINGS: f64 = 1.0;
@@ -69,8 +74,8 @@ impl AbsorbingZone {
             return;
         };
         let (density, sound_speed) = (scene.fluid.density, scene.fluid.sound_speed);
-        let passages = PASSAGES * scene.extent_along(outlet.patch.towards) / sound_speed;
-        let setting = AbsorbingSetting { target, time: time.unwrap_or(passages), density, sound_speed };
+        let time = time.unwrap_or_else(|| settling_time(scene, outlet));
+        let setting = AbsorbingSetting { target, time, density, sound_speed };
         let mean = self.take_apart(found, near);
         let plane = self.plane.advance(&setting, mean.pressure, mean.velocity, time_step);
         self.pressure.clear();

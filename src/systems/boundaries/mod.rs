@@ -11,6 +11,7 @@
 //! - [`rows`]: which rows belong to which patch
 //! - [`section`]: points that stand for the section of an opening
 //! - [`walls`]: velocity and pressure of wall particles
+//! - [`watch`]: what an outlet does that it should not, said while the run goes on
 //! - [`wave_zone`]: the zone of a wave equation
 
 pub mod absorb;
@@ -24,4 +25,5 @@ pub mod outlets;
 pub mod rows;
 pub mod section;
 pub mod walls;
+pub mod watch;
 pub mod wave_zone;

@@ -160,6 +160,8 @@ pub enum FieldFile {
     Density,
     /// Velocity along a direction, m/s: its components, not longer or shorter than 1 by more than rounding.
     Along(Spanned<Vec<Number>>),
+    /// Slope of another field along the line, over m: central differences between its points.
+    Slope(Box<FieldFile>),
 }
 
 /// When a profile is taken.

@@ -72,7 +72,24 @@ pub fn column<'a>(probe: &'a ProbeHistory, field: &FieldFile) -> Result<Cow<'a, 
             let component = |axis: usize| direction.value.get(axis).map_or(0.0, |number| number.value);
             weighted([0, 1, 2].map(component))
         }
+        FieldFile::Slope(field) => {
+            let (values, points) = (column(probe, field)?, probe.places.len());
+            if points < 2 {
+                return Err(format!("probe `{}` has one point and no slope", probe.name));
+            }
+            Ok(Cow::Owned(values.chunks(points).flat_map(|line| slopes(line, &probe.places)).collect()))
+        }
     }
+}
+
+/// Slopes at the points of a line: between the neighbours of each, at the ends to the only one.
+fn slopes(line: &[f64], places: &[[f64; 3]]) -> Vec<f64> {
+    let last = line.len() - 1;
+    let between = |a: usize, b: usize| {
+        let distance = (0..3).map(|axis| (places[b][axis] - places[a][axis]).powi(2)).sum::<f64>().sqrt();
+        (line[b] - line[a]) / distance
+    };
+    (0..line.len()).map(|at| between(at.saturating_sub(1), (at + 1).min(last))).collect()
 }
 
 #[cfg(test)]
@@ -114,6 +131,23 @@ mod tests {
         assert_eq!(family.places.iter().map(|place| place[0]).collect::<Vec<_>>(), [0.0, 0.0, 1.0, 1.0]);
         assert_eq!(family.sample("u", 1), Some(&[3.0, 4.0, 7.0, 8.0][..]));
         assert!(probe(&probes, "c*").is_err());
+    }
+
+    #[test]
+    fn slopes_are_those_between_the_points_of_a_line() {
+        let probe = ProbeHistory {
+            name: "a".to_owned(),
+            places: vec![[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
+            times: vec![0.0, 1.0],
+            columns: vec![("u", vec![0.0, 0.25, 1.0, 4.0, 1.0, 1.0, 1.0, 3.0])],
+        };
+        let slope = FieldFile::Slope(Box::new(FieldFile::U));
+        assert_eq!(
+            column(&probe, &slope).expect("slopes")[..],
+            [0.5, 1.0, 2.5, 3.0, 0.0, 0.0, 4.0 / 3.0, 2.0]
+        );
+        let point = ProbeHistory { places: vec![[0.0; 3]], ..probe };
+        assert!(column(&point, &slope).is_err());
     }
 
     #[test]
