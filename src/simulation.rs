@@ -327,7 +327,8 @@ impl Simulation {
         (self.typed.sample)(&self.world, points)
     }
 
-    /// Mass flow through sections of the flow along their normals, kg/s (per metre of depth in 2D).
+    /// Mass flow through sections of the flow along their normals, kg/s (per metre of depth in 2D): of what moves, velocity and shift, where the scene
+    /// has a section among its probes; else `Wcsph` keeps no shift, and flows are of velocities alone.
     pub fn mass_flows(&mut self, sections: &[&Section]) -> Vec<f64> {
         (self.typed.gather)(&mut self.world);
         (self.typed.mass_flows)(&self.world, sections)

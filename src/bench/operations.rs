@@ -1,7 +1,7 @@
 //! Floating-point operations of an ordered pair in one step, counted from the loops as they are written.
 //!
-//! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and choices nothing. 1/√x is a root and a
-//! division, however many instructions a set takes for it. Figures of a loop are those with Wendland's kernel. Work on candidates beyond the support,
+//! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and choices nothing. √x with 1/√x is a root and a
+//! division, however many instructions a set takes for both or for the one that is used. Figures of a loop are those with Wendland's kernel. Work on candidates beyond the support,
 //! packing and the ends of the rows are left out: the share of the peak that follows is that of useful work.
 //!
 //! The tests run the passes over numbers that count their operations, and find these figures.
@@ -11,15 +11,15 @@ use crate::physics::sps::components;
 use crate::physics::viscosity::reconstructed::NoiseDamping;
 use crate::scene::model::{Scene, Scheme};
 
-/// Of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 3, w(q) 7, the sum 1.
+/// Of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 2, w(q) 7, the sum 1.
 pub const fn density(dimensions: usize) -> usize {
-    3 * dimensions + 11
+    3 * dimensions + 10
 }
 
-/// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, the shared division with what it
+/// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 5, the shared division with what it
 /// yields 10, x·v and the signal 2 D, divergence 4, pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
 pub const fn rates(dimensions: usize) -> usize {
-    12 * dimensions + 26
+    12 * dimensions + 25
 }
 
 /// What walls add to the rates: the image factor 2, its use in the divergence and in the viscous term 2.
@@ -46,23 +46,23 @@ pub const fn stress(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
 }
 
-/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, volume 3, the factors of the sums 3 D,
+/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 5, volume 3, the factors of the sums 3 D,
 /// gradient and moments 2 D² each.
 pub const fn gradients(dimensions: usize) -> usize {
-    4 * dimensions * dimensions + 7 * dimensions + 11
+    4 * dimensions * dimensions + 7 * dimensions + 10
 }
 
-/// Of the loop in `pass/strain/row.rs`, which sums the density as well: that of the density 3 D + 11, F 6, v_ab and the factors
+/// Of the loop in `pass/strain/row.rs`, which sums the density as well: that of the density 3 D + 10, F 6, v_ab and the factors
 /// of the sums 3 D, the sums themselves 2 D + 1, gradient 2 D², moments D² + D.
 pub const fn density_and_strain(dimensions: usize) -> usize {
-    3 * dimensions * dimensions + 9 * dimensions + 18
+    3 * dimensions * dimensions + 9 * dimensions + 17
 }
 
-/// Of the plain loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 3, F 5, the shared division with what it yields 6, weight
+/// Of the plain loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 5, the shared division with what it yields 6, weight
 /// 4, x·v and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and damping 4, pressure 1, the neighbour's
 /// stress 3, acceleration 6 D, background 2 D.
 pub const fn evolved_rates(dimensions: usize) -> usize {
-    16 * dimensions + 30
+    16 * dimensions + 29
 }
 
 /// What walls add to them: the image factor 2, its use in the viscous term 1.

@@ -143,7 +143,7 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
             let x = x_a[d] - entry.column(d);
             r2 = x.mul_add(x, r2);
         }
-        sum = sum + K::value(r2 * r2.inverse_sqrt());
+        sum = sum + K::value(r2.roots().0);
     }
     sum.sum()
 }

@@ -103,7 +103,7 @@ fn offset<K: KernelShape, L: Lanes, const D: usize>(entry: &Entry<'_, L>, at: [L
         offset[d] = entry.column(d) - L::splat(at[d]);
         q2 = offset[d].mul_add(offset[d], q2);
     }
-    (offset, entry.column(D + VOLUME) * K::value(q2 * q2.inverse_sqrt()))
+    (offset, entry.column(D + VOLUME) * K::value(q2.roots().0))
 }
 
 #[inline(always)]

@@ -179,8 +179,8 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
             if nothing_near::<L, D>(q2, limit) {
                 continue;
             }
-            let inverse_q = q2.inverse_sqrt();
-            let slope = K::slope(q2 * inverse_q, inverse_q);
+            let (q, inverse_q) = q2.roots();
+            let slope = K::slope(q, inverse_q);
             let volume_slope = slope * (mass * entry.column(2 * D).inverse());
             let mut factor = one;
             if has_walls {

@@ -160,7 +160,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WallStressBlock<
                         let x = L::splat(point[d]) - entry.column(d);
                         q2 = x.mul_add(x, q2);
                     }
-                    let weight = K::value(q2 * q2.inverse_sqrt());
+                    let weight = K::value(q2.roots().0);
                     let weight = L::select(zero.less(entry.column(D)), zero, weight);
                     weights = weights + weight;
                     for (c, sum) in sums.iter_mut().enumerate().take(components(D)) {

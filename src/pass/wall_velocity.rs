@@ -152,7 +152,7 @@ fn mean_velocity<K: KernelShape, L: Lanes, const D: usize>(
             let x = x_w[d] - entry.column(d);
             q2 = x.mul_add(x, q2);
         }
-        let weight = K::value(q2 * q2.inverse_sqrt());
+        let weight = K::value(q2.roots().0);
         for d in 0..D {
             sum[d] = entry.column(D + d).mul_add(weight, sum[d]);
         }

@@ -167,7 +167,7 @@ fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
             x[d] = x_w[d] - entry.column(d);
             q2 = x[d].mul_add(x[d], q2);
         }
-        let weight = K::value(q2 * q2.inverse_sqrt());
+        let weight = K::value(q2.roots().0);
         let pressure = entry.column(D).mul_add(dot(force_w, x), entry.column(D + 1));
         sum = pressure.mul_add(weight, sum);
         weights = weights + weight;

@@ -163,8 +163,7 @@ impl<K: KernelShape, R: Real, const D: usize> WaveBlock<'_, K, R, D> {
                 }
                 flows = L::select(zero.less(image), zero, one);
             }
-            let inverse_q = q2.inverse_sqrt();
-            let q = q2 * inverse_q;
+            let (q, inverse_q) = q2.roots();
             let volume = mass * entry.column(D + D).inverse();
             let pair =
                 WavePair { x_ob, v_ob, v_n_b, volume, w: K::value(q), f: K::slope(q, inverse_q), flows };

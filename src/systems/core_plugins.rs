@@ -32,6 +32,7 @@ use super::transitions::{TransitionLists, transition};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::physics::shifting::Shifting;
+use crate::scene::model::ProbeKind;
 
 /// The arrays, their sort and the two homes of the state.
 pub struct NeighboursPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);
@@ -74,7 +75,11 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
         parts.world.init_resource::<Bodies>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
         let scene = &parts.world.resource::<SceneInUse>().0;
-        let drifts = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting != Shifting::Off);
+        // Only sections ask for it.
+        let has_sections =
+            scene.output.probes.iter().any(|probe| matches!(probe.kind, ProbeKind::Section { .. }));
+        let shifts = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting != Shifting::Off);
+        let drifts = has_sections && shifts;
         parts.world.insert_resource(ParticleArrays::<R, D> { drifts, ..Default::default() });
         parts.stage.add_systems((
             sum_density::<R, D>.in_set(StageSystems::Density),

@@ -34,46 +34,53 @@ pub fn shift<R: Real, const D: usize>(
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };
-    let ParticleArrays { zone, position, velocity, velocity_before, drift, .. } = &mut *arrays;
+    let ParticleArrays { zone, position, velocity, velocity_before, drift, drifts, .. } = &mut *arrays;
     let per_step = 1.0 / step.time_step;
     let (zone, sums) = (&*zone, &sums.0);
-    let work = |rows: Range<usize>, (position, [mut now, mut before, mut drift]): Columns<R, D>| {
-        for (at, row) in rows.enumerate() {
-            if zone[row] != Zone::Fluid && zone[row] != Zone::Outflow {
-                for drift in &mut drift {
-                    drift[at] = R::default();
+    let work =
+        |rows: Range<usize>, (position, [mut now, mut before]): Columns<R, D, 2>, drift: &mut [&mut [R]]| {
+            for (at, row) in rows.enumerate() {
+                if zone[row] != Zone::Fluid && zone[row] != Zone::Outflow {
+                    for drift in &mut *drift {
+                        drift[at] = R::default();
+                    }
+                    continue;
                 }
-                continue;
-            }
-            let concentration: [f64; D] = std::array::from_fn(|axis| sums.shift[axis][row].to_f64());
-            let speed = (0..D).map(|axis| now[axis][at].to_f64().powi(2)).sum::<f64>().sqrt();
-            let moved = shifting.displacement(concentration, speed, step);
-            for axis in 0..D {
-                position[axis][at] += moved[axis];
-                drift[axis][at] = R::from_f64(moved[axis] * per_step);
-            }
-            if shifting.carries_velocity() && zone[row] == Zone::Fluid {
-                let gradient =
-                    sums.neighbour_gradient.each_ref().map(|of| of.each_ref().map(|g| g[row].to_f64()));
-                let change = carried(moved, gradient);
-                for velocity in [&mut now, &mut before] {
-                    for axis in 0..D {
-                        velocity[axis][at] += R::from_f64(change[axis]);
+                let concentration: [f64; D] = std::array::from_fn(|axis| sums.shift[axis][row].to_f64());
+                let speed = (0..D).map(|axis| now[axis][at].to_f64().powi(2)).sum::<f64>().sqrt();
+                let moved = shifting.displacement(concentration, speed, step);
+                for axis in 0..D {
+                    position[axis][at] += moved[axis];
+                }
+                for (drift, moved) in drift.iter_mut().zip(moved) {
+                    drift[at] = R::from_f64(moved * per_step);
+                }
+                if shifting.carries_velocity() && zone[row] == Zone::Fluid {
+                    let gradient =
+                        sums.neighbour_gradient.each_ref().map(|of| of.each_ref().map(|g| g[row].to_f64()));
+                    let change = carried(moved, gradient);
+                    for velocity in [&mut now, &mut before] {
+                        for axis in 0..D {
+                            velocity[axis][at] += R::from_f64(change[axis]);
+                        }
                     }
                 }
             }
-        }
-    };
-    let columns = (
-        position.each_mut().map(Vec::as_mut_slice),
-        [
-            velocity.each_mut().map(Vec::as_mut_slice),
-            velocity_before.each_mut().map(Vec::as_mut_slice),
-            drift.each_mut().map(Vec::as_mut_slice),
-        ],
-    );
-    for_each_part(0..zone.len(), columns, &work);
+        };
+    let position = position.each_mut().map(Vec::as_mut_slice);
+    let [now, before] = [velocity, velocity_before].map(|columns| columns.each_mut().map(Vec::as_mut_slice));
+    let rows = 0..zone.len();
+    if *drifts {
+        let columns = (position, [now, before, drift.each_mut().map(Vec::as_mut_slice)]);
+        for_each_part(rows, columns, &|rows, (position, [now, before, mut drift]): Columns<R, D, 3>| {
+            work(rows, (position, [now, before]), &mut drift);
+        });
+    } else {
+        for_each_part(rows, (position, [now, before]), &|rows, columns: Columns<R, D, 2>| {
+            work(rows, columns, &mut []);
+        });
+    }
 }
 
-/// Positions; velocities, present and before, and drifts of a part's rows.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3]);
+/// Positions; velocities, present and before, and drifts if there are any, of a part's rows.
+type Columns<'a, R, const D: usize, const N: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; N]);

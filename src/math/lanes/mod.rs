@@ -79,8 +79,8 @@ pub trait Lanes:
     /// 1/x, to a few units in the last place, for normal x.
     fn inverse(self) -> Self;
 
-    /// 1/√x, to a few units in the last place, for normal x > 0.
-    fn inverse_sqrt(self) -> Self;
+    /// √x and 1/√x, to a few units in the last place, for normal x > 0. Where only one is used, the other costs nothing.
+    fn roots(self) -> (Self, Self);
 
     /// Where `self < other`.
     fn less(self, other: Self) -> Self::Mask;
@@ -221,7 +221,8 @@ mod tests {
             check("abs", b.abs(), &|_, b| b.abs());
             check("sqrt", a.sqrt(), &|a, _| a.sqrt());
             check("inverse", b.inverse(), &|_, b| 1.0 / b);
-            check("inverse_sqrt", a.inverse_sqrt(), &|a, _| 1.0 / a.sqrt());
+            check("root", a.roots().0, &|a, _| a.sqrt());
+            check("inverse root", a.roots().1, &|a, _| 1.0 / a.sqrt());
             check("select", L::select(a.less(b), a, b), &f64::min);
             let sum: f64 = first.iter().map(|x| x.to_f64()).sum();
             assert!((a.sum().to_f64() - sum).abs() <= epsilon * 4.0 * sum);

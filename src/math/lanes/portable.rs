@@ -99,8 +99,9 @@ impl<R: Real, const N: usize> Lanes for Array<R, N> {
         Self::constant(1.0) / self
     }
     #[inline(always)]
-    fn inverse_sqrt(self) -> Self {
-        Self::constant(1.0) / self.sqrt()
+    fn roots(self) -> (Self, Self) {
+        let root = self.sqrt();
+        (root, Self::constant(1.0) / root)
     }
     #[inline(always)]
     fn less(self, other: Self) -> [bool; N] {

@@ -201,8 +201,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             if nothing_near::<L, D>(q2, self.limit) {
                 continue;
             }
-            let inverse_q = q2.inverse_sqrt();
-            let q = q2 * inverse_q;
+            let (q, inverse_q) = q2.roots();
             let slope = K::slope(q, inverse_q);
 
             // One division for 1/(ρ_a + ρ_b), 1/(q² + η²/h²) and 1/ρ_b.

@@ -52,8 +52,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
         if nothing_near::<L, D>(q2, limit) {
             continue;
         }
-        let inverse_q = q2.inverse_sqrt();
-        let q = q2 * inverse_q;
+        let (q, inverse_q) = q2.roots();
         kernel_sum = kernel_sum + K::value(q);
         let of_all = K::slope(q, inverse_q);
         let slope = of_all * entry.column(2 * D);
@@ -80,8 +79,8 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     }
     // The sums lack the same factor, but for one h: ∇W = scale · slope · x_ab/h. The row itself is in none but the first.
     let nearest = L::constant(LEAST_Q2);
-    let inverse_q = nearest.inverse_sqrt();
-    let own_weight = K::slope(nearest * inverse_q, inverse_q).largest().to_f64();
+    let (q, inverse_q) = nearest.roots();
+    let own_weight = K::slope(q, inverse_q).largest().to_f64();
     let weights = weight_sum.sum().to_f64() - own_weight;
     let of_weights = if weights == 0.0 { 0.0 } else { 1.0 / weights };
     let along = along_sum.map(|sum| sum.sum().to_f64());

@@ -249,7 +249,7 @@ fn mean_flow<K: KernelShape, L: Lanes, const D: usize>(
             x[d] = entry.column(d) - x_w[d];
             q2 = x[d].mul_add(x[d], q2);
         }
-        let weight = K::value(q2 * q2.inverse_sqrt());
+        let weight = K::value(q2.roots().0);
         for d in 0..D {
             sum[d] = entry.column(D + d).mul_add(weight, sum[d]);
         }
@@ -346,7 +346,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for FeelBlock<'_, K,
                         let x = entry.column(d) - x_a[d];
                         q2 = x.mul_add(x, q2);
                     }
-                    let weight = K::value(q2 * q2.inverse_sqrt());
+                    let weight = K::value(q2.roots().0);
                     for d in 0..D {
                         sum[d] = entry.column(D + d).mul_add(weight, sum[d]);
                     }

@@ -33,8 +33,9 @@ lanes! {
         fn inverse(self) -> Self {
             Self::splat(1.0) / self
         }
-        fn inverse_sqrt(self) -> Self {
-            Self::splat(1.0) / self.sqrt()
+        fn roots(self) -> (Self, Self) {
+            let root = self.sqrt();
+            (root, Self::splat(1.0) / root)
         }
         fn less(self, other: Self) -> __m256d {
             // SAFETY: as said above.
@@ -95,12 +96,13 @@ lanes! {
         fn inverse(self) -> Self {
             Self::splat(1.0) / self
         }
-        fn inverse_sqrt(self) -> Self {
+        fn roots(self) -> (Self, Self) {
             // SAFETY: as said above. The 12 bits of this estimate leave 2⁻²³ after one term.
             let y = unsafe { Self(_mm256_rsqrt_ps(self.0)) };
             let e = (-(self * y)).mul_add(y, Self::splat(1.0));
             let series = e.mul_add(Self::splat(0.375), Self::splat(0.5));
-            (y * e).mul_add(series, y)
+            let inverse = (y * e).mul_add(series, y);
+            (self * inverse, inverse)
         }
         fn less(self, other: Self) -> __m256 {
             // SAFETY: as said above.

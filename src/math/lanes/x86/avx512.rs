@@ -33,12 +33,13 @@ lanes! {
             let series = e.mul_add(e, e).mul_add(e, e);
             y.mul_add(series, y)
         }
-        fn inverse_sqrt(self) -> Self {
+        fn roots(self) -> (Self, Self) {
             // SAFETY: as said above.
             let y = unsafe { Self(_mm512_rsqrt14_pd(self.0)) };
             let e = (-(self * y)).mul_add(y, Self::splat(1.0));
             let series = e.mul_add(Self::splat(0.3125), Self::splat(0.375)).mul_add(e, Self::splat(0.5));
-            (y * e).mul_add(series, y)
+            let inverse = (y * e).mul_add(series, y);
+            (self * inverse, inverse)
         }
         fn less(self, other: Self) -> __mmask8 {
             // SAFETY: as said above.
@@ -92,11 +93,12 @@ lanes! {
             let e = (-self).mul_add(y, Self::splat(1.0));
             y.mul_add(e, y)
         }
-        fn inverse_sqrt(self) -> Self {
+        fn roots(self) -> (Self, Self) {
             // SAFETY: as said above.
             let y = unsafe { Self(_mm512_rsqrt14_ps(self.0)) };
             let e = (-(self * y)).mul_add(y, Self::splat(1.0));
-            (y * e).mul_add(Self::splat(0.5), y)
+            let inverse = (y * e).mul_add(Self::splat(0.5), y);
+            (self * inverse, inverse)
         }
         fn less(self, other: Self) -> __mmask16 {
             // SAFETY: as said above.
