@@ -196,6 +196,7 @@ mod tests {
         ] {
             assert_eq!(value(name), wanted, "{name}");
         }
-        assert!(pack(folder.path(), &header).expect("packed").is_some());
+        let packed = pack(folder.path(), &header).expect("packed").expect("there is a table");
+        assert!(packed.starts_with(folder.path()) && packed.is_file(), "{}", packed.display());
     }
 }

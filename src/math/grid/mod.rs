@@ -273,7 +273,11 @@ mod tests {
             let [wrapped, y] = grid.wrap([x, 3.0]);
             assert!((-0.3..0.7).contains(&wrapped), "{x} went to {wrapped}");
             assert_eq!(y, 3.0);
-            assert!(grid.cell_of([wrapped, 0.5]).is_some());
+            let [columns, _] = grid.cells();
+            let cell = grid.cell_of([wrapped, 0.5]).expect("a cell");
+            let edge = -0.3 + (cell % columns) as f64 / columns as f64;
+            let width = 1.0 / columns as f64;
+            assert!((edge - 1e-12..=edge + width + 1e-12).contains(&wrapped), "{wrapped} is in cell {cell}");
         }
     }
 
