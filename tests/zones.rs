@@ -8,6 +8,7 @@ use plug::scene;
 use sphecs::glam::DVec3;
 use sphecs::particles::components::{ParticleId, Position, Velocity};
 use sphecs::particles::zone::Zone;
+use sphecs::scene::model::ProbeSight;
 use sphecs::simulation::{Simulation, Stop};
 
 /// Spacing of the particles, m.
@@ -313,4 +314,15 @@ fn an_inlet_that_is_filled_once_is_drained_as_by_a_piston() {
     let ledger = simulation.ledger();
     assert_eq!((ledger.grown, ledger.initial), (0, particles.len() as u64));
     assert!(ledger.count(Zone::Inflow) <= 3 * ROWS as u64, "{}", ledger.count(Zone::Inflow));
+}
+
+/// Four spacings behind the outlet's plane, where the support of the fluid has ended.
+#[test]
+fn a_probe_looks_into_a_zone_only_where_it_is_asked_to() {
+    let mut simulation = flow(&[]);
+    let point = DVec3::new(0.2, 0.04, 0.0);
+    let seen = simulation.sample_seeing(&[(point, ProbeSight::Fluid), (point, ProbeSight::Flow)]);
+    assert!(seen[0].is_none(), "{seen:?}");
+    let velocity = seen[1].expect("outflow particles").velocity;
+    assert!((velocity - DVec3::X * SPEED).length() < 1e-9, "{velocity} m/s");
 }

@@ -88,3 +88,32 @@ fn part(scene: &Scene, surface: DVec3) -> u16 {
         .position(|region| region.contains(surface, tolerance))
         .map_or(0, |index| index as u16 + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::scene::load_str;
+
+    /// A drum that turns with 2/s and, later, faster: ω² R to its axis whatever it does along itself.
+    #[test]
+    fn what_turns_is_accelerated_to_its_axis() {
+        let text = r#"Scene(
+            title: "Drum", dimensions: 2, spacing: 0.05, smoke: 0.05,
+            fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+            domain: Circle(center: (0.0, 0.0), radius: 0.5),
+            walls: (parts: [(
+                name: "drum", region: Circle(center: (0.0, 0.0), radius: 1.0), velocity: ("-2*(1 + t)*y", "2*(1 + t)*x"),
+            )]),
+            reference: (velocity: 1.0), time: (end: 1.0), output: (every: 1.0),
+        )"#;
+        let scene = load_str("drum", text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let drum = scene.walls.parts.iter().find(|part| part.moves()).expect("a part that moves");
+        let point = DVec3::new(0.3, -0.4, 0.0);
+        for (time, rate) in [(0.0, 2.0), (0.5, 3.0)] {
+            let found = drum.turning_at(point, time, scene.spacing);
+            assert!((found + point * rate * rate).length() < 1e-9, "{found} m/s² at {time} s");
+        }
+        assert_eq!(drum.turning_at(DVec3::ZERO, 0.0, scene.spacing), DVec3::ZERO);
+    }
+}
