@@ -43,6 +43,8 @@ fn a_warm_step_allocates_nothing() {
     check("taylor_green", vortices, &[("spacing", "0.04")], 50, 0);
     check("taylor_green", vortices, &[("spacing", "0.04"), ("precision", "F32")], 50, 0);
     check("taylor_green", vortices, &[("spacing", "0.04"), ("scheme.viscosity", "Sps()")], 50, 0);
+    // More rows than a thread takes at a time, 14 400, so that the work is handed about.
+    check("taylor_green", vortices, &[("spacing", "0.008333333333333333")], 20, 0);
     let poiseuille = include_str!("../scenes/poiseuille_periodic.ron");
     check("poiseuille_periodic", poiseuille, &[("spacing", "4.0e-5")], 50, 0);
     let evolved = include_str!("../scenes/taylor_green_edac.ron");

@@ -7,6 +7,7 @@
 use bevy_ecs::query::{Has, With, Without};
 use bevy_ecs::world::World;
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use super::arrays::ParticleArrays;
 use super::components::{
@@ -113,6 +114,9 @@ impl<R: Real, const D: usize> Left<R, D> {
     }
 }
 
+/// Particles that a thread takes at a time.
+const CHUNK: usize = 8192;
+
 /// Writes the state of every row to the components of its particle.
 pub fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
     let row_of = rows_by_number(&arrays.id);
@@ -122,13 +126,20 @@ pub fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArra
         &mut Velocity,
         &mut Thermodynamics,
     ), Without<Reservoir>>();
-    for (id, mut position, mut velocity, mut thermodynamics) in state.iter_mut(world) {
-        let Some(&row) = row_of.get(id.0 as usize).filter(|&&row| row != u32::MAX) else { continue };
-        let row = row as usize;
-        position.0 = vector(&arrays.position, row);
-        velocity.0 = real_vector(&arrays.velocity, row);
-        *thermodynamics =
-            Thermodynamics { density: arrays.density[row].to_f64(), pressure: arrays.pressure[row].to_f64() };
+    // A slice for every table, that is for every set of components that particles have: all of them are stored in tables.
+    let Ok(tables) = state.contiguous_iter_mut(world) else { unreachable!("a component outside a table") };
+    for (ids, mut positions, mut velocities, mut states) in tables {
+        let columns = (ids, &mut *positions, &mut *velocities, &mut *states);
+        columns.into_par_iter().with_min_len(CHUNK).for_each(|(id, position, velocity, state)| {
+            let Some(&row) = row_of.get(id.0 as usize).filter(|&&row| row != u32::MAX) else { return };
+            let row = row as usize;
+            position.0 = vector(&arrays.position, row);
+            velocity.0 = real_vector(&arrays.velocity, row);
+            *state = Thermodynamics {
+                density: arrays.density[row].to_f64(),
+                pressure: arrays.pressure[row].to_f64(),
+            };
+        });
     }
 }
 

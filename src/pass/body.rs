@@ -125,7 +125,7 @@ pub(super) fn sum_body<K: KernelShape, R: Real, const D: usize>(
         columns,
         inverse_h: 1.0 / pair.smoothing_length,
         support_ratio: K::SUPPORT,
-        only: Only::Positive(&sums.columns.body),
+        only: Only::Positive(&sums.columns.body, &[]),
     };
     let Body { about, cells, sums: of_cells, .. } = body;
     let of_cell = |&cell: &u32| {
@@ -165,10 +165,9 @@ impl<K: KernelShape, R: Real, const D: usize, W: RowLoop<R, D>> Vectorised<R> fo
         let grid = self.source.grid;
         let rows = grid.rows(self.cell);
         let mut sum = BodySum::default();
-        if !self.particles.zone[rows.clone()].contains(&Zone::Fluid) {
+        if !self.pack.fill::<L, D>(self.source, self.cell, |row| self.particles.zone[row] == Zone::Fluid) {
             return sum;
         }
-        self.pack.fill::<L, D>(self.source, self.cell);
         for row in rows {
             if self.particles.zone[row] != Zone::Fluid {
                 continue;

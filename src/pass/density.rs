@@ -92,10 +92,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_,
         let first = grid.rows(self.cells.start).start;
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
-            if !self.zone[rows.clone()].iter().any(|&zone| self.pair.sums_density(zone)) {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| self.pair.sums_density(self.zone[row])) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if self.pair.sums_density(self.zone[row]) {
                     let point = self.pack.relative(self.source, row);

@@ -125,10 +125,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for GradientBlock<'_
         let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
-            if !self.particles.zone[rows.clone()].iter().any(|&zone| flows(zone)) {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.particles.zone[row])) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if flows(self.particles.zone[row]) {
                     let gradient = self.sum::<L>(row);

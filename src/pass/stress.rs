@@ -102,7 +102,6 @@ impl<R: Real, const D: usize> WithShape for WallStressPass<'_, R, D> {
             let block = WallStressBlock::<K, R, D> {
                 source: &source,
                 zone: &self.particles.zone,
-                walls_before: &columns.walls_before,
                 cells,
                 stress,
                 pack: &mut packs.of_this_thread(),
@@ -126,7 +125,6 @@ impl<R: Real, const D: usize> WithShape for WallStressPass<'_, R, D> {
 struct WallStressBlock<'a, K, R: Real, const D: usize> {
     source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
-    walls_before: &'a [u32],
     cells: Range<usize>,
     stress: [&'a mut [R]; 6],
     pack: &'a mut Pack<R>,
@@ -143,10 +141,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WallStressBlock<
         let zero = L::constant(0.0);
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
-            if self.walls_before[rows.start] == self.walls_before[rows.end] {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Wall) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if self.zone[row] != Zone::Wall {
                     continue;

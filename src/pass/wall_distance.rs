@@ -50,20 +50,13 @@ pub fn find_wall_distance<R: Real, const D: usize>(
         columns: &neighbours[..=D],
         inverse_h: 1.0 / pair.smoothing_length,
         support_ratio: pair.kernel.support_ratio(),
-        only: Only::Positive(&columns.image_distance),
+        only: Only::Positive(&columns.image_distance, &columns.walls_before),
     };
     let packs = &sums.packs;
     let zone = &particles.zone;
     let work = |cells: Range<usize>, distance: &mut [R]| {
-        let block = DistanceBlock {
-            pair,
-            source: &source,
-            zone,
-            walls_before: &columns.walls_before,
-            cells,
-            distance,
-            pack: &mut packs.of_this_thread(),
-        };
+        let block =
+            DistanceBlock { pair, source: &source, zone, cells, distance, pack: &mut packs.of_this_thread() };
         R::dispatch(pair.lanes, block);
     };
     for_each_block(grid, particles.wall_distance.as_mut_slice(), &work, &|(), ()| ());
@@ -73,7 +66,6 @@ struct DistanceBlock<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
     source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
-    walls_before: &'a [u32],
     cells: Range<usize>,
     distance: &'a mut [R],
     pack: &'a mut Pack<R>,
@@ -93,19 +85,15 @@ impl<R: Real, const D: usize> Vectorised<R> for DistanceBlock<'_, R, D> {
         for cell in self.cells {
             let rows = grid.rows(cell);
             let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
-            if !self.zone[rows.clone()].iter().any(|&zone| flows(zone)) {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.zone[row])) {
                 continue;
-            }
-            let walls = Pack::<R>::count_around(grid, cell, self.walls_before);
-            if walls > 0 {
-                self.pack.fill::<L, D>(self.source, cell);
             }
             for row in rows {
                 if !flows(self.zone[row]) {
                     continue;
                 }
                 let mut nearest = f64::INFINITY;
-                if walls > 0 {
+                if !self.pack.is_empty() {
                     let point = self.pack.relative(self.source, row);
                     nearest = nearest_disc::<L, D>(self.pack, point, limit, disc, to_h) * h;
                 }

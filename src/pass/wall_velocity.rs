@@ -66,14 +66,13 @@ impl<R: Real, const D: usize> WithShape for SeenPass<'_, R, D> {
             columns: &neighbours,
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
-            only: Only::NotPositive(&columns.image_distance),
+            only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
         };
         let work = |cells: Range<usize>, seen: [&mut [R]; D]| {
             let block = SeenBlock::<K, R, D> {
                 pair: self.pair,
                 source: &source,
                 particles: self.particles,
-                walls_before: &columns.walls_before,
                 cells,
                 seen,
                 pack: &mut packs.of_this_thread(),
@@ -89,7 +88,6 @@ struct SeenBlock<'a, K, R: Real, const D: usize> {
     pair: &'a PairSettings,
     source: &'a Source<'a, R, D>,
     particles: &'a ParticleArrays<R, D>,
-    walls_before: &'a [u32],
     cells: Range<usize>,
     seen: [&'a mut [R]; D],
     pack: &'a mut Pack<R>,
@@ -108,10 +106,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for SeenBlock<'_, K,
             for (seen, velocity) in self.seen.iter_mut().zip(self.source.columns) {
                 seen[rows.start - first..rows.end - first].copy_from_slice(&velocity[rows.clone()]);
             }
-            if self.walls_before[rows.start] == self.walls_before[rows.end] {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| self.particles.zone[row] == Zone::Wall) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if self.particles.zone[row] != Zone::Wall {
                     continue;

@@ -83,17 +83,15 @@ impl<F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync, R: Real, const D: u
             columns: &neighbours,
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
-            only: Only::NotPositive(&columns.image_distance),
+            only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
         };
         let packs = &self.sums.packs;
-        let walls_before = &columns.walls_before;
         let work = |cells: Range<usize>, pressure: &mut [R]| {
             let block = WallBlock::<K, F, R, D> {
                 pair: self.pair,
                 carried: self.carried,
                 source: &source,
                 particles: self.particles,
-                walls_before,
                 cells,
                 pressure,
                 pack: &mut packs.of_this_thread(),
@@ -110,7 +108,6 @@ struct WallBlock<'a, K, F, R: Real, const D: usize> {
     carried: &'a F,
     source: &'a Source<'a, R, D>,
     particles: &'a ParticleArrays<R, D>,
-    walls_before: &'a [u32],
     cells: Range<usize>,
     pressure: &'a mut [R],
     pack: &'a mut Pack<R>,
@@ -128,10 +125,9 @@ impl<K: KernelShape, F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D], R: Real, c
         let first = grid.rows(self.cells.start).start;
         for cell in self.cells {
             let rows = grid.rows(cell);
-            if self.walls_before[rows.start] == self.walls_before[rows.end] {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| self.particles.zone[row] == Zone::Wall) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if self.particles.zone[row] == Zone::Wall {
                     let force = (self.carried)(self.particles, row).map(|g| g * self.pair.smoothing_length);

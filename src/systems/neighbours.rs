@@ -74,5 +74,5 @@ pub fn sort_particles<R: Real, const D: usize>(
         }
     }
     find_wall_distance(&pair.0, &grid.0, arrays, &mut sums.0);
-    rows.collect(&scene.0, arrays);
+    rows.collect(&scene.0, &grid.0, arrays);
 }

@@ -6,6 +6,7 @@
 //! cell indices, each of which is a wrapped cell plus a shift by whole periods. So a period of one cell, or one
 //! shorter than the support, needs nothing special: the same cell is visited once per image.
 
+mod runs;
 mod sort;
 
 use std::ops::Range;
@@ -176,6 +177,7 @@ impl<const D: usize> CellGrid<D> {
     }
 
     /// Unwrapped indices of the cell that a point, which may be anywhere, falls in.
+    #[inline]
     pub fn unwrapped_index(&self, point: [f64; D]) -> [i64; D] {
         const FAR: f64 = 1e12;
         std::array::from_fn(|d| {
@@ -187,78 +189,6 @@ impl<const D: usize> CellGrid<D> {
     #[inline]
     pub fn corner(&self, index: [i64; D]) -> [f64; D] {
         std::array::from_fn(|d| self.lower[d] + index[d] as f64 * self.cell_size[d])
-    }
-
-    /// Visits the rows of all cells that a point of the unwrapped cell `index` can reach: contiguous runs of rows,
-    /// each with the shift, m, that carries them to the image meant. The order is fixed.
-    #[inline(always)]
-    pub fn for_each_run(&self, index: [i64; D], visit: impl FnMut(Range<usize>, [f64; D])) {
-        let first = std::array::from_fn(|d| index[d] - self.reach[d]);
-        let last = std::array::from_fn(|d| index[d] + self.reach[d]);
-        self.for_each_run_between(first, last, visit);
-    }
-
-    /// The same for the unwrapped cells from `first` to `last`, both included.
-    #[inline(always)]
-    pub fn for_each_run_between(
-        &self,
-        mut first: [i64; D],
-        mut last: [i64; D],
-        mut visit: impl FnMut(Range<usize>, [f64; D]),
-    ) {
-        for d in 0..D {
-            if !self.periodic[d] {
-                first[d] = first[d].max(0);
-                last[d] = last[d].min(self.cells[d] as i64 - 1);
-            }
-            if first[d] > last[d] {
-                return;
-            }
-        }
-        let mut at = first;
-        loop {
-            let mut row_of_cells = 0;
-            let mut shift = [0.0; D];
-            for d in (1..D).rev() {
-                let image = self.image(d, at[d]);
-                let wrapped = at[d] - image * self.cells[d] as i64;
-                row_of_cells = row_of_cells * self.cells[d] + wrapped as usize;
-                shift[d] = image as f64 * (self.upper[d] - self.lower[d]);
-            }
-            let along = self.cells[0] as i64;
-            let base = row_of_cells * self.cells[0];
-            let mut from = first[0];
-            while from <= last[0] {
-                let image = self.image(0, from);
-                let to = last[0].min((image + 1) * along - 1);
-                shift[0] = image as f64 * (self.upper[0] - self.lower[0]);
-                let start = self.starts[base + (from - image * along) as usize] as usize;
-                let end = self.starts[base + (to - image * along) as usize + 1] as usize;
-                if start < end {
-                    visit(start..end, shift);
-                }
-                from = to + 1;
-            }
-            let mut d = 1;
-            while d < D {
-                at[d] += 1;
-                if at[d] <= last[d] {
-                    break;
-                }
-                at[d] = first[d];
-                d += 1;
-            }
-            if d >= D {
-                return;
-            }
-        }
-    }
-
-    /// How many periods an unwrapped index is away from the box. Most cells are inside: no division for them.
-    #[inline]
-    fn image(&self, d: usize, index: i64) -> i64 {
-        let cells = self.cells[d] as i64;
-        if (0..cells).contains(&index) { 0 } else { index.div_euclid(cells) }
     }
 }
 

@@ -177,10 +177,9 @@ impl<K: KernelShape, R: Real, const D: usize> EdacBlock<'_, K, R, D> {
         let mut summary = EdacSummary::default();
         for cell in self.cells {
             let rows = grid.rows(cell);
-            if !self.zone[rows.clone()].contains(&Zone::Fluid) {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if self.zone[row] != Zone::Fluid {
                     continue;

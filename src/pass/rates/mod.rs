@@ -256,10 +256,9 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
         let mut summary = RatesSummary::default();
         for cell in self.cells {
             let rows = grid.rows(cell);
-            if !self.zone[rows.clone()].contains(&Zone::Fluid) {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if self.zone[row] != Zone::Fluid {
                     continue;

@@ -157,10 +157,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let gradient_scale = self.pair.kernel_scale() * self.source.inverse_h;
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
-            if !self.zone[rows.clone()].iter().any(|&zone| flows(zone)) {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.zone[row])) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows {
                 if !flows(self.zone[row]) {
                     continue;

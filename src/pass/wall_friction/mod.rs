@@ -125,7 +125,7 @@ impl<R: Real, const D: usize> WithShape for TakePass<'_, R, D> {
             columns: &neighbours[..=D],
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
-            only: Only::NotPositive(&columns.image_distance),
+            only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
         };
         let work = |cells: Range<usize>, (friction, felt): ([&mut [R]; D], &mut [R])| {
             let block = TakeBlock::<K, R, D> {
@@ -175,10 +175,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for TakeBlock<'_, K,
             for column in self.friction.iter_mut().chain([&mut self.felt]) {
                 column[rows.start - first..rows.end - first].fill(R::default());
             }
-            if !rows.clone().any(takes) {
+            if !self.pack.fill::<L, D>(self.source, cell, takes) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows.filter(|&row| takes(row)) {
                 let point = self.pack.relative(self.source, row);
                 let normal: [f64; D] = std::array::from_fn(|d| particles.wall_normal[d][row].to_f64());
@@ -287,7 +286,7 @@ impl<R: Real, const D: usize> WithShape for FeelPass<'_, R, D> {
             columns: &neighbours,
             inverse_h: 1.0 / self.pair.smoothing_length,
             support_ratio: K::SUPPORT,
-            only: Only::Positive(&columns.image_distance),
+            only: Only::Positive(&columns.image_distance, &columns.walls_before),
         };
         let zone = zone.as_slice();
         let packs = &self.sums.packs;
@@ -295,7 +294,6 @@ impl<R: Real, const D: usize> WithShape for FeelPass<'_, R, D> {
             let block = FeelBlock::<K, R, D> {
                 source: &source,
                 zone,
-                walls_before: &columns.walls_before,
                 cells,
                 acceleration,
                 pack: &mut packs.of_this_thread(),
@@ -310,7 +308,6 @@ impl<R: Real, const D: usize> WithShape for FeelPass<'_, R, D> {
 struct FeelBlock<'a, K, R: Real, const D: usize> {
     source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
-    walls_before: &'a [u32],
     cells: Range<usize>,
     acceleration: [&'a mut [R]; D],
     pack: &'a mut Pack<R>,
@@ -327,12 +324,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for FeelBlock<'_, K,
         let zero = L::constant(0.0);
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
-            if !self.zone[rows.clone()].contains(&Zone::Fluid)
-                || Pack::<R>::count_around(grid, cell, self.walls_before) == 0
-            {
+            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
                 continue;
             }
-            self.pack.fill::<L, D>(self.source, cell);
             for row in rows.filter(|&row| self.zone[row] == Zone::Fluid) {
                 let point = self.pack.relative(self.source, row);
                 let mut x_a = [zero; D];

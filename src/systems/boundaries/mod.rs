@@ -7,6 +7,7 @@
 //! - [`inlets`]: velocity and pressure of inflow particles
 //! - [`kept`]: conditions that say in every step what an outflow particle has
 //! - [`motion`]: how inflow and outflow particles move in the kick
+//! - [`near`]: the rows among which those of the zones are
 //! - [`outlets`]: what each outlet remembers, and which room applies its condition
 //! - [`rows`]: which rows belong to which patch
 //! - [`section`]: points that stand for the section of an opening
@@ -21,6 +22,7 @@ pub mod hybrid;
 pub mod inlets;
 pub mod kept;
 pub mod motion;
+pub mod near;
 pub mod outlets;
 pub mod rows;
 pub mod section;

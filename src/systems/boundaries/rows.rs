@@ -3,6 +3,8 @@
 use bevy_ecs::resource::Resource;
 use glam::DVec3;
 
+use super::near::{LAYERS_BEYOND_REACH, NearRows};
+use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
@@ -12,10 +14,6 @@ use crate::scene::model::Scene;
 
 /// Layers of fluid next to an outlet whose mean stands for the flow there.
 const ADJACENT_LAYERS: f64 = 3.0;
-
-/// Layers beyond the support of the zone's first particles from which a hybrid outlet knows the fluid: so long its mean has time
-/// to settle.
-const LAYERS_BEYOND_REACH: f64 = 3.0;
 
 /// Rows by patch, valid from one sort to the next.
 #[derive(Resource, Clone, Debug, Default)]
@@ -28,6 +26,8 @@ pub struct PatchRows {
     pub before_outlet: Vec<Vec<u32>>,
     /// Fluid rows that a hybrid outlet takes means of; of other outlets none.
     pub in_reach: Vec<Vec<u32>>,
+    /// The rows among which all of these are, and all that cross a plane.
+    pub near: NearRows,
     /// The same of each part of the rows: kept, so that collecting allocates nothing.
     parts: Vec<PatchRows>,
 }
@@ -57,17 +57,23 @@ impl PatchRows {
         self.inflow.iter_mut().chain(outlets)
     }
 
-    /// Collects the rows, in their order.
-    pub fn collect<R: Real, const D: usize>(&mut self, scene: &Scene, arrays: &ParticleArrays<R, D>) {
+    /// Collects the rows, in their order, of arrays that are sorted by the grid.
+    pub fn collect<R: Real, const D: usize>(
+        &mut self,
+        scene: &Scene,
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<R, D>,
+    ) {
         self.clear(scene);
         if scene.inlets.is_empty() && scene.outlets.is_empty() {
             return;
         }
-        let mut parts = std::mem::take(&mut self.parts);
+        self.near.find(scene, grid);
+        let (near, mut parts) = (&self.near, std::mem::take(&mut self.parts));
         // Parts are joined in their order, so the lists do not depend on who collected them.
-        let found = with_lists(arrays.len(), &mut parts, &|rows, part: &mut Self| {
+        let found = with_lists(near.count(), &mut parts, &|among, part: &mut Self| {
             part.clear(scene);
-            for row in rows {
+            for row in near.rows(among) {
                 part.sort_in(scene, arrays, row);
             }
         });

@@ -22,8 +22,6 @@
 pub mod entry;
 pub mod stock;
 
-use std::ops::Range;
-
 use bevy_ecs::change_detection::Mut;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
@@ -71,8 +69,10 @@ pub fn transition<R: Real, const D: usize>(world: &mut World) {
     world.resource_scope(|world, mut arrays: Mut<ParticleArrays<R, D>>| {
         world.resource_scope(|world, mut lists: Mut<TransitionLists>| {
             let TransitionLists { changes, entries } = &mut *lists;
-            let changes =
-                with_lists(arrays.len(), changes, &|rows, due| find_due(&scene, &arrays, rows, due));
+            let near = &world.resource::<PatchRows>().near;
+            let changes = with_lists(near.count(), changes, &|among, due| {
+                find_due(&scene, &arrays, near.rows(among), due);
+            });
             for change in changes.iter().flatten() {
                 apply(world, &scene, &mut arrays, change, entries);
             }
@@ -111,7 +111,7 @@ fn through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
 fn find_due<R: Real, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
-    rows: Range<usize>,
+    rows: impl Iterator<Item = usize>,
     due: &mut Vec<Change>,
 ) {
     due.clear();

@@ -1,15 +1,20 @@
 //! The packed neighbourhood of a cell: what all rows of the cell sum over.
 //!
 //! Once per cell the particles of all cells within reach are copied, column by column, into a small buffer that stays
-//! in the first-level cache: positions relative to the cell's centre, in units of h and in the precision of the
-//! sums, periodic images shifted, those that no point of the cell can reach left out. The tail is padded with
+//! in the first-level cache: positions relative to the middle of those that sum, in units of h and in the precision of the
+//! sums, periodic images shifted, in 3D those left out that none of them can reach. The tail is padded with
 //! particles far away. So the pair loop has no masks, no gathers and one form for 2D and 3D, periodic or narrow
 //! boxes, and single precision loses only the last digits of a distance, wherever in the domain it is.
 
-use std::marker::PhantomData;
+mod entries;
+mod source;
+
+use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::math::grid::CellGrid;
+pub use entries::{Entry, nothing_near};
+pub use source::{Only, Source};
+
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
@@ -22,45 +27,8 @@ const MOST_LANES: usize = 16;
 /// Numbers in a line of the cache, for f32: columns begin on one.
 const LINE: usize = 16;
 
-/// Culling pays where the cells reach far beyond the support: in 3D, a third of the candidates.
+/// Culling pays where cells reach far beyond the support: in 3D, four tenths of the candidates are out of reach of all that sum.
 const CULLED_DIMENSIONS: usize = 3;
-
-/// What a neighbourhood is packed from.
-#[derive(Clone, Copy, Debug)]
-pub struct Source<'a, R, const D: usize> {
-    /// Grid that the rows are sorted by.
-    pub grid: &'a CellGrid<D>,
-    /// Position, m.
-    pub position: &'a [Vec<f64>; D],
-    /// Further columns, in the order in which the pair loop asks for them.
-    pub columns: &'a [&'a [R]],
-    /// 1/h, 1/m.
-    pub inverse_h: f64,
-    /// Radius of the support over h.
-    pub support_ratio: f64,
-    /// Which of the rows are packed.
-    pub only: Only<'a, R>,
-}
-
-/// Which rows a pack takes up. A pass that asks for walls alone, or for all others, has less to loop over.
-#[derive(Clone, Copy, Debug)]
-pub enum Only<'a, R> {
-    /// All rows.
-    All,
-    /// Those that have more than 0 in this column.
-    Positive(&'a [R]),
-    /// Those that have not.
-    NotPositive(&'a [R]),
-}
-
-impl<'a, R> Only<'a, R> {
-    fn column(self) -> Option<&'a [R]> {
-        match self {
-            Only::All => None,
-            Only::Positive(column) | Only::NotPositive(column) => Some(column),
-        }
-    }
-}
 
 /// A neighbourhood, column by column.
 #[derive(Debug, Default)]
@@ -76,7 +44,7 @@ pub struct Pack<R> {
     len: usize,
     /// Lanes that filled it.
     lanes: usize,
-    /// Centre of the cell, m.
+    /// Centre of the box that it was packed around, m.
     centre: [f64; 3],
     /// Rows that were packed.
     runs: Vec<Run>,
@@ -91,10 +59,40 @@ struct Run {
 }
 
 impl<R: Real> Pack<R> {
-    /// Packs the neighbourhood of a cell.
+    /// Packs the neighbourhood of those rows of a cell that are wanted; returns whether there is any. In 3D, particles that none of
+    /// them can reach are left out.
     #[inline(always)]
-    pub fn fill<L: Lanes<Real = R>, const D: usize>(&mut self, source: &Source<R, D>, cell: usize) {
-        self.fill_around::<L, D>(source, source.grid.index_of(cell));
+    pub fn fill<L: Lanes<Real = R>, const D: usize>(
+        &mut self,
+        source: &Source<R, D>,
+        cell: usize,
+        wanted: impl Fn(usize) -> bool,
+    ) -> bool {
+        let mut rows = source.grid.rows(cell).filter(|&row| wanted(row));
+        let Some(first) = rows.next() else { return false };
+        if D < CULLED_DIMENSIONS {
+            self.fill_around::<L, D>(source, source.grid.index_of(cell));
+            return true;
+        }
+        let mut lower: [f64; D] = std::array::from_fn(|d| source.position[d][first]);
+        let mut upper = lower;
+        for row in rows {
+            for d in 0..D {
+                let x = source.position[d][row];
+                lower[d] = if x < lower[d] { x } else { lower[d] };
+                upper[d] = if x > upper[d] { x } else { upper[d] };
+            }
+        }
+        for d in 0..D {
+            self.centre[d] = 0.5 * (lower[d] + upper[d]);
+        }
+        self.runs.clear();
+        let mut candidates = 0;
+        source.grid.for_each_run_near(lower, upper, |rows, by| {
+            candidates += self.take(source.only, rows, by, L::COUNT)
+        });
+        self.copy::<L, D>(source, std::array::from_fn(|d| upper[d] - lower[d]), candidates);
+        true
     }
 
     /// Packs the neighbourhood of the cell of an unwrapped index, which need not be in the grid.
@@ -104,6 +102,18 @@ impl<R: Real> Pack<R> {
         source: &Source<R, D>,
         index: [i64; D],
     ) {
+        let candidates = self.find_runs(source, index, L::COUNT);
+        self.copy::<L, D>(source, source.grid.cell_size(), candidates);
+    }
+
+    /// Copies the runs, so many candidates, as far as they are in reach of a box of this `size`, m, about the centre.
+    #[inline(always)]
+    fn copy<L: Lanes<Real = R>, const D: usize>(
+        &mut self,
+        source: &Source<R, D>,
+        size: [f64; D],
+        candidates: usize,
+    ) {
         let grid = source.grid;
         let total = source.position[0].len();
         let columns = source.columns.len();
@@ -111,15 +121,18 @@ impl<R: Real> Pack<R> {
         let mut needed = source.columns.iter().copied().chain(source.only.column());
         assert!(needed.all(|column| column.len() == total), "columns must have all rows");
 
-        let candidates = self.find_runs(grid, index, L::COUNT);
         self.reserve(candidates + L::COUNT, D + columns);
         let base = self.storage[self.begin..].as_mut_ptr();
         let stride = self.stride;
+        (self.columns, self.lanes, self.len) = (D + columns, L::COUNT, 0);
+        if candidates == 0 {
+            return;
+        }
         let limit = L::constant(source.support_ratio * source.support_ratio);
         let mut half = [L::constant(0.0); D];
         for d in 0..D {
             // The margin covers the rounding of f32 coordinates.
-            half[d] = L::constant(0.5 * grid.cell_size()[d] * source.inverse_h + 1e-5);
+            half[d] = L::constant(0.5 * size[d] * source.inverse_h + 1e-5);
         }
 
         let zero = L::constant(0.0);
@@ -151,8 +164,10 @@ impl<R: Real> Pack<R> {
                 }
                 let asked_for = match source.only {
                     Only::All => beyond,
-                    Only::Positive(column) => L::select(zero.less(load_rows(column, row)), beyond, limit),
-                    Only::NotPositive(column) => L::select(zero.less(load_rows(column, row)), limit, beyond),
+                    Only::Positive(column, _) => L::select(zero.less(load_rows(column, row)), beyond, limit),
+                    Only::NotPositive(column, _) => {
+                        L::select(zero.less(load_rows(column, row)), limit, beyond)
+                    }
                 };
                 let near = asked_for.less(limit);
                 let kept = if in_place {
@@ -184,34 +199,15 @@ impl<R: Real> Pack<R> {
                 L::splat(filler).store(base.add(column * stride + len));
             }
         }
-        self.columns = D + columns;
-        self.lanes = L::COUNT;
         self.len = len.next_multiple_of(L::COUNT);
     }
 
-    /// The packed particles, vector by vector; `columns` says how many columns will be asked for.
-    #[inline(always)]
-    pub fn entries<L: Lanes<Real = R>>(&self, columns: usize) -> Entries<'_, L> {
-        assert!(columns <= self.columns && self.lanes == L::COUNT);
-        Entries {
-            base: self.storage[self.begin..].as_ptr(),
-            left: self.len / L::COUNT,
-            stride: self.stride,
-            columns,
-            pack: PhantomData,
-        }
+    /// Whether nothing was packed.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
     }
 
-    /// How many rows around a cell are counted by `before`, which says how many there are before each row.
-    pub fn count_around<const D: usize>(grid: &CellGrid<D>, cell: usize, before: &[u32]) -> usize {
-        let mut count = 0;
-        grid.for_each_run(grid.index_of(cell), |rows, _| {
-            count += (before[rows.end] - before[rows.start]) as usize
-        });
-        count
-    }
-
-    /// Position of a row of the cell as the pack has it: relative to the cell's centre, in units of h.
+    /// Position of a row of the cell as the pack has it: relative to its centre, in units of h.
     #[inline(always)]
     pub fn relative<const D: usize>(&self, source: &Source<R, D>, row: usize) -> [R; D] {
         self.relative_to(source, std::array::from_fn(|d| source.position[d][row]))
@@ -225,20 +221,34 @@ impl<R: Real> Pack<R> {
 
     /// Finds the runs of rows around a cell and its centre; returns the number of candidates, each run rounded up to
     /// whole vectors.
-    fn find_runs<const D: usize>(&mut self, grid: &CellGrid<D>, index: [i64; D], lanes: usize) -> usize {
+    fn find_runs<const D: usize>(&mut self, source: &Source<R, D>, index: [i64; D], lanes: usize) -> usize {
+        let grid = source.grid;
         let corner = grid.corner(index);
         for d in 0..D {
             self.centre[d] = corner[d] + 0.5 * grid.cell_size()[d];
         }
         self.runs.clear();
         let mut candidates = 0;
-        grid.for_each_run(index, |rows, by| {
-            let mut shift = [0.0; 3];
-            shift[..D].copy_from_slice(&by);
-            candidates += rows.len().next_multiple_of(lanes);
-            self.runs.push(Run { start: rows.start, end: rows.end, shift });
-        });
+        grid.for_each_run(index, |rows, by| candidates += self.take(source.only, rows, by, lanes));
         candidates
+    }
+
+    /// Takes note of a run if it has rows that are packed; returns how many it has, rounded up to whole vectors.
+    #[inline(always)]
+    fn take<const D: usize>(
+        &mut self,
+        only: Only<R>,
+        rows: Range<usize>,
+        by: [f64; D],
+        lanes: usize,
+    ) -> usize {
+        if !only.any(&rows) {
+            return 0;
+        }
+        let mut shift = [0.0; 3];
+        shift[..D].copy_from_slice(&by);
+        self.runs.push(Run { start: rows.start, end: rows.end, shift });
+        rows.len().next_multiple_of(lanes)
     }
 
     /// Makes room for `rows` entries in each of `columns` columns.
@@ -254,68 +264,6 @@ impl<R: Real> Pack<R> {
             self.storage.resize(length, R::default());
             self.begin = self.storage.as_ptr().align_offset(64).min(LINE);
         }
-    }
-}
-
-/// Whether none of a vector's neighbours is within the support, so that it adds nothing to a sum; `limit` is the square of the
-/// support. In 2D that is some quarter of the vectors; in a culled pack too few for what the branch costs (docs/performance.md), so there it is
-/// never said.
-#[inline(always)]
-pub fn nothing_near<L: Lanes, const D: usize>(q2: L, limit: L) -> bool {
-    D < CULLED_DIMENSIONS && L::bits(q2.less(limit)) == 0
-}
-
-/// The vectors of a pack, one after another.
-#[derive(Debug)]
-pub struct Entries<'a, L: Lanes> {
-    base: *const L::Real,
-    left: usize,
-    stride: usize,
-    columns: usize,
-    pack: PhantomData<&'a L::Real>,
-}
-
-impl<'a, L: Lanes> Iterator for Entries<'a, L> {
-    type Item = Entry<'a, L>;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<Entry<'a, L>> {
-        if self.left == 0 {
-            return None;
-        }
-        let entry = Entry { base: self.base, stride: self.stride, columns: self.columns, pack: PhantomData };
-        self.left -= 1;
-        self.base = self.base.wrapping_add(L::COUNT);
-        Some(entry)
-    }
-}
-
-/// One vector of neighbours: a lane is a neighbour.
-#[derive(Clone, Copy, Debug)]
-pub struct Entry<'a, L: Lanes> {
-    base: *const L::Real,
-    stride: usize,
-    columns: usize,
-    pack: PhantomData<&'a L::Real>,
-}
-
-impl<L: Lanes> Entry<'_, L> {
-    /// Numbers of a column: the coordinates first, then the columns in the order of the source.
-    #[inline(always)]
-    pub fn column(&self, column: usize) -> L {
-        assert!(column < self.columns);
-        // SAFETY: the pack has that many columns (checked when the iteration began), each of whole vectors.
-        unsafe { L::load(self.base.add(column * self.stride)) }
-    }
-
-    /// `D` consecutive columns as a vector.
-    #[inline(always)]
-    pub fn vector<const D: usize>(&self, first: usize) -> [L; D] {
-        let mut vector = [L::constant(0.0); D];
-        for d in 0..D {
-            vector[d] = self.column(first + d);
-        }
-        vector
     }
 }
 

@@ -1,0 +1,84 @@
+//! A pack as the pair loops see it: vector by vector, a lane being a neighbour.
+
+use std::marker::PhantomData;
+
+use super::{CULLED_DIMENSIONS, Pack};
+use crate::math::lanes::Lanes;
+use crate::math::real::Real;
+
+impl<R: Real> Pack<R> {
+    /// The packed particles, vector by vector; `columns` says how many columns will be asked for.
+    #[inline(always)]
+    pub fn entries<L: Lanes<Real = R>>(&self, columns: usize) -> Entries<'_, L> {
+        assert!(columns <= self.columns && self.lanes == L::COUNT);
+        Entries {
+            base: self.storage[self.begin..].as_ptr(),
+            left: self.len / L::COUNT,
+            stride: self.stride,
+            columns,
+            pack: PhantomData,
+        }
+    }
+}
+
+/// Whether none of a vector's neighbours is within the support, so that it adds nothing to a sum; `limit` is the square of the
+/// support. In 2D that is some quarter of the vectors; in a culled pack too few for what the branch costs (docs/performance.md), so there it is
+/// never said.
+#[inline(always)]
+pub fn nothing_near<L: Lanes, const D: usize>(q2: L, limit: L) -> bool {
+    D < CULLED_DIMENSIONS && L::bits(q2.less(limit)) == 0
+}
+
+/// The vectors of a pack, one after another.
+#[derive(Debug)]
+pub struct Entries<'a, L: Lanes> {
+    base: *const L::Real,
+    left: usize,
+    stride: usize,
+    columns: usize,
+    pack: PhantomData<&'a L::Real>,
+}
+
+impl<'a, L: Lanes> Iterator for Entries<'a, L> {
+    type Item = Entry<'a, L>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Entry<'a, L>> {
+        if self.left == 0 {
+            return None;
+        }
+        let entry = Entry { base: self.base, stride: self.stride, columns: self.columns, pack: PhantomData };
+        self.left -= 1;
+        self.base = self.base.wrapping_add(L::COUNT);
+        Some(entry)
+    }
+}
+
+/// One vector of neighbours: a lane is a neighbour.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry<'a, L: Lanes> {
+    base: *const L::Real,
+    stride: usize,
+    columns: usize,
+    pack: PhantomData<&'a L::Real>,
+}
+
+impl<L: Lanes> Entry<'_, L> {
+    /// Numbers of a column: the coordinates first, then the columns in the order of the source.
+    #[inline(always)]
+    pub fn column(&self, column: usize) -> L {
+        assert!(column < self.columns);
+        // SAFETY: the pack has that many columns (checked when the iteration began), each of whole vectors.
+        unsafe { L::load(self.base.add(column * self.stride)) }
+    }
+
+    /// `D` consecutive columns as a vector.
+    #[inline(always)]
+    pub fn vector<const D: usize>(&self, first: usize) -> [L; D] {
+        let mut vector = [L::constant(0.0); D];
+        for d in 0..D {
+            vector[d] = self.column(first + d);
+        }
+        vector
+    }
+}
