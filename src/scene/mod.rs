@@ -32,6 +32,7 @@ pub mod inflow;
 pub mod lattice;
 pub mod model;
 pub mod notation;
+pub mod outline;
 pub mod probe;
 pub mod rings;
 pub mod rows;

@@ -43,10 +43,31 @@ pub struct Surface {
 
 /// The surface in front of a wall particle.
 ///
-/// The nearest surface point is found by walks along the gradient of the signed distance. A particle that
-/// the lattice puts up to Δ/4 in front of its surface has distance 0.
+/// A particle that the lattice puts up to Δ/4 in front of its surface has distance 0.
 pub fn surface(scene: &Scene, point: DVec3) -> Surface {
-    let step = 1e-4 * scene.spacing;
+    let step = probing_step(scene);
+    let nearest = nearest_point(scene, point);
+    let outside = confined_distance(scene, point) > 0.0;
+    let distance = if outside { point.distance(nearest) } else { 0.0 };
+    let direction =
+        if distance > step { (nearest - point) / distance } else { -gradient(scene, point, step) };
+    Surface { distance, normal: snapped(direction), part: part(scene, nearest) }
+}
+
+/// The nearest surface point of a point on either side of it, m, with the unit normal there, into the fluid, and the wall part.
+pub fn surface_at(scene: &Scene, point: DVec3) -> (DVec3, DVec3, u16) {
+    let nearest = nearest_point(scene, point);
+    (nearest, snapped(-gradient(scene, nearest, probing_step(scene))), part(scene, nearest))
+}
+
+/// The step of differences of the signed distance, m.
+fn probing_step(scene: &Scene) -> f64 {
+    1e-4 * scene.spacing
+}
+
+/// The nearest surface point, by walks along the gradient of the signed distance.
+fn nearest_point(scene: &Scene, point: DVec3) -> DVec3 {
+    let step = probing_step(scene);
     let mut nearest = point;
     for _ in 0..8 {
         let distance = confined_distance(scene, nearest);
@@ -55,11 +76,7 @@ pub fn surface(scene: &Scene, point: DVec3) -> Surface {
         }
         nearest -= distance * gradient(scene, nearest, step);
     }
-    let outside = confined_distance(scene, point) > 0.0;
-    let distance = if outside { point.distance(nearest) } else { 0.0 };
-    let direction =
-        if distance > step { (nearest - point) / distance } else { -gradient(scene, point, step) };
-    Surface { distance, normal: snapped(direction), part: part(scene, nearest) }
+    nearest
 }
 
 /// Gradient of the signed distance by central differences, made a unit vector.

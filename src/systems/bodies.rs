@@ -9,6 +9,7 @@ use super::neighbours::Grid;
 use super::pair::Pair;
 use super::rates::{StepsSincePlain, Sums, level};
 use super::setup::SceneInUse;
+use super::surface_shear::SurfaceShear;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::pass::body::{Body, BodySum};
@@ -17,6 +18,7 @@ use crate::pass::rates::body::sum_body_force;
 use crate::pass::settings::{PairSettings, PressureLaw};
 use crate::pass::wall_friction::add_friction_on;
 use crate::physics::edac::Edac;
+use crate::scene::model::Scene;
 
 /// The forces on all bodies at the beginning of a step, of which they are part.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,6 +37,8 @@ pub struct Bodies {
     /// Of the last step.
     pub row: BodyForcesRow,
     bodies: Vec<Body>,
+    /// Of each body.
+    shear: Vec<SurfaceShear>,
     pair: PairSettings,
     edac: Edac,
 }
@@ -50,6 +54,7 @@ impl FromWorld for Bodies {
         Self {
             row: BodyForcesRow::default(),
             bodies: scene.bodies.iter().map(|body| Body::new(body.part, body.about)).collect(),
+            shear: scene.bodies.iter().map(|body| SurfaceShear::new(scene, body.part, body.about)).collect(),
             // Why without these two: see `pass/body.rs`.
             pair: PairSettings { tensile_control: false, ..pair.clone() },
             edac: Edac { average_pressure: false, ..edac },
@@ -59,37 +64,47 @@ impl FromWorld for Bodies {
 
 /// Sums the forces on all bodies by the terms of `Wcsph`.
 pub fn sum_body_forces<R: Real, const D: usize>(
-    clock: Res<Clock>,
+    (scene, clock): (Res<SceneInUse>, Res<Clock>),
     grid: Res<Grid<D>>,
     since_plain: Res<StepsSincePlain>,
     arrays: Res<ParticleArrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {
-    let Bodies { row, bodies, pair, .. } = &mut *bodies;
+    let Bodies { row, bodies, shear, pair, .. } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
-    row.forces.extend(bodies.iter_mut().map(|body| {
+    row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         let mut sum = sum_body_force(pair, &grid.0, &arrays, level(*since_plain), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        add_shear(&scene.0, clock.time, shear, body, &mut sum);
         sum
     }));
 }
 
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
 pub fn sum_edac_body_forces<R: Real, const D: usize>(
-    clock: Res<Clock>,
+    (scene, clock): (Res<SceneInUse>, Res<Clock>),
     grid: Res<Grid<D>>,
     arrays: Res<ParticleArrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {
-    let Bodies { row, bodies, pair, edac } = &mut *bodies;
+    let Bodies { row, bodies, shear, pair, edac } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
-    row.forces.extend(bodies.iter_mut().map(|body| {
+    row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         let mut sum = sum_evolved(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        add_shear(&scene.0, clock.time, shear, body, &mut sum);
         sum
     }));
+}
+
+/// Adds what the pairs leave out where a surface turns.
+fn add_shear(scene: &Scene, time: f64, shear: &SurfaceShear, body: &Body, sum: &mut BodySum) {
+    let wall = &scene.walls.parts[usize::from(body.part)];
+    let of_surface = shear.at(scene, wall, body.about, time);
+    sum.viscous_force += of_surface.viscous_force;
+    sum.viscous_torque += of_surface.viscous_torque;
 }

@@ -20,6 +20,7 @@
 //! - [`setup`]: from a scene to a world
 //! - [`shift`]: particle shifting, of the scheme `Wcsph`
 //! - [`stopwatch`]: wall-clock time by set
+//! - [`surface_shear`]: what the pairs leave out of the shear on a body whose surface turns
 //! - [`transitions`]: particles change zone
 
 pub mod bodies;
@@ -43,4 +44,5 @@ pub mod schedule;
 pub mod setup;
 pub mod shift;
 pub mod stopwatch;
+pub mod surface_shear;
 pub mod transitions;

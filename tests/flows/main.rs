@@ -7,6 +7,7 @@
 //! * [`channel`]: flows along plane walls, against their exact solutions
 //! * [`edac`]: the scheme with an evolved pressure
 //! * [`walls`]: every wall model, plane and curved
+//! * [`slip`]: free-slip walls of every model
 //! * [`shipped`]: the shipped scenes at their smoke spacings, step by step
 
 mod bodies;
@@ -16,6 +17,7 @@ mod metered;
 mod periodic;
 mod rest;
 mod shipped;
+mod slip;
 mod walls;
 
 use std::path::{Path, PathBuf};

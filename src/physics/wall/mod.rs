@@ -7,6 +7,7 @@ pub mod dummy;
 pub mod ghost;
 pub mod image;
 pub mod law;
+pub mod transposed;
 
 use serde::{Deserialize, Serialize};
 

@@ -169,11 +169,19 @@ impl<'a> Typed<'a> {
                         span,
                         "unknown name",
                     )
-                    .help(advice(name, variants.iter().copied())),
+                    .help(
+                        elsewhere(self.field, name).unwrap_or_else(|| advice(name, variants.iter().copied())),
+                    ),
                 );
                 self.refuse(node);
                 placeholder
             }
         }
     }
+}
+
+/// What is said elsewhere in a scene than where it is looked for.
+fn elsewhere(field: &str, name: &str) -> Option<String> {
+    let periodic = "a flow that goes round has neither inlet nor outlet: leave them out and write `periodic: [\"x\"]` in the scene";
+    (field == "condition" && name == "Periodic").then(|| periodic.to_owned())
 }

@@ -10,6 +10,8 @@ fn names_are_answered_with_the_nearest() {
     assert!(report.contains("did you mean `NoSlip`? allowed: `NoSlip`, `FreeSlip`"), "{report}");
     let report = check("WaveEquation()", "WaveEqation()", "is not a choice for `condition`", "WaveEqation");
     assert!(report.contains("did you mean `WaveEquation`?"), "{report}");
+    let report = check("WaveEquation()", "Periodic", "is not a choice for `condition`", "Periodic");
+    assert!(report.contains("write `periodic: [\"x\"]` in the scene"), "{report}");
     let report = check("Fickian()", "Fickian(coeficient: 2.0)", "unknown field", "coeficient");
     assert!(report.contains("did you mean `coefficient`?"), "{report}");
     check("Scene(", "Szene(", "has the wrong name", "Szene");
