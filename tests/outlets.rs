@@ -272,7 +272,13 @@ fn no_row_of_a_zone_is_left_out() {
 }
 
 fn rows_of_zones_are_all_there<const D: usize>(text: &str, recycle: &str) {
-    let sets = [("outlets.0.condition", "Hybrid()"), ("scheme", SCHEMES[1]), ("reservoir", recycle)];
+    let sets = [
+        ("outlets.0.condition", "Hybrid()"),
+        ("scheme", SCHEMES[1]),
+        ("reservoir", recycle),
+        // So long that there are cells far from both planes.
+        ("constants.L", "0.8"),
+    ];
     let mut simulation = simulation(text, &sets);
     let (mut rows, mut entered) = (PatchRows::default(), 0);
     for _ in 0..150 {
