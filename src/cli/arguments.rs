@@ -24,7 +24,7 @@ use crate::output::picture::{Colours, Field, Slice};
         sphecs scenes/constricted_r2.ron --set fluid.sound_speed=1.0 --until 2 --out runs/slow_sound\n  \
         sphecs resume runs/quickstart\n  \
         sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
-        Exit codes: 0 done, 2 bad input, 3 the flow blew up, 4 input or output failed, \
+        Exit codes: 0 done, 1 a validation case missed its band, 2 bad input, 3 the flow blew up, 4 input or output failed, \
         75 out of wall time, 130 interrupted, 143 terminated",
     subcommand_required = true,
     arg_required_else_help = true

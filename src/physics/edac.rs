@@ -71,6 +71,9 @@ impl Edac {
     /// particles, and with Δt = 0.25 h/c_s ten times ρ0 c_s² reach its limit of stability.
     pub const LARGEST_BACKGROUND: f64 = 10.0;
 
+    /// Largest background pressure over ρ0 c_s² times the Courant factor, by the same limit.
+    pub const LARGEST_BACKGROUND_STEP: f64 = 0.25 * Self::LARGEST_BACKGROUND;
+
     /// Largest rate of the relaxation over c_s/h that a scene may ask for: the pressure is then that of `Wcsph` but for waves shorter than the
     /// support.
     pub const LARGEST_RELAXATION: f64 = 1.0;

@@ -109,10 +109,18 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
             scene.fluid.sound_speed, scene.reference_velocity
         ));
     }
+    if !scene.inlets.is_empty() && scene.outlets.is_empty() {
+        notes.push("there is no outlet: what the inlets bring stays, and the pressure rises".to_owned());
+    }
+    if scene.inlets.is_empty() && !scene.outlets.is_empty() {
+        notes.push("there is no inlet: the outlets alone decide what comes and goes".to_owned());
+    }
     if let Some((axis, coordinate, misfit)) = worst_fit.filter(|(_, _, misfit)| *misfit > 0.1) {
         notes.push(format!(
-            "the wall at {axis} = {coordinate} m misses the middle between two rows by {misfit:.2} spacings: \
-             a spacing that divides the widths fits better"
+            "the wall at {axis} = {:.6} m misses the middle between two rows by {misfit:.2} spacings: \
+             a spacing that divides the widths fits better",
+            // No digits of rounding, and no minus before nought.
+            (coordinate / scene.spacing * 1e6).round() * 1e-6 * scene.spacing + 0.0
         ));
     }
     if scene.scheme.wcsph().is_some() && scene.initial.pressure.constant() != Some(0.0) {
@@ -142,7 +150,7 @@ pub fn largest_given_speed(scene: &Scene) -> f64 {
 }
 
 /// Largest speed that an inlet prescribes, sampled, m/s.
-fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
+pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
     let times: Vec<f64> = (0..=20).map(|k| scene.time.end * f64::from(k) / 20.0).collect();
     let patch = &inlet.patch;
     let places: Vec<DVec3> = (-10..=10)

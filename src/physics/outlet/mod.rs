@@ -226,6 +226,26 @@ impl OutletCondition {
         }
     }
 
+    /// Velocity (m/s) and pressure (Pa) that it is given for its surroundings; 0 where it has none.
+    pub fn references(&self) -> (f64, f64) {
+        match *self {
+            OutletCondition::WaveEquation { pressure, .. } | OutletCondition::Orlanski { pressure, .. } => {
+                let target = match pressure {
+                    OutletPressure::Frozen => 0.0,
+                    OutletPressure::Reference(target)
+                    | OutletPressure::Relaxed { target, .. }
+                    | OutletPressure::Absorbing { target, .. } => target,
+                };
+                (0.0, target)
+            }
+            OutletCondition::Characteristic { velocity, pressure } => (velocity, pressure),
+            OutletCondition::Hybrid { velocity, pressure, .. } => (velocity.unwrap_or(0.0), pressure),
+            OutletCondition::DoNothing
+            | OutletCondition::ModifiedDoNothing { .. }
+            | OutletCondition::Mirror { .. } => (0.0, 0.0),
+        }
+    }
+
     /// The wave equation of the condition, if it solves one.
     pub fn wave(&self) -> Option<WaveCondition> {
         match *self {

@@ -25,6 +25,7 @@ pub mod scheme;
 pub mod section;
 pub mod settings;
 pub mod shapes;
+pub mod sound;
 pub mod tables;
 pub mod walls;
 pub mod whole;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::bodies;
+use super::{bodies, sound};
 use crate::particles::zone::Zone;
 use crate::physics::wall::Slip;
 use crate::scene::expression::Expression;
@@ -42,6 +42,7 @@ pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fau
     }
     // These look at values in whose places harmless ones stand if there are faults.
     if stands && faults.is_empty() {
+        sound::against(scene, file, faults);
         probes(scene, file, faults);
         bodies::have_particles(scene, file, &places, faults);
         fields(scene, file, &places, faults);

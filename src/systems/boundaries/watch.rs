@@ -130,8 +130,9 @@ fn is_one_way(condition: OutletCondition) -> bool {
         | OutletCondition::Mirror { .. } => false,
         OutletCondition::DoNothing
         | OutletCondition::ModifiedDoNothing { .. }
-        | OutletCondition::Characteristic { .. }
         | OutletCondition::Hybrid { .. } => true,
+        // A stream that is meant to come in has its reference.
+        OutletCondition::Characteristic { velocity, .. } => velocity >= 0.0,
     }
 }
 

@@ -155,8 +155,8 @@ impl<'a> Typed<'a> {
             Value::Name(name) => (name.as_str(), node.span),
             Value::Tuple(Some(name), _) | Value::Struct(Some(name), _) => (name.text.as_str(), name.span),
             _ => {
-                let first = variants.first().copied().unwrap_or("");
-                self.mismatch(node, &format!("a choice such as `{first}`"));
+                let all: Vec<String> = variants.iter().map(|name| format!("`{name}`")).collect();
+                self.mismatch(node, &format!("one of the choices {}", all.join(", ")));
                 return placeholder;
             }
         };

@@ -30,7 +30,7 @@ fn values_of_the_wrong_kind_are_faults() {
     check("spacing: 0.05", "spacing: true", "`spacing` is not a number", "true");
     check("title: \"t\"", "title: t", "`title` is not text in quotes", "t");
     check("dimensions: 2", "dimensions: 2.5", "is not a whole number", "2.5");
-    check("slip: NoSlip", "slip: 3", "is not a choice such as `NoSlip`", "3");
+    check("slip: NoSlip", "slip: 3", "is not one of the choices `NoSlip`", "3");
     check("walls: (slip: NoSlip)", "walls: 7", "is not a bracket with named fields", "7");
     check("inlets: [(at", "inlets: [3, (at", "is not a bracket with named fields", "3");
     check("(0.5, 0.2)", "0.5", "`at` is not a list", "0.5");

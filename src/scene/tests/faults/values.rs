@@ -52,6 +52,21 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
 }
 
 #[test]
+fn what_is_as_fast_as_sound_is_a_fault() {
+    check("\"v0 * y\"", "\"30 * y\"", "an inlet is as fast as sound", "Normal");
+    let outlet = "an outlet is as fast as sound";
+    check("WaveEquation()", "Characteristic(velocity: -10.0, pressure: 0.0)", outlet, "Characteristic");
+    let pressure = "the pressure of an outlet is out of reach";
+    check("WaveEquation()", "WaveEquation(pressure: Reference(-1e5))", pressure, "WaveEquation");
+    check("WaveEquation()", "Hybrid(pressure: 1e12)", pressure, "Hybrid");
+    let wcsph = "Wcsph(smoothing_ratio: 1.5, viscosity: Laminar(), shifting: Fickian())";
+    let text = SOUND.replace(wcsph, "EdacTvf(background: 10)");
+    let faults = faults_of(&text);
+    assert_eq!(faults.faults()[0].title, "the time step is too long for the background pressure");
+    assert!(load_str("t", &text.replace("cfl: 0.3", "cfl: 0.25"), &[]).is_ok());
+}
+
+#[test]
 fn an_outlet_may_leave_its_condition_to_the_engine() {
     let text = SOUND.replace(", condition: WaveEquation()", "");
     assert_ne!(text, SOUND);
