@@ -83,10 +83,17 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
             });
             Ok(Curve { label: label.clone(), points, reference: line })
         }
-        CurveFile::Series { run, table, column, label } => {
+        CurveFile::Series { run, table, column, over, label } => {
             let (times, values) = series::column(context.run(&run.value)?, &table.value, &column.value)?;
-            let points = times.into_iter().zip(values).filter(|point| point.1.is_finite()).collect();
-            Ok(Curve { label: label.clone(), points, reference: Vec::new() })
+            let (from, to) =
+                over.as_ref().map_or((f64::NEG_INFINITY, f64::INFINITY), |(from, to)| (from.value, to.value));
+            let points = times.into_iter().zip(values);
+            let shown = |point: &(f64, f64)| point.1.is_finite() && point.0 >= from && point.0 <= to;
+            Ok(Curve {
+                label: label.clone(),
+                points: thinned(&points.filter(shown).collect::<Vec<_>>()),
+                reference: Vec::new(),
+            })
         }
         CurveFile::Distance { run, probe, field, reference, norm, scale, label } => {
             let probe = context.run(&run.value)?.probe(&probe.value)?;
@@ -98,6 +105,25 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
             Ok(Curve { label: label.clone(), points, reference: Vec::new() })
         }
     }
+}
+
+/// What a picture can show of a column over time: of the points that fall on one of its columns the first, the least, the largest and the last.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Vec::new() };
+    let column = |point: &(f64, f64)| {
+        (f64::from(SIZE.0) * (point.0 - first.0) / (last.0 - first.0).max(1e-300)).floor()
+    };
+    let mut kept = Vec::new();
+    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+        let by = |a: &usize, b: &usize| group[*a].1.total_cmp(&group[*b].1);
+        let ends = [0, group.len() - 1];
+        let peaks = [(0..group.len()).min_by(by), (0..group.len()).max_by(by)];
+        let mut at: Vec<usize> = ends.into_iter().chain(peaks.into_iter().flatten()).collect();
+        at.sort_unstable();
+        at.dedup();
+        kept.extend(at.into_iter().map(|at| group[at]));
+    }
+    kept
 }
 
 /// Least and largest of one coordinate, with a margin.
@@ -199,6 +225,20 @@ fn emptiest_corner(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_series_keeps_its_ends_and_its_peaks() {
+        let wave = |step: u32| (f64::from(step) * 1e-3, (f64::from(step) * 0.7).sin());
+        let mut points: Vec<(f64, f64)> = (0..100_000).map(wave).collect();
+        points[54_321].1 = 3.0;
+        let kept = thinned(&points);
+        assert!(kept.len() <= 4 * 1441, "{} points", kept.len());
+        assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
+        assert!(kept.contains(&points[54_321]));
+        assert!(kept.is_sorted_by(|a, b| a.0 < b.0));
+        assert_eq!(thinned(&points[..9]), points[..9]);
+        assert!(thinned(&[]).is_empty());
+    }
 
     #[test]
     fn ranges_hold_all_points_and_are_never_empty() {

@@ -59,6 +59,9 @@ pub enum CurveFile {
         table: Text,
         /// Column without its unit.
         column: Text,
+        /// Times that are shown, s, default all.
+        #[serde(default)]
+        over: Option<(Number, Number)>,
         /// Words of the legend.
         label: String,
     },
