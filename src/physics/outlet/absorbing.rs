@@ -1,7 +1,7 @@
 //! An outlet pressure that lets plane sound waves leave.
 //!
 //! ```text
-//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    carried out by the flow, from the section mean of the last layers of fluid
+//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    carried out by the flow, from the mean over even points of the section a layer inside
 //! J3 = (p  − p_t) − ρ0 c0 (v  − u)    would come in from outside: 0
 //! p  = p_t + ½ J2,     du/dt = (w − u)/½τ,  dw/dt = (v̄ − w)/½τ
 //! ```

@@ -1,12 +1,12 @@
 //! How fast an outflow zone is carried away.
 //!
 //! ```text
-//! v̄_n = ⟨v_n⟩_f + (⟨p⟩_f − p_o)/(ρ0 c0)        ⟨·⟩_f kernel mean over the fluid at the particle's foot on the plane
+//! v̄_n = ⟨v_n⟩_f + (⟨p⟩_f − p_o)/(ρ0 c0)        ⟨·⟩_f fitted to the fluid a layer inside the particle's foot on the plane
 //! p_o  = p − ½ ρ0 v̄_n²   where v̄_n < 0
 //! ```
 //!
-//! The convective velocity of the wave equation, Alvarado-Rodríguez et al. (2017), Eq. 30, is a kernel mean; taken over
-//! the fluid next to the plane it is the same along the normal, as Negi et al. (2020), Eqs. 17 and 18, move their outflow particles. So
+//! The convective velocity of the wave equation, Alvarado-Rodríguez et al. (2017), Eq. 30, is a kernel mean; of the fluid next to the plane, by a fit that keeps its profile
+//! (`systems/boundaries/wave_zone.rs`), it is the same along the normal, as Negi et al. (2020), Eqs. 17 and 18, move their outflow particles. So
 //! the zone moves as a bundle of rods: what crosses the plane is carried off at the speed with which it comes, nothing piles up
 //! and no gap opens, whether the flow starts from rest or a vortex sends it back through the lower half of the outlet. With
 //! each particle's own frozen velocity the zone at rest blocks the flow, and a vortex cannot leave.
@@ -16,7 +16,8 @@
 //! rods repeat whatever the fluid does and nothing holds its density.
 //!
 //! Fluid that comes back is drawn from a reservoir at rest, so the sum of static and dynamic pressure is the
-//! outlet's: the directional condition of Braack & Mucha (2014). With the static pressure alone a backflow feeds itself.
+//! outlet's: the directional condition of Braack & Mucha (2014). With the static pressure alone a backflow feeds itself. An outlet whose
+//! pressure is frozen or relaxed has no such level, and takes p as it is.
 
 /// Convective velocity v̄_n, m/s, from the mean normal velocity (m/s) and pressure (Pa) of the fluid at the foot, the
 /// pressure of the zone (Pa) and the impedance ρ0 c0 (kg/(m² s)).
