@@ -61,3 +61,52 @@ impl SurfaceShear {
         sum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use glam::DVec3;
+
+    use super::SurfaceShear;
+    use crate::scene::load_str;
+
+    /// A ball that turns about z faster and faster: −2 μ ω V of torque about any point, and no force. One that slips, or moves as a whole, has none.
+    #[test]
+    fn a_ball_that_turns_has_its_torque() {
+        let scene = |wall: &str| {
+            let text = format!(
+                r#"Scene(
+                    title: "Ball", dimensions: 3, spacing: 0.05, smoke: 0.05,
+                    fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+                    domain: Difference([
+                        Box(min: (-0.5, -0.5, -0.5), max: (0.5, 0.5, 0.5)), Sphere(center: (0.0, 0.0, 0.0), radius: 0.25),
+                    ]),
+                    walls: (parts: [(name: "ball", region: Sphere(center: (0.0, 0.0, 0.0), radius: 0.35), {wall})]),
+                    reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 1.0),
+                )"#
+            );
+            load_str("ball", &text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"))
+        };
+        let about = DVec3::new(0.1, -0.2, 0.3);
+        let at = |wall: &str, time: f64| {
+            let scene = scene(wall);
+            SurfaceShear::new(&scene, 1, about).at(&scene, &scene.walls.parts[1], about, time)
+        };
+        let turning = "velocity: (\"-(1 + t)*y\", \"(1 + t)*x\", 0.0)";
+        let torque = -2.0 * 100.0 * 4.0 / 3.0 * PI * 0.25_f64.powi(3);
+        for (time, rate) in [(0.0, 1.0), (2.0, 3.0)] {
+            let sum = at(turning, time);
+            let off = sum.viscous_torque - DVec3::Z * torque * rate;
+            assert!(off.length() < 0.02 * torque.abs() * rate, "{} N m at {time} s", sum.viscous_torque);
+            assert!(
+                sum.viscous_force.length() < 0.02 * torque.abs() * rate / 0.25,
+                "{} N",
+                sum.viscous_force
+            );
+        }
+        for still in [format!("slip: FreeSlip, {turning}"), "velocity: (0.5, 0.0, 0.0)".to_owned()] {
+            assert_eq!(at(&still, 1.0).viscous_torque, DVec3::ZERO, "{still}");
+        }
+    }
+}
