@@ -215,18 +215,27 @@ const TURNED_3D: &str = r#"Scene(
     time: (end: 10.0), output: (every: 1.0),
 )"#;
 
+/// What solves a wave equation, with each of its options once.
+const WAVE_EQUATIONS: [&str; 7] = [
+    "WaveEquation()",
+    "Orlanski()",
+    "WaveEquation(frame: Fixed, transverse: Printed)",
+    "WaveEquation(transverse: Consistent, pressure: Reference(0.0))",
+    "WaveEquation(pressure: Frozen)",
+    "WaveEquation(pressure: Relaxed(target: 0.0, time: 0.05))",
+    "WaveEquation(pressure: Absorbing(time: 0.5, waves: Plane))",
+];
+
 /// Everything that a scene may choose at an outlet, together: condition, scheme, dimensions, precision, and whether what leaves is stored or
 /// deleted, at planes that nothing lies along. The particles at the walls settle meanwhile.
 #[test]
 fn every_condition_works_with_every_scheme_dimension_and_precision_askew() {
     let mut all = conditions("0.1");
-    all.extend(
-        ["WaveEquation()", "Orlanski()", "WaveEquation(frame: Fixed, transverse: Printed)"]
-            .map(str::to_owned),
-    );
+    all.extend(WAVE_EQUATIONS.map(str::to_owned));
+    let schemes = SCHEMES.into_iter().chain(["Wcsph(integrator: Verlet())"]);
     let mut failed = Vec::new();
     for condition in &all {
-        for (scheme, scene, precision, recycle) in SCHEMES.iter().flat_map(|scheme| {
+        for (scheme, scene, precision, recycle) in schemes.clone().flat_map(|scheme| {
             let scenes = [TURNED, TURNED_3D].into_iter().zip(["(recycle: true)", "(recycle: false)"]);
             let swapped = [TURNED, TURNED_3D].into_iter().zip(["(recycle: false)", "(recycle: true)"]);
             let of = |precision| move |(scene, recycle)| (scheme, scene, precision, recycle);

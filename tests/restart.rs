@@ -126,7 +126,7 @@ fn every_shipped_scene_goes_on_to_the_same_bits() {
 fn other_precisions_stresses_and_outlets_go_on_to_the_same_bits() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut faults = Vec::new();
-    let variants: [(&str, &[(&str, &str)]); 12] = [
+    let variants: [(&str, &[(&str, &str)]); 14] = [
         ("quickstart.ron", &[("precision", "F32")]),
         ("duct3d.ron", &[("precision", "F32")]),
         ("quickstart.ron", &[("scheme", "Wcsph(viscosity: Sps())")]),
@@ -139,6 +139,8 @@ fn other_precisions_stresses_and_outlets_go_on_to_the_same_bits() {
         ),
         ("quickstart.ron", &[("outlets.0.condition", "Hybrid()")]),
         ("quickstart.ron", &[("outlets.0.condition", "Hybrid()"), ("scheme", "EdacTvf()")]),
+        ("quickstart.ron", &[("outlets.0.condition", "DoNothing")]),
+        ("quickstart.ron", &[("outlets.0.condition", "DoNothing"), ("scheme", "EdacTvf()")]),
         ("quickstart.ron", &[("outlets.0.condition", "ModifiedDoNothing()"), ("precision", "F32")]),
         ("quickstart.ron", &[("outlets.0.condition", "Mirror()"), ("scheme", "EdacTvf()")]),
         ("quickstart.ron", &[("outlets.0.condition", "Characteristic(velocity: 0.1, pressure: 0.0)")]),

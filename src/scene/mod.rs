@@ -174,8 +174,8 @@ fn read(shown: &str, origin: Origin<'_>, sets: &[(String, String)]) -> Result<Sc
         scene = built;
     }
     for fault in &mut faults {
-        let inserted = edited.inserted.iter().find(|(span, _)| Some(*span) == fault.span);
-        if let Some((_, path)) = inserted {
+        let in_scene = fault.span.filter(|_| fault.source.is_none());
+        if let Some(path) = in_scene.and_then(|span| edited.path_of(span)) {
             fault.title = format!("--set {path}: {}", fault.title);
         }
     }

@@ -1,5 +1,7 @@
 //! Flows with a known answer, driven as a user of the library drives them.
 //!
+//! * [`inlets`]: the pressure that an inlet takes from the fluid
+//! * [`junction`]: two outlets at once
 //! * [`metered`]: inlets by the mass they bring
 //! * [`periodic`]: conservation, decay and stability without walls
 //! * [`rest`]: what must not move, and water under gravity
@@ -13,6 +15,8 @@
 mod bodies;
 mod channel;
 mod edac;
+mod inlets;
+mod junction;
 mod metered;
 mod periodic;
 mod rest;

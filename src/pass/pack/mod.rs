@@ -122,44 +122,91 @@ impl<R: Real> Pack<R> {
         assert!(needed.all(|column| column.len() == total), "columns must have all rows");
 
         self.reserve(candidates + L::COUNT, D + columns);
-        let base = self.storage[self.begin..].as_mut_ptr();
-        let stride = self.stride;
         (self.columns, self.lanes, self.len) = (D + columns, L::COUNT, 0);
         if candidates == 0 {
             return;
         }
+        let len = if D < CULLED_DIMENSIONS && matches!(source.only, Only::All) {
+            self.copy_all::<L, D>(source)
+        } else {
+            self.copy_near::<L, D>(source, size)
+        };
+        let base = self.storage[self.begin..].as_mut_ptr();
+        for column in 0..D + columns {
+            // SAFETY: `reserve` left room for one more vector after all candidates. What the padding has in its other
+            // columns must be finite, so they repeat the first particle.
+            unsafe {
+                let first = base.add(column * self.stride);
+                let filler = if column < D { R::from_f64(FAR) } else { *first };
+                L::splat(filler).store(first.add(len));
+            }
+        }
+        self.len = len.next_multiple_of(L::COUNT);
+    }
+
+    /// Copies the runs one behind another; returns how many particles they have.
+    #[inline(always)]
+    fn copy_all<L: Lanes<Real = R>, const D: usize>(&mut self, source: &Source<R, D>) -> usize {
+        let total = source.position[0].len();
+        let base = self.storage[self.begin..].as_mut_ptr();
+        let mut len = 0;
+        for &Run { start, end, shift } in &self.runs {
+            let count = end - start;
+            // The last rows of the arrays are copied before they are read.
+            let whole = start + count.next_multiple_of(L::COUNT) <= total;
+            for column in 0..D + source.columns.len() {
+                for done in (0..count).step_by(L::COUNT) {
+                    let row = start + done;
+                    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read; `reserve` made room for all
+                    // candidates, each run rounded up to whole vectors.
+                    unsafe {
+                        let values: L = match (column < D, whole) {
+                            (true, _) => load_relative_rows(
+                                &source.position[column],
+                                row,
+                                self.centre[column] - shift[column],
+                                source.inverse_h,
+                            ),
+                            (false, true) => L::load(source.columns[column - D].as_ptr().add(row)),
+                            (false, false) => load_rows(source.columns[column - D], row),
+                        };
+                        values.store(base.add(column * self.stride + len + done));
+                    }
+                }
+            }
+            len += count;
+        }
+        len
+    }
+
+    /// Copies what is asked for of the runs, as far as it is in reach of a box of this `size`, m, about the centre; returns how many
+    /// particles that are.
+    #[inline(always)]
+    fn copy_near<L: Lanes<Real = R>, const D: usize>(
+        &mut self,
+        source: &Source<R, D>,
+        size: [f64; D],
+    ) -> usize {
+        let base = self.storage[self.begin..].as_mut_ptr();
         let limit = L::constant(source.support_ratio * source.support_ratio);
         let mut half = [L::constant(0.0); D];
         for d in 0..D {
             // The margin covers the rounding of f32 coordinates.
             half[d] = L::constant(0.5 * size[d] * source.inverse_h + 1e-5);
         }
-
         let zero = L::constant(0.0);
-        let in_place = D < CULLED_DIMENSIONS && matches!(source.only, Only::All);
+        let columns = source.columns.len();
         let mut len = 0;
         for &Run { start, end, shift } in &self.runs {
             let mut row = start;
             while row < end {
                 let count = L::COUNT.min(end - row);
-                let whole = row + L::COUNT <= total;
-                let mut x = [L::constant(0.0); D];
-                let mut beyond = L::constant(0.0);
+                let mut x = [zero; D];
+                let mut beyond = zero;
                 for d in 0..D {
                     let origin = self.centre[d] - shift[d];
-                    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read.
-                    x[d] = unsafe {
-                        if whole {
-                            L::load_relative(source.position[d].as_ptr().add(row), origin, source.inverse_h)
-                        } else {
-                            L::load_relative(
-                                padded(&source.position[d][row..]).as_ptr(),
-                                origin,
-                                source.inverse_h,
-                            )
-                        }
-                    };
-                    let outside = (x[d].abs() - half[d]).max(L::constant(0.0));
+                    x[d] = load_relative_rows(&source.position[d], row, origin, source.inverse_h);
+                    let outside = (x[d].abs() - half[d]).max(zero);
                     beyond = outside.mul_add(outside, beyond);
                 }
                 let asked_for = match source.only {
@@ -170,36 +217,20 @@ impl<R: Real> Pack<R> {
                     }
                 };
                 let near = asked_for.less(limit);
-                let kept = if in_place {
-                    count
-                } else {
-                    (L::bits(near) & ((1u32 << count) - 1)).count_ones() as usize
-                };
+                let kept = (L::bits(near) & ((1u32 << count) - 1)).count_ones() as usize;
                 if kept > 0 {
                     for column in 0..D + columns {
                         let values =
                             if column < D { x[column] } else { load_rows(source.columns[column - D], row) };
                         // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
-                        unsafe {
-                            let to = base.add(column * stride + len);
-                            if in_place { values.store(to) } else { values.compress(near, to) }
-                        }
+                        unsafe { values.compress(near, base.add(column * self.stride + len)) };
                     }
                 }
                 len += kept;
                 row += L::COUNT;
             }
         }
-
-        for column in 0..D + columns {
-            // SAFETY: `reserve` left room for one more vector after all candidates. What the padding has in its other
-            // columns must be finite, so they repeat the first particle.
-            unsafe {
-                let filler = if column < D { R::from_f64(FAR) } else { *base.add(column * stride) };
-                L::splat(filler).store(base.add(column * stride + len));
-            }
-        }
-        self.len = len.next_multiple_of(L::COUNT);
+        len
     }
 
     /// Whether nothing was packed.
@@ -263,6 +294,19 @@ impl<R: Real> Pack<R> {
         if length > self.storage.len() {
             self.storage.resize(length, R::default());
             self.begin = self.storage.as_ptr().align_offset(64).min(LINE);
+        }
+    }
+}
+
+/// The positions from a row on relative to an origin, in units of 1/`scale`.
+#[inline(always)]
+fn load_relative_rows<L: Lanes>(positions: &[f64], row: usize, origin: f64, scale: f64) -> L {
+    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read.
+    unsafe {
+        if row + L::COUNT <= positions.len() {
+            L::load_relative(positions.as_ptr().add(row), origin, scale)
+        } else {
+            L::load_relative(padded(&positions[row..]).as_ptr(), origin, scale)
         }
     }
 }

@@ -261,11 +261,13 @@ mod tests {
     }
 
     #[test]
-    fn the_printed_form_returns_three_quarters() {
+    fn the_printed_form_returns_three_quarters_across_and_one_along() {
         let k = 0.05;
         let setting = setting(Some(TransverseOperator::Printed));
         let rate = lattice_sums(&setting, |_, y| (k * y).cos()).rate(&setting).x;
         assert!((rate / (-k * k) - 0.75).abs() < 0.01, "{}", rate / (-k * k));
+        let streamwise = lattice_sums(&setting, |x, _| x * x).rate(&setting).x;
+        assert!((streamwise / 2.0 - 0.25).abs() < 0.01, "{streamwise}");
     }
 
     #[test]

@@ -13,8 +13,8 @@ use crate::scene::faults::{Fault, nearest};
 pub struct Edited {
     /// The text as run.
     pub text: String,
-    /// Fields written anew: where their names stand, and by which path they came.
-    pub inserted: Vec<(Span, String)>,
+    /// What was put in: where it stands, fields written anew with their names, and by which path it came.
+    put: Vec<(Span, String)>,
 }
 
 /// Puts values into a scene's text, one after the other.
@@ -22,7 +22,7 @@ pub struct Edited {
 /// # Errors
 /// All paths and values that make no sense.
 pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>> {
-    let mut edited = Edited { text: text.to_owned(), inserted: Vec::new() };
+    let mut edited = Edited { text: text.to_owned(), put: Vec::new() };
     let mut faults = Vec::new();
     for (path, value) in sets {
         let written = reader::read(value);
@@ -38,7 +38,7 @@ pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>
             return if faults.is_empty() { Ok(edited) } else { Err(faults) };
         }
         match find(&root, path) {
-            Some(Place::Value(span)) => edited.replace(span, value),
+            Some(Place::Value(span)) => edited.replace(span, path, value),
             Some(Place::NewField(at, name)) => edited.insert(at, name, path, value),
             None => faults.push(unknown_path(&root, path)),
         }
@@ -47,26 +47,41 @@ pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>
 }
 
 impl Edited {
-    fn replace(&mut self, span: Span, value: &str) {
+    /// The path by which the text at a place came, if it was put in.
+    pub fn path_of(&self, place: Span) -> Option<&str> {
+        let around = |span: &Span| span.start <= place.start && place.end <= span.end;
+        // What was put in last may stand within what was put in before.
+        self.put.iter().rev().find(|(span, _)| around(span)).map(|(_, path)| path.as_str())
+    }
+
+    fn replace(&mut self, span: Span, path: &str, value: &str) {
         self.text.replace_range(span.start..span.end, value);
         let removed = span.end - span.start;
-        for (place, _) in &mut self.inserted {
+        // Gone with what it stood in.
+        self.put.retain(|(place, _)| place.start < span.start || place.end > span.end);
+        for (place, _) in &mut self.put {
             if place.start >= span.end {
-                *place = Span::new(place.start + value.len() - removed, place.end + value.len() - removed);
+                place.start = place.start + value.len() - removed;
+            }
+            if place.end >= span.end {
+                place.end = place.end + value.len() - removed;
             }
         }
+        self.put.push((Span::new(span.start, span.start + value.len()), path.to_owned()));
     }
 
     fn insert(&mut self, at: usize, name: &str, path: &str, value: &str) {
         let field = format!("{name}: {value}, ");
         self.text.insert_str(at, &field);
-        for (place, _) in &mut self.inserted {
+        for (place, _) in &mut self.put {
             if place.start >= at {
-                *place = Span::new(place.start + field.len(), place.end + field.len());
+                place.start += field.len();
+            }
+            if place.end > at {
+                place.end += field.len();
             }
         }
-        let place = Span::new(at, at + name.len());
-        self.inserted.push((place, path.to_owned()));
+        self.put.push((Span::new(at, at + name.len() + 2 + value.len()), path.to_owned()));
     }
 }
 

@@ -81,3 +81,29 @@ fn a_value_of_the_wrong_kind_is_a_fault() {
     assert!(advice(&[("fluid.viscosity", "-1")]).contains("must be finite and not negative"));
     assert!(advice(&[("fluid.viscosity", "(")]).contains("never closed"));
 }
+
+/// What stands in no file is said to come from the command line, whatever was put in before and behind it.
+#[test]
+fn a_fault_in_a_value_says_by_which_set_it_came() {
+    let sets = [
+        ("fluid.density", "-1"),
+        ("outlets.0.condition", "WaveEquation(pressure: Reference())"),
+        ("precision", "F31"),
+        ("constants.v0", "0.0445000000"),
+        ("inlets.0.velocity", "Normal()"),
+    ];
+    let all = advice(&sets);
+    for (said, count) in [
+        ("--set fluid.density: `density` must be finite and greater than 0", 1),
+        ("--set outlets.0.condition: `Reference` is not a number or an expression in quotes", 1),
+        ("--set precision: `F31` is not a choice", 1),
+        ("--set inlets.0.velocity: must be a number or an expression in quotes", 1),
+        ("--set", 4),
+    ] {
+        assert_eq!(all.matches(said).count(), count, "{said} in\n{all}");
+    }
+    // The later value stands within the earlier.
+    let within =
+        advice(&[("outlets.0.condition", "Orlanski(frame: Fixed)"), ("outlets.0.condition.frame", "Fxed")]);
+    assert!(within.contains("--set outlets.0.condition.frame: `Fxed`"), "{within}");
+}

@@ -74,6 +74,10 @@ impl de::Error for Abort {
         Self { message: message.to_string(), missing: None, place: None }
     }
 
+    fn invalid_type(_: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::custom(format!("must be {expected}"))
+    }
+
     fn missing_field(field: &'static str) -> Self {
         Self { message: format!("field `{field}` is missing"), missing: Some(field), place: None }
     }

@@ -1,0 +1,72 @@
+//! Two outlets at once, each with a condition of its own.
+
+use sphecs::simulation::Simulation;
+
+use crate::flow;
+
+/// A channel of ten rows whose side branch is as wide, at Re = 100.
+const JUNCTION: &str = r#"Scene(
+    title: "A junction", dimensions: 2, spacing: 0.01, smoke: 0.01,
+    constants: {"H": 0.05, "u": 0.1},
+    fluid: (density: 1000.0, viscosity: 1.0e-4, sound_speed: 2.0),
+    domain: Union([
+        Box(min: (0.0, "-H"), max: (0.5, "H")),
+        Box(min: (0.15, 0.0), max: (0.25, 0.25)),
+    ]),
+    initial: (velocity: ("1.5*u*(1 - y^2/H^2)*(abs(y) < H)*(1 - 0.5*(x > 0.15))", "0.5*u*(y > H)")),
+    inlets: [(at: (0.0, 0.0), towards: (1.0, 0.0), velocity: Normal("1.5*u*(1 - y^2/H^2)"))],
+    outlets: [
+        (at: (0.5, 0.0), towards: (1.0, 0.0), condition: WaveEquation()),
+        (at: (0.2, 0.25), towards: (0.0, 1.0), condition: WaveEquation()),
+    ],
+    time: (end: 20.0), output: (every: 1.0), reference: (velocity: "u", length: "2*H"),
+)"#;
+
+/// What leaves through each outlet from 4 to 12 s, over what enters meanwhile.
+fn shares(simulation: &mut Simulation, what: &str) -> [f64; 2] {
+    let count = |simulation: &Simulation| {
+        let ledger = simulation.ledger();
+        assert!(ledger.balances(), "{what}: {ledger:?}");
+        let net = |out: u64, back: u64| out as f64 - back as f64;
+        let left = [0, 1].map(|outlet| net(ledger.left[outlet], ledger.left_back[outlet]));
+        (net(ledger.entered[0], ledger.entered_back[0]), left)
+    };
+    simulation.run_until(4.0).unwrap_or_else(|stop| panic!("{what}: {stop}"));
+    let (entered_before, left_before) = count(simulation);
+    simulation.run_until(12.0).unwrap_or_else(|stop| panic!("{what}: {stop}"));
+    let (entered, left) = count(simulation);
+    assert_eq!(simulation.monitor_row().through_walls, 0, "{what}");
+    [0, 1].map(|outlet| (left[outlet] - left_before[outlet]) / (entered - entered_before))
+}
+
+/// All that enters leaves, through both; and which of them the scene names first does not matter.
+#[test]
+fn two_outlets_of_different_conditions_share_the_stream() {
+    for scheme in ["Wcsph()", "EdacTvf()"] {
+        for (straight, aside) in [
+            ("WaveEquation()", "Hybrid()"),
+            ("Hybrid()", "WaveEquation(pressure: Reference(0.0))"),
+            ("Characteristic(velocity: 0.06, pressure: 0.0)", "Hybrid()"),
+        ] {
+            let what = format!("{scheme}, {straight} and {aside}");
+            let conditions =
+                [("scheme", scheme), ("outlets.0.condition", straight), ("outlets.1.condition", aside)];
+            let found = shares(&mut flow(JUNCTION, &conditions), &what);
+            let swapped = [
+                ("scheme", scheme),
+                ("outlets.0.at", "(0.2, 0.25)"),
+                ("outlets.0.towards", "(0.0, 1.0)"),
+                ("outlets.0.condition", aside),
+                ("outlets.1.at", "(0.5, 0.0)"),
+                ("outlets.1.towards", "(1.0, 0.0)"),
+                ("outlets.1.condition", straight),
+            ];
+            let other = shares(&mut flow(JUNCTION, &swapped), &what);
+            println!("{what}: {found:?}, the other way round {other:?}");
+            let all = found[0] + found[1];
+            assert!((all - 1.0).abs() < 0.03, "{what}: {all} of what enters leaves");
+            assert!(found.iter().all(|share| *share > 0.2), "{what}: {found:?}");
+            assert!((found[0] - other[1]).abs() < 0.03, "{what}: {found:?}, the other way round {other:?}");
+        }
+    }
+}
