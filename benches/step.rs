@@ -13,15 +13,15 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use sphecs::bench::cases::Case;
-use sphecs::bench::measure::{FastestSets, count, scalar_rate};
+use sphecs::bench::measure::{FastestSets, count, paved, scalar_rate};
 use sphecs::bench::operations::per_pair;
 use sphecs::bench::peak::Peaks;
+use sphecs::bench::stirring::Tile;
 use sphecs::bench::table::shares;
 use sphecs::math::lanes::InstructionSet;
 use sphecs::scene::faults::SceneFaults;
 use sphecs::scene::load;
 use sphecs::scene::model::Scene;
-use sphecs::simulation::Simulation;
 
 /// What a bench found, for the table at the end.
 struct Report {
@@ -89,13 +89,20 @@ impl Report {
 /// Times steps of a case after its warm-up.
 fn time(bencher: Bencher, name: &str) {
     let case = Case::named(name).expect("a case of the engine");
-    time_flow(bencher, name.to_owned(), case.scene(), case.plan().warm_up);
+    let tile = case.stirred().map(|stirred| Tile::of(stirred).expect("a tame flow"));
+    time_flow(bencher, name.to_owned(), case.scene(), tile, case.plan().warm_up);
 }
 
-/// Times steps of a scene after so many others.
-fn time_flow(bencher: Bencher, name: String, scene: Result<Scene, SceneFaults>, warm_up: usize) {
+/// Times steps of a scene, paved with the tile if there is one, after so many others.
+fn time_flow(
+    bencher: Bencher,
+    name: String,
+    scene: Result<Scene, SceneFaults>,
+    tile: Option<Tile>,
+    warm_up: usize,
+) {
     let mut simulation = match scene {
-        Ok(scene) => Simulation::from_scene(scene),
+        Ok(scene) => paved(scene, tile.as_ref()),
         Err(faults) => panic!("{faults}"),
     };
     for _ in 0..warm_up {
@@ -149,7 +156,7 @@ fn square_duct(bencher: Bencher, name: &str) {
 fn time_outlet(bencher: Bencher, scheme: &str, condition: &str) {
     let sets = [("scheme", scheme), ("outlets.0.condition", condition)];
     let sets = sets.map(|(path, value)| (path.to_owned(), value.to_owned()));
-    time_flow(bencher, format!("{scheme} {condition}"), load(Path::new("scenes/step.ron"), &sets), 20);
+    time_flow(bencher, format!("{scheme} {condition}"), load(Path::new("scenes/step.ron"), &sets), None, 20);
 }
 
 #[divan::bench(args = OUTLETS, sample_count = 100, sample_size = 1)]

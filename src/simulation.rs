@@ -115,6 +115,11 @@ impl Simulation {
     /// Builds the world of a scene with plugins of one's own, which come after those of the engine.
     pub fn with_plugins(scene: Scene, plugins: &[&dyn Plugin]) -> Self {
         let seeds = spawn::seeds(&scene);
+        Self::from_seeds(scene, seeds, plugins)
+    }
+
+    /// Builds the world of a scene with these particles, which are those of [`scene::seeds`](crate::scene::seeds), moved or with other velocities.
+    pub fn from_seeds(scene: Scene, seeds: Vec<ParticleSeed>, plugins: &[&dyn Plugin]) -> Self {
         match Self::of_scene(scene, Start::Seeds(seeds), plugins) {
             Ok(simulation) => simulation,
             // Only columns can misfit.

@@ -12,12 +12,14 @@ use super::cases::Plan;
 use super::memory;
 use super::operations;
 use super::scalar;
+use super::stirring::Tile;
 use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::pass::neighbours::Neighbours;
 use crate::scene::model::{Precision, Scene};
+use crate::scene::seeds;
 use crate::simulation::{Simulation, Stop};
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
@@ -99,13 +101,14 @@ impl FastestSets {
     }
 }
 
-/// Builds a flow, warms it up on the last pool and times it on each. `at_rest` is the resident memory of the process before
+/// Builds a flow, paves it with the tile if there is one, warms it up on the last pool and times it on each. `at_rest` is the resident memory of the process before
 /// its first flow, B.
 ///
 /// # Errors
 /// [`Stop`] when the flow blew up.
 pub fn measure(
     scene: Scene,
+    tile: Option<&Tile>,
     plan: Plan,
     pools: &[ThreadPool],
     at_rest: Option<u64>,
@@ -113,7 +116,7 @@ pub fn measure(
     let growth = memory::Growth::begin(at_rest);
     let operations = operations::per_pair(&scene);
     let build = || -> Result<Simulation, Stop> {
-        let mut simulation = Simulation::from_scene(scene);
+        let mut simulation = paved(scene, tile);
         for _ in 0..plan.warm_up {
             simulation.step()?;
         }
@@ -135,6 +138,15 @@ pub fn measure(
         None => look(),
     };
     Ok(Figures { particles, pairs, operations, scalar_rate, memory, timings })
+}
+
+/// The flow of a scene, paved with the tile if there is one.
+pub fn paved(scene: Scene, tile: Option<&Tile>) -> Simulation {
+    let mut seeds = seeds(&scene);
+    if let Some(tile) = tile {
+        tile.pave(&mut seeds);
+    }
+    Simulation::from_seeds(scene, seeds, &[])
 }
 
 /// Times steps on the threads of the present pool.
@@ -214,7 +226,8 @@ mod tests {
         let plan = Plan { warm_up: 1, repetitions: 2, steps: 2 };
         let pools = [1, 2]
             .map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start"));
-        let figures = measure(stirred.scene().expect("a scene"), plan, &pools, None).expect("a tame flow");
+        let figures =
+            measure(stirred.scene().expect("a scene"), None, plan, &pools, None).expect("a tame flow");
         assert_eq!(figures.particles, stirred.count.pow(stirred.dimensions as u32));
         // Neighbours within 2h, from the volume of the support: 22.2 in 2D, 276 in 3D, and the particle itself is none.
         let neighbours = figures.pairs as f64 / figures.particles as f64;

@@ -1,7 +1,7 @@
 //! The figures of the engine on the machine at hand: what `sphecs bench` measures and `cargo bench` shares.
 //!
 //! Rooms: `cases` (what is timed), `measure` (steps, sets of systems and pairs), `operations` (floating-point operations
-//! of a pair), `peak` (the most multiply-adds of a core), `scalar` (a straightforward code as the baseline), `memory` (growth of the process), `table` (how it is said).
+//! of a pair), `stirring` (boxes as a flow leaves them), `peak` (the most multiply-adds of a core), `scalar` (a straightforward code as the baseline), `memory` (growth of the process), `table` (how it is said).
 //!
 //! To add a case: a variant of [`Case`] with its name, plan and scene, and its place in `Case::ALL`. What its pair loops
 //! compute must be counted in `operations`.
@@ -12,6 +12,7 @@ pub mod memory;
 pub mod operations;
 pub mod peak;
 pub mod scalar;
+pub mod stirring;
 pub mod table;
 
 use std::num::NonZeroUsize;
@@ -22,6 +23,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use cases::Case;
 use peak::Peaks;
+use stirring::{Tile, TileError};
 
 use crate::run::console::Console;
 use crate::scene::faults::SceneFaults;
@@ -81,8 +83,14 @@ pub fn run(options: &BenchOptions) -> Result<(), BenchError> {
     for &case in &options.cases {
         let scene = case.scene()?;
         let precision = scene.precision;
-        let figures = measure::measure(scene, case.plan(), &pools, at_rest)
-            .map_err(|stop| BenchError::Flow { case: case.name(), stop })?;
+        let flow_error = |stop| BenchError::Flow { case: case.name(), stop };
+        let tile = match case.stirred().map(Tile::of).transpose() {
+            Ok(tile) => tile,
+            Err(TileError::Scene(faults)) => return Err(faults.into()),
+            Err(TileError::Flow(stop)) => return Err(flow_error(stop)),
+        };
+        let figures =
+            measure::measure(scene, tile.as_ref(), case.plan(), &pools, at_rest).map_err(flow_error)?;
         options.console.say(&table::rows(case.name(), &figures, peaks.of(precision)));
         measured.push((case.name(), figures));
     }
