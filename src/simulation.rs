@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy_ecs::schedule::Schedules;
 use bevy_ecs::world::World;
 use glam::DVec3;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::math::column::{Columns, Misfit};
 use crate::math::grid::CellGrid;
@@ -380,7 +381,7 @@ fn sample<R: Real, const D: usize>(world: &World, points: &[(DVec3, ProbeSight)]
         ProbeSight::Fluid => fluid.sample(point),
         ProbeSight::Flow => flow.sample(point),
     };
-    points.iter().map(of).collect()
+    points.par_iter().map(of).collect()
 }
 
 fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {

@@ -107,8 +107,14 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         for column in &mut self.acceleration {
             column.resize(order.len(), R::default());
         }
-        for column in [&mut self.density, &mut self.pressure, &mut self.wall_distance] {
+        for column in [&mut self.density, &mut self.pressure] {
             permute(column, order, &mut spare.reals);
+        }
+        if self.wall_normal.iter().any(|column| !column.is_empty()) {
+            permute(&mut self.wall_distance, order, &mut spare.reals);
+        } else {
+            // All are equally far from none.
+            self.wall_distance.truncate(order.len());
         }
         if self.evolves_pressure {
             permute(&mut self.pressure_before, order, &mut spare.reals);
@@ -123,6 +129,9 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
 
 /// Rows that a thread moves at a time.
 const CHUNK: usize = 8192;
+
+/// Rows that are moved at once where they were one behind another before: most were, since few leave their cell in a step.
+const RUN: usize = 8;
 
 /// One spare column of each type, so that sorting the arrays every step allocates nothing.
 #[derive(Clone, Debug, Default)]
@@ -140,7 +149,17 @@ fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, order: &[u32], 
     spare.resize(order.len(), T::default());
     let from: &[T] = column;
     spare.par_chunks_mut(CHUNK).zip(order.par_chunks(CHUNK)).for_each(|(to, order)| {
-        for (to, &row) in to.iter_mut().zip(order) {
+        let (whole, rest) = order.as_chunks::<RUN>();
+        let (to, last) = to.split_at_mut(RUN * whole.len());
+        for (to, rows) in to.as_chunks_mut::<RUN>().0.iter_mut().zip(whole) {
+            let first = rows[0] as usize;
+            let run = rows.iter().zip(rows[0]..).fold(true, |run, (row, next)| run & (*row == next));
+            match from.get(first..).and_then(|from| from.first_chunk::<RUN>()) {
+                Some(from) if run => *to = *from,
+                _ => *to = rows.map(|row| from[row as usize]),
+            }
+        }
+        for (to, &row) in last.iter_mut().zip(rest) {
             *to = from[row as usize];
         }
     });

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::blocks::for_each_block;
-use super::pack::{Only, Pack, Source};
+use super::pack::{Near, NearNotes, Only, Pack, Source, noted};
 use super::settings::{PairSettings, PressureLaw};
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -30,6 +30,7 @@ pub fn sum_density<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
+    sums.near.resize(noted::<D>(particles.len()), Near::ALL);
     pair.kernel.with_shape(DensityPass { pair, grid, particles, sums });
 }
 
@@ -54,8 +55,9 @@ impl<R: Real, const D: usize> WithShape for DensityPass<'_, R, D> {
         };
         let zone = &self.particles.zone;
         let packs = &self.sums.packs;
-        let outputs = [&mut self.particles.density[..], &mut self.particles.pressure[..]];
-        let work = |cells: Range<usize>, [density, pressure]: [&mut [R]; 2]| {
+        let outputs =
+            ([&mut self.particles.density[..], &mut self.particles.pressure[..]], &mut self.sums.near[..]);
+        let work = |cells: Range<usize>, ([density, pressure], near): Outputs<R>| {
             let block = DensityBlock::<K, R, D> {
                 pair: self.pair,
                 source: &source,
@@ -63,6 +65,7 @@ impl<R: Real, const D: usize> WithShape for DensityPass<'_, R, D> {
                 cells,
                 density,
                 pressure,
+                near,
                 pack: &mut packs.of_this_thread(),
                 shape: std::marker::PhantomData,
             };
@@ -72,6 +75,9 @@ impl<R: Real, const D: usize> WithShape for DensityPass<'_, R, D> {
     }
 }
 
+/// Density and pressure of a block's rows, and what is near them.
+type Outputs<'a, R> = ([&'a mut [R]; 2], &'a mut [Near]);
+
 struct DensityBlock<'a, K, R: Real, const D: usize> {
     pair: &'a PairSettings,
     source: &'a Source<'a, R, D>,
@@ -79,6 +85,7 @@ struct DensityBlock<'a, K, R: Real, const D: usize> {
     cells: Range<usize>,
     density: &'a mut [R],
     pressure: &'a mut [R],
+    near: &'a mut [Near],
     pack: &'a mut Pack<R>,
     shape: std::marker::PhantomData<K>,
 }
@@ -98,7 +105,11 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_,
             for row in rows {
                 if self.pair.sums_density(self.zone[row]) {
                     let point = self.pack.relative(self.source, row);
-                    self.density[row - first] = kernel_sum::<K, L, D>(self.pack, point);
+                    let (sum, near) = kernel_sum::<K, L, D>(self.pack, point);
+                    self.density[row - first] = sum;
+                    if let Some(slot) = self.near.get_mut(row - first) {
+                        *slot = near;
+                    }
                 }
             }
         }
@@ -125,26 +136,29 @@ pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut 
     }
 }
 
-/// Σ w(q) over a pack.
+/// Σ w(q) over a pack, and which of its vectors have something in the support.
 #[inline(always)]
 fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
     point: [L::Real; D],
-) -> L::Real {
+) -> (L::Real, Near) {
     let mut x_a = [L::constant(0.0); D];
     for d in 0..D {
         x_a[d] = L::splat(point[d]);
     }
     let mut sum = L::constant(0.0);
+    let mut notes = NearNotes::new();
+    let limit = L::constant(K::SUPPORT * K::SUPPORT);
     for entry in pack.entries::<L>(D) {
         let mut r2 = L::constant(LEAST_Q2);
         for d in 0..D {
             let x = x_a[d] - entry.column(d);
             r2 = x.mul_add(x, r2);
         }
+        notes.take::<L, D>(r2, limit);
         sum = sum + K::value(r2.roots().0);
     }
-    sum.sum()
+    (sum.sum(), notes.done::<D>())
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
-use super::pack::{Only, Pack, Source, nothing_near};
+use super::pack::{Near, Only, Pack, Source};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -93,6 +93,7 @@ impl<R: Real, const D: usize> WithShape for GradientPass<'_, R, D> {
                 pair: self.pair,
                 source: &source,
                 particles: self.particles,
+                near: &self.sums.near,
                 cells,
                 gradient,
                 pack: &mut packs.of_this_thread(),
@@ -109,6 +110,7 @@ struct GradientBlock<'a, K, R: Real, const D: usize> {
     pair: &'a PairSettings,
     source: &'a Source<'a, R, D>,
     particles: &'a ParticleArrays<R, D>,
+    near: &'a [Near],
     cells: Range<usize>,
     gradient: Outputs<'a, R, D>,
     pack: &'a mut Pack<R>,
@@ -165,8 +167,8 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
-        let limit = L::constant(K::SUPPORT * K::SUPPORT);
-        for entry in self.pack.entries::<L>(D + self.source.columns.len()) {
+        let near = Near::of_row(self.near, row);
+        for entry in self.pack.entries_near::<L, D>(D + self.source.columns.len(), near) {
             let mut x = [zero; D];
             let mut v = [zero; D];
             let mut q2 = L::constant(LEAST_Q2);
@@ -174,9 +176,6 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
                 x[d] = x_a[d] - entry.column(d);
                 v[d] = v_a[d] - entry.column(D + d);
                 q2 = x[d].mul_add(x[d], q2);
-            }
-            if nothing_near::<L, D>(q2, limit) {
-                continue;
             }
             let (q, inverse_q) = q2.roots();
             let slope = K::slope(q, inverse_q);

@@ -99,6 +99,7 @@ impl<R: Real, const D: usize> Sample<R, D> {
     pub fn sort(&mut self) {
         let order = self.grid.build(&self.particles.position, &self.particles.id, |_| true).expect("inside");
         self.particles.reorder(order, &mut SpareColumns::default());
+        self.sums.forget_order();
     }
 
     /// Density and pressure.

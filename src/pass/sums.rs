@@ -6,7 +6,7 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::blocks::for_each_part;
-use super::pack::PackPool;
+use super::pack::{Near, PackPool};
 use super::settings::PairSettings;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -50,6 +50,8 @@ pub struct PairSums<R, const D: usize> {
     pub friction: [Vec<R>; D],
     /// Σ w(q) over the fluid rows that feel it; empty with it.
     pub friction_felt: Vec<R>,
+    /// Which vectors of its cell's pack have something in the support of a row whose density was summed since the last sort; empty before that and in 3D.
+    pub(super) near: Vec<Near>,
     pub(super) columns: PairColumns<R>,
     pub(super) packs: PackPool<R>,
 }
@@ -94,9 +96,17 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             body_force: std::array::from_fn(|_| Vec::new()),
             friction: std::array::from_fn(|_| Vec::new()),
             friction_felt: Vec::new(),
+            near: Vec::new(),
             columns: PairColumns::default(),
             packs: PackPool::default(),
         }
+    }
+}
+
+impl<R, const D: usize> PairSums<R, D> {
+    /// Forgets what was noted of an order that the rows are no longer in.
+    pub fn forget_order(&mut self) {
+        self.near.clear();
     }
 }
 

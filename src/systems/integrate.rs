@@ -1,5 +1,7 @@
 //! The kick: time step, new velocities and positions.
 
+use std::ops::Range;
+
 use bevy_ecs::system::{Res, ResMut};
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
@@ -14,6 +16,7 @@ use super::setup::{Resolution, SceneInUse};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
+use crate::pass::blocks::{for_each_part, join_parts};
 use crate::physics::integrator::kick_drift::KickDrift;
 use crate::physics::integrator::verlet::Verlet;
 use crate::physics::integrator::{Advance, Integrator, friction};
@@ -70,20 +73,28 @@ pub fn kick<R: Real, const D: usize>(
     clock.step += 1;
 }
 
+/// Maxima that are taken side by side.
+const MAXIMA: usize = 8;
+
 /// Largest |dv/dt| of fluid particles, m/s². A maximum does not depend on the order in which it is taken.
 pub(super) fn largest_acceleration<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>) -> f64 {
-    let squared = arrays
-        .zone
-        .par_iter()
-        .with_min_len(CHUNK)
-        .enumerate()
-        .map(|(row, zone)| {
-            if *zone != Zone::Fluid {
-                return 0.0;
+    let (zone, acceleration) = (&arrays.zone, &arrays.acceleration);
+    // A maximum a lane: one alone would wait for itself at every row.
+    let largest = |rows: Range<usize>| {
+        let mut largest = [0.0_f64; MAXIMA];
+        let mut rest = rows;
+        while !rest.is_empty() {
+            let group = rest.start..rest.end.min(rest.start + MAXIMA);
+            rest.start = group.end;
+            for (row, largest) in group.zip(&mut largest) {
+                let squared: f64 = (0..D).map(|axis| acceleration[axis][row].to_f64().powi(2)).sum();
+                let squared = if zone[row] == Zone::Fluid { squared } else { 0.0 };
+                *largest = if squared > *largest { squared } else { *largest };
             }
-            (0..D).map(|axis| arrays.acceleration[axis][row].to_f64().powi(2)).sum::<f64>()
-        })
-        .reduce(|| 0.0, f64::max);
+        }
+        largest.into_iter().fold(0.0, f64::max)
+    };
+    let squared: f64 = join_parts(0..zone.len(), &largest, &f64::max);
     squared.sqrt()
 }
 
@@ -122,26 +133,46 @@ fn slow_down<A: Advance, R: Real, const D: usize>(
     }
 }
 
+/// Rows that are looked at together: where all of them are fluid and none is fresh, the loop over them has no branches and becomes
+/// vectors.
+const GROUP: usize = 64;
+
 fn kick_fluid<A: Advance, R: Real, const D: usize>(scheme: &A, arrays: &mut ParticleArrays<R, D>) {
-    let (zone, fresh) = (&arrays.zone, &arrays.fresh);
-    let columns = arrays
-        .position
-        .iter_mut()
-        .zip(&mut arrays.velocity)
-        .zip(&mut arrays.velocity_before)
-        .zip(&arrays.acceleration);
-    for (((position, velocity), before), acceleration) in columns {
-        position
-            .par_iter_mut()
-            .zip(velocity.par_iter_mut())
-            .zip(before.par_iter_mut())
-            .zip(acceleration.par_iter())
-            .zip(zone.par_iter().zip(fresh.par_iter()))
-            .with_min_len(CHUNK)
-            .for_each(|((((x, v), v_before), &a), (&zone, &fresh))| {
-                if zone == Zone::Fluid {
-                    (*x, [*v, *v_before]) = scheme.advance(fresh, *x, [*v, *v_before], a);
+    let ParticleArrays { zone, fresh, position, velocity, velocity_before, acceleration, .. } = arrays;
+    let (zone, fresh, acceleration) = (&*zone, &*fresh, &*acceleration);
+    let work = |rows: Range<usize>, (position, velocity, before): Columns<R, D>| {
+        let first = rows.start;
+        for start in rows.clone().step_by(GROUP) {
+            let group = start..rows.end.min(start + GROUP);
+            let plain = group.clone().fold(true, |all, row| all & (zone[row] == Zone::Fluid) & !fresh[row]);
+            let part = group.start - first..group.end - first;
+            for axis in 0..D {
+                let x = &mut position[axis][part.clone()];
+                let v = &mut velocity[axis][part.clone()];
+                let v_before = &mut before[axis][part.clone()];
+                let advanced = x.iter_mut().zip(v).zip(v_before).zip(&acceleration[axis][group.clone()]);
+                if plain {
+                    for (((x, v), v_before), &a) in advanced {
+                        (*x, [*v, *v_before]) = scheme.advance(false, *x, [*v, *v_before], a);
+                    }
+                } else {
+                    let kinds = zone[group.clone()].iter().zip(&fresh[group.clone()]);
+                    for ((((x, v), v_before), &a), (&zone, &fresh)) in advanced.zip(kinds) {
+                        if zone == Zone::Fluid {
+                            (*x, [*v, *v_before]) = scheme.advance(fresh, *x, [*v, *v_before], a);
+                        }
+                    }
                 }
-            });
-    }
+            }
+        }
+    };
+    let columns = (
+        position.each_mut().map(Vec::as_mut_slice),
+        velocity.each_mut().map(Vec::as_mut_slice),
+        velocity_before.each_mut().map(Vec::as_mut_slice),
+    );
+    for_each_part(0..zone.len(), columns, &work);
 }
+
+/// Positions, velocities and earlier velocities of a part's rows.
+type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);

@@ -63,6 +63,7 @@ pub fn sort_particles<R: Real, const D: usize>(
     mut failure: ResMut<Failure>,
 ) {
     let arrays = &mut *arrays;
+    sums.0.forget_order();
     let zone = std::mem::take(&mut arrays.zone);
     let built = grid.0.build(&arrays.position, &arrays.id, |row| zone[row] != Zone::Reservoir);
     arrays.zone = zone;

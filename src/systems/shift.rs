@@ -47,8 +47,8 @@ pub fn shift<R: Real, const D: usize>(
                     continue;
                 }
                 let concentration: [f64; D] = std::array::from_fn(|axis| sums.shift[axis][row].to_f64());
-                let speed = (0..D).map(|axis| now[axis][at].to_f64().powi(2)).sum::<f64>().sqrt();
-                let moved = shifting.displacement(concentration, speed, step);
+                let squared_speed = (0..D).map(|axis| now[axis][at].to_f64().powi(2)).sum::<f64>();
+                let moved = shifting.displacement(concentration, squared_speed, step);
                 for axis in 0..D {
                     position[axis][at] += moved[axis];
                 }

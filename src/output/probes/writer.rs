@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::{ProbePoints, ProbeSample, ProbeSet, ProbeValues};
 use crate::output::error::OutputError;
@@ -85,22 +86,26 @@ impl ProbeWriter {
     /// [`OutputError::Io`] when the system refuses.
     pub fn append(&mut self, sample: &ProbeSample) -> Result<(), OutputError> {
         let time = number(sample.time);
-        let mut lines = String::new();
-        for (starts, values) in self.starts.iter().zip(&sample.values) {
-            match values {
-                ProbeValues::Fields(fields) => {
-                    for (start, field) in starts.iter().zip(fields) {
-                        lines += &format!("{time},{start},{},,\n", fields_of(field.as_ref()));
-                    }
-                }
-                ProbeValues::Section { mass_flow, mean_pressure } => {
-                    for start in starts {
-                        lines += &format!("{time},{start},,,,,,{mass_flow:.8e},{mean_pressure:.8e}\n");
-                    }
-                }
-            }
+        // A line of a thousand points takes longer to write down than to measure.
+        let of_probe = |(starts, values): (&Vec<String>, &ProbeValues)| lines(&time, starts, values);
+        let lines: Vec<String> = self.starts.par_iter().zip(&sample.values).map(of_probe).collect();
+        self.table.append_lines(&lines.concat())
+    }
+}
+
+/// What one probe measured at a time, line by line.
+fn lines(time: &str, starts: &[String], values: &ProbeValues) -> String {
+    match values {
+        ProbeValues::Fields(fields) => {
+            let line = |(start, field): (&String, &Option<Sample>)| {
+                format!("{time},{start},{},,\n", fields_of(field.as_ref()))
+            };
+            starts.iter().zip(fields).map(line).collect()
         }
-        self.table.append_lines(&lines)
+        ProbeValues::Section { mass_flow, mean_pressure } => {
+            let line = |start| format!("{time},{start},,,,,,{mass_flow:.8e},{mean_pressure:.8e}\n");
+            starts.iter().map(line).collect()
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::pass::body::{Body, BodySum, RowForce, RowLoop, sum_body};
-use crate::pass::pack::{Pack, Source};
+use crate::pass::pack::{Near, Pack, Source};
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
 use crate::physics::edac::Edac;
@@ -79,7 +79,7 @@ impl<R: Real, const D: usize> RowLoop<R, D> for OfRow<'_, R, D> {
     ) -> RowForce<D> {
         let pair_loop = PairLoop::<L, D>::new(self.pair, self.edac, self.layout, self.body_force);
         let distance = self.wall_distance[row].to_f64();
-        let rates = pair_loop.sum::<K, false, false, true>(pack, source, point, row, distance);
+        let rates = pair_loop.sum::<K, false, false, true>(pack, source, point, row, Near::ALL, distance);
         RowForce { acceleration: rates.acceleration, pressure: rates.split.0, moment: rates.split.1 }
     }
 }

@@ -15,7 +15,7 @@ use std::ops::Range;
 use row::{Layout, PairLoop};
 
 use super::blocks::for_each_block;
-use super::pack::{Only, Pack, Source};
+use super::pack::{Near, Only, Pack, Source};
 use super::rates::larger;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -93,9 +93,18 @@ impl<R: Real, const D: usize> WithShape for EdacPass<'_, R, D> {
             wall_normal,
             ..
         } = self.particles;
-        let PairSums { shift, divergence, pressure_rate, velocity_seen, body_force, columns, packs, .. } =
-            self.sums;
-        let body_force = &*body_force;
+        let PairSums {
+            shift,
+            divergence,
+            pressure_rate,
+            velocity_seen,
+            body_force,
+            near,
+            columns,
+            packs,
+            ..
+        } = self.sums;
+        let (body_force, near) = (&*body_force, &*near);
         let layout = self.layout;
         let images = &columns.image_distance;
         let vectors = [&*velocity, &*drift, &*wall_normal, &*velocity_seen];
@@ -117,6 +126,7 @@ impl<R: Real, const D: usize> WithShape for EdacPass<'_, R, D> {
                 zone,
                 wall_distance,
                 body_force,
+                near,
                 cells,
                 outputs: (acceleration, shift, scalars),
                 pack: &mut packs.of_this_thread(),
@@ -144,6 +154,7 @@ struct EdacBlock<'a, K, R: Real, const D: usize> {
     zone: &'a [Zone],
     wall_distance: &'a [R],
     body_force: &'a [Vec<R>; D],
+    near: &'a [Near],
     cells: Range<usize>,
     outputs: Outputs<'a, R, D>,
     pack: &'a mut Pack<R>,
@@ -186,8 +197,15 @@ impl<K: KernelShape, R: Real, const D: usize> EdacBlock<'_, K, R, D> {
                 }
                 let point = self.pack.relative(self.source, row);
                 let distance = self.wall_distance[row].to_f64();
-                let rates =
-                    pair_loop.sum::<K, PLAIN, WALLS, false>(self.pack, self.source, point, row, distance);
+                let near = Near::of_row(self.near, row);
+                let rates = pair_loop.sum::<K, PLAIN, WALLS, false>(
+                    self.pack,
+                    self.source,
+                    point,
+                    row,
+                    near,
+                    distance,
+                );
                 let mut speed = 0.0;
                 for d in 0..D {
                     acceleration[d][row - first] = R::from_f64(rates.acceleration[d]);

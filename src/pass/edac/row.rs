@@ -5,7 +5,7 @@ use crate::math::lanes::{Lanes, add_scaled, cross, dot};
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Pack, Source, nothing_near};
+use crate::pass::pack::{Near, Pack, Source};
 use crate::pass::settings::PairSettings;
 use crate::physics::edac::{self, Edac};
 use crate::physics::wall::{WallModel, WallPressure, image};
@@ -180,6 +180,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         source: &Source<L::Real, D>,
         point: [L::Real; D],
         row: usize,
+        near: Near,
         wall_distance: f64,
     ) -> RowRates<D> {
         let pair = self.pair;
@@ -223,7 +224,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let mut pressures = [zero; D];
         let mut turn = [[zero; 3]; 3];
 
-        for entry in pack.entries::<L>(layout.count) {
+        for entry in pack.entries_near::<L, D>(layout.count, near) {
             let mut x = [zero; D];
             let mut v_b = [zero; D];
             let mut v = [zero; D];
@@ -233,9 +234,6 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 v_b[d] = entry.column(layout.velocity + d);
                 v[d] = v_a[d] - v_b[d];
                 q2 = x[d].mul_add(x[d], q2);
-            }
-            if nothing_near::<L, D>(q2, self.limit) {
-                continue;
             }
             let (q, inverse_q) = q2.roots();
             let slope = K::slope(q, inverse_q);

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::{CULLED_DIMENSIONS, Pack};
+use super::Pack;
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
@@ -21,14 +21,6 @@ impl<R: Real> Pack<R> {
     }
 }
 
-/// Whether none of a vector's neighbours is within the support, so that it adds nothing to a sum; `limit` is the square of the
-/// support. In 2D that is some quarter of the vectors; in a culled pack too few for what the branch costs (docs/performance.md), so there it is
-/// never said.
-#[inline(always)]
-pub fn nothing_near<L: Lanes, const D: usize>(q2: L, limit: L) -> bool {
-    D < CULLED_DIMENSIONS && L::bits(q2.less(limit)) == 0
-}
-
 /// The vectors of a pack, one after another.
 #[derive(Debug)]
 pub struct Entries<'a, L: Lanes> {
@@ -39,6 +31,22 @@ pub struct Entries<'a, L: Lanes> {
     pack: PhantomData<&'a L::Real>,
 }
 
+impl<'a, L: Lanes> Entries<'a, L> {
+    /// Number of vectors that are left.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.left
+    }
+
+    /// One of those that are left.
+    #[inline(always)]
+    pub(super) fn at(&self, vector: usize) -> Entry<'a, L> {
+        debug_assert!(vector < self.left);
+        let base = self.base.wrapping_add(vector * L::COUNT);
+        Entry { base, stride: self.stride, columns: self.columns, pack: PhantomData }
+    }
+}
+
 impl<'a, L: Lanes> Iterator for Entries<'a, L> {
     type Item = Entry<'a, L>;
 
@@ -47,7 +55,7 @@ impl<'a, L: Lanes> Iterator for Entries<'a, L> {
         if self.left == 0 {
             return None;
         }
-        let entry = Entry { base: self.base, stride: self.stride, columns: self.columns, pack: PhantomData };
+        let entry = self.at(0);
         self.left -= 1;
         self.base = self.base.wrapping_add(L::COUNT);
         Some(entry)

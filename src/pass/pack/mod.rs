@@ -7,12 +7,14 @@
 //! boxes, and single precision loses only the last digits of a distance, wherever in the domain it is.
 
 mod entries;
+mod near;
 mod source;
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-pub use entries::{Entry, nothing_near};
+pub use entries::Entry;
+pub use near::{Near, NearNotes, noted};
 pub use source::{Only, Source};
 
 use crate::math::lanes::Lanes;

@@ -22,7 +22,7 @@ use layout::{Fields, Layout};
 use row::PairLoop;
 
 use super::blocks::for_each_block;
-use super::pack::{Only, Pack, Source};
+use super::pack::{Near, Only, Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -148,6 +148,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             stress,
             velocity_seen,
             body_force,
+            near,
             columns,
             packs,
             ..
@@ -176,7 +177,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             support_ratio: K::SUPPORT,
             only: Only::All,
         };
-        let body_force = &*body_force;
+        let (body_force, near) = (&*body_force, &*near);
         let work = |cells: Range<usize>, outputs: Outputs<R, D>| {
             let block = RatesBlock::<K, R, D> {
                 pair: self.pair,
@@ -186,6 +187,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
                 wall_distance,
                 body_force,
                 eddy_viscosity,
+                near,
                 cells,
                 outputs,
                 pack: &mut packs.of_this_thread(),
@@ -213,6 +215,7 @@ struct RatesBlock<'a, K, R: Real, const D: usize> {
     wall_distance: &'a [R],
     body_force: &'a [Vec<R>; D],
     eddy_viscosity: &'a [R],
+    near: &'a [Near],
     cells: Range<usize>,
     outputs: Outputs<'a, R, D>,
     pack: &'a mut Pack<R>,
@@ -269,6 +272,7 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     self.source,
                     point,
                     row,
+                    Near::of_row(self.near, row),
                     self.wall_distance[row].to_f64(),
                 );
                 let mut square = 0.0;

@@ -6,7 +6,7 @@ use crate::math::lanes::{Lanes, add_scaled, cross, dot};
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Pack, Source, nothing_near};
+use crate::pass::pack::{Near, Pack, Source};
 use crate::pass::settings::PairSettings;
 use crate::physics::momentum;
 use crate::physics::shifting::{Shifting, vacondio};
@@ -112,7 +112,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.image_distance.is_some()
     }
 
-    /// Sums over a pack for the row at `point` (relative to the pack, in units of h); `SPLIT`: with pressure and moment apart.
+    /// Sums over what is `near` in a pack for the row at `point` (relative to the pack, in units of h); `SPLIT`: with pressure and moment apart.
     #[inline(always)]
     pub fn sum<
         K: KernelShape,
@@ -127,6 +127,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         source: &Source<L::Real, D>,
         point: [L::Real; D],
         row: usize,
+        near: Near,
         wall_distance: f64,
     ) -> RowRates<D> {
         let pair = self.pair;
@@ -189,7 +190,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let mut pressed = [zero; D];
         let mut turn = [[zero; 3]; 2];
 
-        for entry in pack.entries::<L>(layout.count) {
+        for entry in pack.entries_near::<L, D>(layout.count, near) {
             let mut x = [zero; D];
             let mut v = [zero; D];
             let mut q2 = L::constant(LEAST_Q2);
@@ -197,9 +198,6 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 x[d] = x_a[d] - entry.column(d);
                 v[d] = v_a[d] - entry.column(layout.velocity + d);
                 q2 = x[d].mul_add(x[d], q2);
-            }
-            if nothing_near::<L, D>(q2, self.limit) {
-                continue;
             }
             let (q, inverse_q) = q2.roots();
             let slope = K::slope(q, inverse_q);

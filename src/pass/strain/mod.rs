@@ -26,7 +26,7 @@ use row::{RowSums, sum};
 
 use super::blocks::for_each_block;
 use super::density::finish;
-use super::pack::{Only, Pack, Source};
+use super::pack::{Near, Only, Pack, Source, noted};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -52,6 +52,7 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
+    sums.near.resize(noted::<D>(particles.len()), Near::ALL);
     sums.columns.find_flow(particles);
     for column in sums.strain.iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());
@@ -78,15 +79,15 @@ struct StrainPass<'a, R: Real, const D: usize> {
     sums: &'a mut PairSums<R, D>,
 }
 
-/// Density and pressure, components of the strain, gradient, and ∇C of a block's rows.
+/// Density and pressure, components of the strain, gradient, ∇C, and what is near, of a block's rows.
 type Outputs<'a, R, const D: usize> =
-    ([&'a mut [R]; 2], [&'a mut [R]; 6], [[&'a mut [R]; D]; D], [&'a mut [R]; D]);
+    ([&'a mut [R]; 2], [&'a mut [R]; 6], [[&'a mut [R]; D]; D], ([&'a mut [R]; D], &'a mut [Near]));
 
 impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
     type Output = ();
 
     fn run<K: KernelShape>(self) {
-        let PairSums { strain, neighbour_gradient, crowding, columns, packs, .. } = self.sums;
+        let PairSums { strain, neighbour_gradient, crowding, near, columns, packs, .. } = self.sums;
         let ParticleArrays { zone, position, velocity, velocity_before, density, pressure, .. } =
             self.particles;
         let velocity = match self.level {
@@ -127,7 +128,7 @@ impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
             [&mut density[..], &mut pressure[..]],
             strain.each_mut().map(Vec::as_mut_slice),
             neighbour_gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice)),
-            crowding.each_mut().map(Vec::as_mut_slice),
+            (crowding.each_mut().map(Vec::as_mut_slice), &mut near[..]),
         );
         for_each_block(self.grid, outputs, &work, &|(), ()| ());
     }
@@ -151,7 +152,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let grid = self.source.grid;
         let first = grid.rows(self.cells.start).start;
         let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
-        let ([density, pressure], strain, mut whole, mut crowding) = self.outputs;
+        let ([density, pressure], strain, mut whole, (mut crowding, noted)) = self.outputs;
         let crowded = !self.pair.shifting.keeps_drift();
         // ∇W over slope · x_ab/h, 1/m^(D+1).
         let gradient_scale = self.pair.kernel_scale() * self.source.inverse_h;
@@ -164,11 +165,14 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
                 if !flows(self.zone[row]) {
                     continue;
                 }
-                let RowSums { kernel_sum, gradient, slopes } = if crowded {
+                let RowSums { kernel_sum, gradient, slopes, near } = if crowded {
                     sum::<K, L, D, true>(self.pack, self.source, row)
                 } else {
                     sum::<K, L, D, false>(self.pack, self.source, row)
                 };
+                if let Some(slot) = noted.get_mut(row - first) {
+                    *slot = near;
+                }
                 if self.zone[row] == Zone::Fluid {
                     density[row - first] = kernel_sum;
                 }

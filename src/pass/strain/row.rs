@@ -5,7 +5,7 @@ use crate::math::lanes::Lanes;
 use crate::math::linear::invert_symmetric;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Pack, Source, nothing_near};
+use crate::pass::pack::{Near, NearNotes, Pack, Source};
 use crate::physics::sps::component;
 
 /// What a row has summed up.
@@ -16,6 +16,8 @@ pub(super) struct RowSums<R, const D: usize> {
     pub gradient: [[f64; D]; D],
     /// Σ V_b slope · x_ab/h over all, or 0.
     pub slopes: [f64; D],
+    /// Which vectors of the pack have something in the support.
+    pub near: Near,
 }
 
 /// Sums over a pack for a row; `CROWDED`: the slopes, too.
@@ -42,6 +44,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     // By component: M is symmetric.
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
+    let mut notes = NearNotes::new();
     for entry in pack.entries::<L>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
         let mut x = [zero; D];
         let mut q2 = L::constant(LEAST_Q2);
@@ -49,7 +52,8 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             x[d] = x_a[d] - entry.column(d);
             q2 = x[d].mul_add(x[d], q2);
         }
-        if nothing_near::<L, D>(q2, limit) {
+        // So much is summed here that a vector costs more than a branch that is guessed wrong.
+        if !notes.take::<L, D>(q2, limit) {
             continue;
         }
         let (q, inverse_q) = q2.roots();
@@ -103,5 +107,10 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             }
         }
     }
-    RowSums { kernel_sum: kernel_sum.sum(), gradient, slopes: slopes.map(|sum| sum.sum().to_f64()) }
+    RowSums {
+        kernel_sum: kernel_sum.sum(),
+        gradient,
+        slopes: slopes.map(|sum| sum.sum().to_f64()),
+        near: notes.done::<D>(),
+    }
 }

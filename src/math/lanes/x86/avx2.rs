@@ -97,12 +97,12 @@ lanes! {
             Self::splat(1.0) / self
         }
         fn roots(self) -> (Self, Self) {
+            // The root by its own instruction, which is a fourth of the density's pass faster than 1/√x by its series times x.
             // SAFETY: as said above. The 12 bits of this estimate leave 2⁻²³ after one term.
             let y = unsafe { Self(_mm256_rsqrt_ps(self.0)) };
             let e = (-(self * y)).mul_add(y, Self::splat(1.0));
             let series = e.mul_add(Self::splat(0.375), Self::splat(0.5));
-            let inverse = (y * e).mul_add(series, y);
-            (self * inverse, inverse)
+            (self.sqrt(), (y * e).mul_add(series, y))
         }
         fn less(self, other: Self) -> __m256 {
             // SAFETY: as said above.

@@ -1,0 +1,178 @@
+//! Which vectors of a cell's pack have something in the support of a row.
+//!
+//! In 2D a quarter of them have nothing. A branch that leaves such a vector out is guessed wrong once or twice a row, and a wrong guess
+//! costs as much as a vector or two. So the pass that sums the density, which needs no branch, notes which they are, and those that
+//! walk the same packs after it step from one to the next. In a culled pack they are too few: there nothing is noted, and all are
+//! walked.
+
+use super::entries::{Entries, Entry};
+use super::{CULLED_DIMENSIONS, Pack};
+use crate::math::lanes::Lanes;
+use crate::math::real::Real;
+
+/// Vectors of a pack, a bit each from the lowest on; the highest bit is all from there on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Near(u64);
+
+/// The bit of the last vector that has one, and of all behind it.
+const REST: u64 = 1 << 63;
+
+impl Near {
+    /// All vectors: right for every row, if not the fastest.
+    pub const ALL: Near = Near(u64::MAX);
+
+    /// What was noted of a row; all if nothing was.
+    #[inline(always)]
+    pub fn of_row(noted: &[Near], row: usize) -> Near {
+        noted.get(row).copied().unwrap_or(Near::ALL)
+    }
+}
+
+/// How many of so many rows are to be noted of.
+pub const fn noted<const D: usize>(rows: usize) -> usize {
+    if D < CULLED_DIMENSIONS { rows } else { 0 }
+}
+
+/// Notes made while a pack is walked, vector by vector.
+#[derive(Clone, Copy, Debug)]
+pub struct NearNotes {
+    found: u64,
+    next: u64,
+}
+
+impl NearNotes {
+    /// None yet.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { found: 0, next: 1 }
+    }
+
+    /// Takes note of the next vector by its squared distances; `limit` is the square of the support. Returns whether it has
+    /// anything there, as far as notes are made.
+    #[inline(always)]
+    pub fn take<L: Lanes, const D: usize>(&mut self, q2: L, limit: L) -> bool {
+        if D >= CULLED_DIMENSIONS {
+            return true;
+        }
+        let any = L::bits(q2.less(limit)) != 0;
+        self.found |= if any { self.next } else { 0 };
+        self.next = (self.next << 1) | (self.next & REST);
+        any
+    }
+
+    /// What was found.
+    #[inline(always)]
+    pub fn done<const D: usize>(self) -> Near {
+        if D < CULLED_DIMENSIONS { Near(self.found) } else { Near::ALL }
+    }
+}
+
+impl<R: Real> Pack<R> {
+    /// The vectors that are near a row, one after another; `columns` says how many columns will be asked for.
+    #[inline(always)]
+    pub fn entries_near<L: Lanes<Real = R>, const D: usize>(
+        &self,
+        columns: usize,
+        near: Near,
+    ) -> NearEntries<'_, L, D> {
+        let all = self.entries::<L>(columns);
+        let (count, whole) = (all.len(), u64::BITS as usize);
+        let known = if count < whole { near.0 & !(u64::MAX << count) } else { near.0 };
+        NearEntries { all, near: known, beyond: if known & REST != 0 { whole } else { count } }
+    }
+}
+
+/// The vectors of a pack that are near a row.
+#[derive(Debug)]
+pub struct NearEntries<'a, L: Lanes, const D: usize> {
+    all: Entries<'a, L>,
+    near: u64,
+    /// The next of those that have no bit of their own.
+    beyond: usize,
+}
+
+impl<'a, L: Lanes, const D: usize> Iterator for NearEntries<'a, L, D> {
+    type Item = Entry<'a, L>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Entry<'a, L>> {
+        if D >= CULLED_DIMENSIONS {
+            return self.all.next();
+        }
+        if self.near != 0 {
+            let vector = self.near.trailing_zeros() as usize;
+            self.near &= self.near - 1;
+            return Some(self.all.at(vector));
+        }
+        if self.beyond >= self.all.len() {
+            return None;
+        }
+        self.beyond += 1;
+        Some(self.all.at(self.beyond - 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::grid::CellGrid;
+    use crate::math::lanes::{InstructionSet, Vectorised};
+    use crate::pass::pack::{Only, Source};
+
+    /// So many particles in a row of one cell, each 0.001 h from the next.
+    struct Walk(usize);
+
+    impl Vectorised<f64> for Walk {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<L: Lanes<Real = f64>>(self) {
+            let count = self.0;
+            let position = [(0..count).map(|row| 0.001 * row as f64).collect(), vec![0.5; count]];
+            let mut grid = CellGrid::new([0.0; 2], [1.0; 2], [false; 2], 1.0, 1.0);
+            let ids: Vec<u32> = (0..count as u32).collect();
+            grid.build(&position, &ids, |_| true).expect("all are inside");
+            let (inverse_h, support_ratio) = (1.0, 1.0);
+            let source = Source {
+                grid: &grid,
+                position: &position,
+                columns: &[],
+                inverse_h,
+                support_ratio,
+                only: Only::All,
+            };
+            let mut pack = Pack::default();
+            assert!(pack.fill::<L, 2>(&source, 0, |_| true));
+            // The first and the last are in reach of a support of 0.0005 of themselves alone.
+            for row in [0, count / 2, count - 1] {
+                let point = pack.relative(&source, row).map(L::splat);
+                let mut notes = NearNotes::new();
+                for entry in pack.entries::<L>(2) {
+                    let x = point[0] - entry.column(0);
+                    notes.take::<L, 2>(x * x, L::constant(0.0005 * 0.0005));
+                }
+                let near = notes.done::<2>();
+                let vectors = count.div_ceil(L::COUNT);
+                let seen = |near: Near| {
+                    pack.entries_near::<L, 2>(2, near)
+                        .map(|entry| entry.column(0).largest())
+                        .collect::<Vec<f64>>()
+                };
+                let all = seen(Near::ALL);
+                assert_eq!(all.len(), vectors, "{} lanes, {count} particles", L::COUNT);
+                let vector = row / L::COUNT;
+                let expected = if vector < 63 { &all[vector..=vector] } else { &all[63..] };
+                assert_eq!(seen(near), expected, "row {row} of {count}, {} lanes", L::COUNT);
+            }
+        }
+    }
+
+    #[test]
+    fn the_vector_of_a_particle_is_found_and_behind_the_last_bit_all_are_walked() {
+        for set in InstructionSet::available() {
+            for count in [1, 7, 200, 63 * 2, 63 * 4 + 1, 63 * 8, 64 * 8, 64 * 8 + 1, 999] {
+                <f64 as Real>::dispatch(set, Walk(count));
+            }
+        }
+    }
+}
