@@ -28,9 +28,9 @@ pub const WALLS: usize = 4;
 /// What walls add to the gradients: the image factor.
 pub const WALLS_IN_GRADIENTS: usize = 2;
 
-/// What the damping of noise adds to the rates: S_a + S_b by component, x·S·x 2 D² + 2 D − 1, c_b 3, the rest 9.
+/// What the damping of noise adds to the rates: S_a + S_b by component, x·S·x 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7.
 pub const fn damping(dimensions: usize) -> usize {
-    components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 11
+    components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 9
 }
 
 /// What a shift less its drift adds to the sums of `pass/strain/row.rs`: the volume 1, ∇C 2 D.

@@ -6,6 +6,8 @@
 //!
 //! Monaghan (1994), as in Alvarado-Rodríguez et al. (2017), Eq. 4, with γ = 7.
 
+use crate::math::lanes::Lanes;
+
 /// The exponent γ of water in Tait's equation.
 pub const GAMMA: f64 = 7.0;
 
@@ -45,6 +47,13 @@ impl Tait {
     }
 }
 
+/// (c_a + c_b)/(ρ_a + ρ_b) over c0/ρ0³, kg²/m⁶: (ρ_a³ + ρ_b³)/(ρ_a + ρ_b) = ρ_a² + ρ_b (ρ_b − ρ_a), which takes no division.
+/// `square_a` is ρ_a².
+#[inline(always)]
+pub fn stiffness<L: Lanes>(rho_a: L, square_a: L, rho_b: L) -> L {
+    rho_b.mul_add(rho_b - rho_a, square_a)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,6 +65,17 @@ mod tests {
         for density in [970.0, 999.999, 1000.0, 1012.5] {
             let back = WATER.density(WATER.pressure(density));
             assert!((back - density).abs() < 1e-9, "{density} came back as {back}");
+        }
+    }
+
+    #[test]
+    fn stiffness_is_the_sum_of_sound_speeds_over_that_of_densities() {
+        use crate::math::lanes::Array;
+        for (rho_a, rho_b) in [(1000.0, 1000.0), (1012.0, 987.0), (700.0, 1300.0)] {
+            let speeds = WATER.sound_speed_at(rho_a) + WATER.sound_speed_at(rho_b);
+            let Array([found]) = stiffness(Array([rho_a]), Array([rho_a * rho_a]), Array([rho_b]));
+            let found = found * WATER.sound_speed / WATER.reference_density.powi(3);
+            assert!((found * (rho_a + rho_b) / speeds - 1.0).abs() < 1e-14, "{rho_a} and {rho_b} kg/m³");
         }
     }
 

@@ -88,6 +88,12 @@ pub trait Lanes:
     /// `yes` under the mask, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
+    /// `value` under the mask, 0 elsewhere.
+    #[inline(always)]
+    fn keep(mask: Self::Mask, value: Self) -> Self {
+        Self::select(mask, value, Self::constant(0.0))
+    }
+
     /// The mask as bits, the first lane lowest.
     fn bits(mask: Self::Mask) -> u32;
 
@@ -223,6 +229,7 @@ mod tests {
             check("inverse", b.inverse(), &|_, b| 1.0 / b);
             check("root", a.roots().0, &|a, _| a.sqrt());
             check("inverse root", a.roots().1, &|a, _| 1.0 / a.sqrt());
+            check("keep", L::keep(a.less(b), b), &|a, b| if a < b { b } else { 0.0 });
             check("select", L::select(a.less(b), a, b), &f64::min);
             let sum: f64 = first.iter().map(|x| x.to_f64()).sum();
             assert!((a.sum().to_f64() - sum).abs() <= epsilon * 4.0 * sum);

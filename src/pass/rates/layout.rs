@@ -43,9 +43,10 @@ impl Layout {
     /// Most columns beside the coordinates: velocity, three scalars, strain, normal, stress, and ∇C with volume in 3D.
     pub const MOST_COLUMNS: usize = 3 + 3 + 6 + 3 + 6 + 4;
 
-    /// The columns that every pass has, those of the damping, those of walls and those of the mean shift.
+    /// The columns that every pass has, those of the damping, those of walls and those of the mean shift; `seen`: walls are in the pack and in the
+    /// support.
     #[inline(always)]
-    pub const fn plain<const D: usize>(damped: bool, walls: bool, net: bool) -> Self {
+    pub const fn plain<const D: usize>(damped: bool, walls: bool, net: bool, seen: bool) -> Self {
         let of_flow = 2 * D + 2 + if damped { sps::components(D) } else { 0 };
         let before_net = if walls { of_flow + 1 } else { of_flow };
         Self {
@@ -53,7 +54,7 @@ impl Layout {
             density: 2 * D,
             pressure: 2 * D + 1,
             strain: if damped { Some(2 * D + 2) } else { None },
-            image_distance: if walls { Some(of_flow) } else { None },
+            image_distance: if walls && seen { Some(of_flow) } else { None },
             normal: None,
             stress: None,
             crowding: if net { Some(before_net) } else { None },
@@ -63,7 +64,7 @@ impl Layout {
 
     pub fn new<const D: usize>(pair: &PairSettings, has_walls: bool) -> Self {
         let net = !pair.shifting.keeps_drift();
-        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0, has_walls, net);
+        let mut layout = Self::plain::<D>(pair.noise_damping != 0.0, has_walls, net, true);
         if has_walls && pair.has_free_slip() {
             layout.normal = Some(layout.count);
             layout.count += D;

@@ -266,15 +266,21 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                 if self.zone[row] != Zone::Fluid {
                     continue;
                 }
-                let point = self.pack.relative(self.source, row);
-                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, false>(
-                    self.pack,
-                    self.source,
-                    point,
-                    row,
-                    Near::of_row(self.near, row),
-                    self.wall_distance[row].to_f64(),
-                );
+                let (point, distance) =
+                    (self.pack.relative(self.source, row), self.wall_distance[row].to_f64());
+                let near = Near::of_row(self.near, row);
+                let (pack, source) = (&*self.pack, self.source);
+                // Most rows have no wall in their support, and need not ask each neighbour whether it is one.
+                let sees_wall = distance.is_finite();
+                let rates = if PLAIN && WALLS && !sees_wall {
+                    pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, false, false>(
+                        pack, source, point, row, near, distance,
+                    )
+                } else {
+                    pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, true, false>(
+                        pack, source, point, row, near, distance,
+                    )
+                };
                 let mut square = 0.0;
                 let mut speed = 0.0;
                 for d in 0..D {
@@ -288,7 +294,6 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                 if let Some(damping) = damping.get_mut(row - first) {
                     *damping = R::from_f64(rates.damping);
                 }
-                let sees_wall = self.wall_distance[row].to_f64().is_finite();
                 summary = summary.join(RatesSummary {
                     acceleration: square,
                     signal_speed: rates.signal_speed,

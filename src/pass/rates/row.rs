@@ -8,6 +8,7 @@ use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
 use crate::pass::pack::{Near, Pack, Source};
 use crate::pass::settings::PairSettings;
+use crate::physics::eos;
 use crate::physics::momentum;
 use crate::physics::shifting::{Shifting, vacondio};
 use crate::physics::sps;
@@ -25,8 +26,8 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     cap: L,
     /// Support over h, squared.
     limit: L,
-    /// c0/ρ0³, to be multiplied by ρ³.
-    speed_scale: L,
+    /// c0/ρ0³, m¹⁰/(kg³ s): times ρ³ it is the speed of sound.
+    speed_scale: f64,
     /// α m of the artificial viscosity, kg.
     artificial_mass: f64,
     /// ∇W over slope · x_ab/h, 1/m^(D+1).
@@ -79,7 +80,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             },
             cap: L::constant(pair.wall_model.largest_factor()),
             limit: L::constant(pair.kernel.support_ratio().powi(2)),
-            speed_scale: L::constant(pair.tait.sound_speed / pair.tait.reference_density.powi(3)),
+            speed_scale: pair.tait.sound_speed / pair.tait.reference_density.powi(3),
             artificial_mass: artificial * pair.mass,
             gradient_scale,
             viscous_scale: 4.0 * pair.pair_viscosity() * pair.mass * gradient_scale / pair.smoothing_length,
@@ -112,7 +113,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.image_distance.is_some()
     }
 
-    /// Sums over what is `near` in a pack for the row at `point` (relative to the pack, in units of h); `SPLIT`: with pressure and moment apart.
+    /// Sums over what is `near` in a pack for the row at `point` (relative to the pack, in units of h); `SEEN`: of the walls
+    /// some are in its support; `SPLIT`: with pressure and moment apart.
     #[inline(always)]
     pub fn sum<
         K: KernelShape,
@@ -120,6 +122,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         const DAMPED: bool,
         const WALLS: bool,
         const NET: bool,
+        const SEEN: bool,
         const SPLIT: bool,
     >(
         &self,
@@ -132,7 +135,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
     ) -> RowRates<D> {
         let pair = self.pair;
         let (layout, terms) = if PLAIN {
-            (Layout::plain::<D>(DAMPED, WALLS, NET), Terms::default())
+            (Layout::plain::<D>(DAMPED, WALLS, NET, SEEN), Terms::default())
         } else {
             (self.layout, self.terms)
         };
@@ -167,6 +170,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         }
         let mass = L::constant(pair.mass);
         let rho_a = L::constant(density);
+        let square_a = L::constant(density * density);
         let p_a = L::constant(pressure);
         let own_pressure =
             momentum::own_pressure(pressure, density, pair.tait.reference_density, pair.tensile_control);
@@ -174,8 +178,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let inverse_distance = L::constant(pair.wall_model.inverse_distance(wall_distance, pair.spacing));
         let speed_a = pair.tait.sound_speed_at(density);
         // Terms along x_ab that are not divided by ρ_a are multiplied by −ρ_a first.
-        let artificial_scale = L::constant(-density * self.artificial_mass);
-        let noise_scale = L::constant(-density * pair.noise_damping * pair.mass);
+        let artificial_scale = L::constant(-density * self.speed_scale * self.artificial_mass);
+        let noise_scale = L::constant(-density * self.speed_scale * pair.noise_damping * pair.mass);
         let stress_scale = L::constant(-density * pair.mass);
 
         let mut along_x = [zero; D];
@@ -215,7 +219,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             let xv = dot(x, v);
             let in_support = q2.less(self.limit);
             let speed = (xv * inverse_softened).abs();
-            signal = signal.max(L::select(in_support, speed, zero));
+            signal = signal.max(L::keep(in_support, speed));
 
             let mut factor = one;
             let mut image_distance = zero;
@@ -246,10 +250,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 }
             }
             if terms.artificial {
-                let speed_b = rho_b * rho_b * rho_b * self.speed_scale;
                 let approach = imaged_xv * inverse_softened;
-                let damping =
-                    artificial::factor(L::constant(speed_a) + speed_b, approach, inverse_density_sum);
+                let damping = artificial::factor(eos::stiffness(rho_a, square_a, rho_b), approach);
                 let mut damping = damping * artificial_scale;
                 if layout.normal.is_some() {
                     damping = L::select(slips, zero, damping);
@@ -261,10 +263,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 for (c, strain) in strain_sum.iter_mut().enumerate().take(sps::components(D)) {
                     *strain = *strain + entry.column(first + c);
                 }
-                let speed_b = rho_b * rho_b * rho_b * self.speed_scale;
                 let approach = reconstructed::unexplained(xv, strain_sum, x, h) * inverse_softened;
-                let damping =
-                    reconstructed::factor(L::constant(speed_a) + speed_b, approach, inverse_density_sum);
+                let damping = reconstructed::factor(eos::stiffness(rho_a, square_a, rho_b), approach);
                 let mut damping = damping * noise_scale;
                 if layout.image_distance.is_some() {
                     damping = L::select(zero.less(image_distance.abs()), zero, damping);

@@ -10,12 +10,12 @@
 
 use crate::math::lanes::Lanes;
 
-/// −Π_ab/α = (c_a + c_b) μ_ab/(ρ_a + ρ_b) for approaching pairs, to be multiplied by α m ∇W.
+/// −Π_ab/α = (c_a + c_b)/(ρ_a + ρ_b) μ_ab for approaching pairs, to be multiplied by α m ∇W.
 ///
-/// `speed_sum` is c_a + c_b, m/s; `approach` is h v_ab·x_ab/(r² + η²), m/s.
+/// `stiffness` is (c_a + c_b)/(ρ_a + ρ_b), m⁴/(kg s); `approach` is h v_ab·x_ab/(r² + η²), m/s.
 #[inline(always)]
-pub fn factor<L: Lanes>(speed_sum: L, approach: L, inverse_density_sum: L) -> L {
-    speed_sum * approach.min(L::constant(0.0)) * inverse_density_sum
+pub fn factor<L: Lanes>(stiffness: L, approach: L) -> L {
+    stiffness * approach.min(L::constant(0.0))
 }
 
 #[cfg(test)]
@@ -25,7 +25,7 @@ mod tests {
 
     #[test]
     fn only_approaching_pairs_are_damped() {
-        let damping = |approach: f64| factor(Array([8.0]), Array([approach]), Array([1.0 / 2000.0])).0[0];
+        let damping = |approach: f64| factor(Array([8.0 / 2000.0]), Array([approach])).0[0];
         assert_eq!(damping(0.5), 0.0);
         assert_eq!(damping(0.0), 0.0);
         // Times α m ∇W, which points towards the neighbour: a push away from it.

@@ -61,10 +61,10 @@ pub fn unexplained<L: Lanes, const D: usize>(xv: L, strain_sum: [L; 6], x: [L; D
 
 /// −Π_ab/α = (c_a + c_b) h w_ab/((r² + η²)(ρ_a + ρ_b)), to be multiplied by α m ∇W.
 ///
-/// `speed_sum` is c_a + c_b, m/s; `approach` is h w_ab/(r² + η²), m/s.
+/// `stiffness` is (c_a + c_b)/(ρ_a + ρ_b), m⁴/(kg s); `approach` is h w_ab/(r² + η²), m/s.
 #[inline(always)]
-pub fn factor<L: Lanes>(speed_sum: L, approach: L, inverse_density_sum: L) -> L {
-    speed_sum * approach * inverse_density_sum
+pub fn factor<L: Lanes>(stiffness: L, approach: L) -> L {
+    stiffness * approach
 }
 
 #[cfg(test)]
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn parting_pairs_are_held_as_approaching_ones_are_pushed() {
-        let damping = |approach: f64| factor(Array([8.0]), Array([approach]), Array([1.0 / 2000.0])).0[0];
+        let damping = |approach: f64| factor(Array([8.0 / 2000.0]), Array([approach])).0[0];
         assert_eq!(damping(-0.5), -0.002);
         assert_eq!(damping(0.5), 0.002);
     }

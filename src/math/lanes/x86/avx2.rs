@@ -45,6 +45,10 @@ lanes! {
             // SAFETY: as said above.
             unsafe { Self(_mm256_blendv_pd(no.0, yes.0, mask)) }
         }
+        fn keep(mask: __m256d, value: Self) -> Self {
+            // SAFETY: as said above.
+            unsafe { Self(_mm256_and_pd(mask, value.0)) }
+        }
         fn bits(mask: __m256d) -> u32 {
             // SAFETY: as said above.
             unsafe { _mm256_movemask_pd(mask) as u32 }
@@ -111,6 +115,10 @@ lanes! {
         fn select(mask: __m256, yes: Self, no: Self) -> Self {
             // SAFETY: as said above.
             unsafe { Self(_mm256_blendv_ps(no.0, yes.0, mask)) }
+        }
+        fn keep(mask: __m256, value: Self) -> Self {
+            // SAFETY: as said above.
+            unsafe { Self(_mm256_and_ps(mask, value.0)) }
         }
         fn bits(mask: __m256) -> u32 {
             // SAFETY: as said above.
