@@ -191,6 +191,8 @@ impl<K: KernelShape, R: Real, const D: usize> EdacBlock<'_, K, R, D> {
             if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
                 continue;
             }
+            // Of each cell apart: see `pass/rates/mod.rs`.
+            let mut of_cell = EdacSummary::default();
             for row in rows {
                 if self.zone[row] != Zone::Fluid {
                     continue;
@@ -215,12 +217,13 @@ impl<K: KernelShape, R: Real, const D: usize> EdacBlock<'_, K, R, D> {
                 }
                 pressure_rate[row - first] = R::from_f64(rates.pressure_rate);
                 divergence[row - first] = R::from_f64(rates.divergence);
-                summary = summary.join(EdacSummary {
+                of_cell = of_cell.join(EdacSummary {
                     speed,
                     divergence: rates.divergence.abs(),
                     damping: rates.damping,
                 });
             }
+            summary = summary.join(of_cell);
         }
         // The root of the largest square is the largest root: one root a block.
         summary.speed = summary.speed.sqrt();
