@@ -12,7 +12,7 @@ use super::density::LEAST_Q2;
 use super::pack::{Entry, Pack};
 use super::sampling::solve_linear;
 use crate::math::kernel::KernelShape;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::{self, Lanes};
 use crate::math::linear::solve;
 use crate::math::real::Real;
 use crate::physics::outlet::mirror::Image;
@@ -120,7 +120,7 @@ fn pressure<K: KernelShape, L: Lanes, const D: usize>(
         add(&mut moments, &mut right, basis, D + 1, weight, entry.column(D + PRESSURE));
     }
     let moments = symmetric(moments, D + 1);
-    let right = right.map(|sum| sum.sum().to_f64());
+    let right = lanes::sums(right);
     if moments[0][0] <= 0.0 {
         return None;
     }
@@ -164,7 +164,7 @@ fn section<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     if weight <= 0.0 {
         return None;
     }
-    let right = right.map(|sum| sum.sum().to_f64() / weight);
+    let right = lanes::sums(right).map(|sum| sum / weight);
     let fitted = solve(moments.map(|row| row.map(|moment| moment / weight)), right);
     Some(PointFlow {
         // Where the neighbours do not span the basis, the kernel mean.
@@ -196,7 +196,7 @@ fn mean<K: KernelShape, L: Lanes, const D: usize>(
         sums[1] = weight.mul_add(entry.column(D + PRESSURE), sums[1]);
         sums[2] = weight.mul_add(velocity, sums[2]);
     }
-    let [weight, pressure, velocity] = sums.map(|sum| sum.sum().to_f64());
+    let [weight, pressure, velocity] = lanes::sums(sums);
     (weight > 0.0).then(|| PointFlow {
         velocity: velocity / weight,
         pressure: pressure / weight,
@@ -238,7 +238,7 @@ fn image<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     let moments = moments.map(|row| row.map(|moment| moment / weight));
     let mut fields = [(0.0, 0.0); 4];
     for (field, right) in fields.iter_mut().zip(&right).take(1 + D) {
-        let right: [f64; N] = std::array::from_fn(|i| right[i].sum().to_f64() / weight);
+        let right = lanes::sums(*right).map(|sum| sum / weight);
         *field = match solve(moments, right) {
             Some(fitted) => (fitted[0], inverse_h * (0..D).map(|d| fitted[1 + d] * normal[d]).sum::<f64>()),
             None => (right[0], 0.0),

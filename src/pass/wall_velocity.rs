@@ -18,7 +18,7 @@ use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::lanes::{self, Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
@@ -156,7 +156,8 @@ fn mean_velocity<K: KernelShape, L: Lanes, const D: usize>(
         weights = weights + weight;
     }
     let weights = weights.sum().to_f64();
-    (weights > LEAST_SUM).then(|| sum.map(|sum| sum.sum().to_f64() / weights))
+    let sums = lanes::sums(sum);
+    (weights > LEAST_SUM).then(|| sums.map(|sum| sum / weights))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::Lanes;
+use super::{Lanes, MOST_LANES};
 use crate::math::real::Real;
 
 /// `N` numbers in an array.
@@ -122,6 +122,10 @@ impl<R: Real, const N: usize> Lanes for Array<R, N> {
             sum += self.0[i];
         }
         sum
+    }
+    #[inline(always)]
+    fn sum_each(vectors: &[Self; MOST_LANES]) -> Self {
+        Self(from_fn(|i| vectors[i].sum()))
     }
     #[inline(always)]
     fn largest(self) -> R {

@@ -1,7 +1,7 @@
 //! The pair loop of one row: what every neighbour contributes to it.
 
 use crate::math::kernel::KernelShape;
-use crate::math::lanes::{Lanes, add_scaled, cross, dot};
+use crate::math::lanes::{self, Lanes, add_scaled, cross, dot};
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
@@ -315,7 +315,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let scale = self.volume / reference * self.gradient_scale;
         let [nu, nu_of_pressure] = self.viscosity.map(|nu| 2.0 * nu * density * scale / h);
         let squared_speed = pair.tait.sound_speed * pair.tait.sound_speed;
-        let push = push.map(|sum| sum.sum().to_f64());
+        let push = lanes::sums(push);
         let drift: [f64; D] = std::array::from_fn(|d| own(layout.drift + d).to_f64());
         let drift_along: f64 = drift.iter().zip(push).map(|(w, push)| w * push).sum();
         // p̄_a − p_a, or −p_a where no mean is subtracted.

@@ -17,14 +17,11 @@ pub use entries::Entry;
 pub use near::{Near, NearNotes, noted};
 pub use source::{Only, Source};
 
-use crate::math::lanes::Lanes;
+use crate::math::lanes::{Lanes, MOST_LANES};
 use crate::math::real::Real;
 
 /// Coordinate of the padding, in units of h: beyond every support, and its square is finite in f32.
 const FAR: f64 = 1e6;
-
-/// The most lanes that an instruction set has.
-const MOST_LANES: usize = 16;
 
 /// Numbers in a line of the cache, for f32: columns begin on one.
 const LINE: usize = 16;

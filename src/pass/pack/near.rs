@@ -10,12 +10,9 @@ use super::{CULLED_DIMENSIONS, Pack};
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
-/// Vectors of a pack, a bit each from the lowest on; the highest bit is all from there on.
+/// Vectors of a pack, a bit each from the lowest on. Of a pack of more vectors than there are bits it is all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Near(u64);
-
-/// The bit of the last vector that has one, and of all behind it.
-const REST: u64 = 1 << 63;
 
 impl Near {
     /// All vectors: right for every row, if not the fastest.
@@ -37,14 +34,14 @@ pub const fn noted<const D: usize>(rows: usize) -> usize {
 #[derive(Clone, Copy, Debug)]
 pub struct NearNotes {
     found: u64,
-    next: u64,
+    vectors: u32,
 }
 
 impl NearNotes {
     /// None yet.
     #[inline(always)]
     pub fn new() -> Self {
-        Self { found: 0, next: 1 }
+        Self { found: 0, vectors: 0 }
     }
 
     /// Takes note of the next vector by its squared distances; `limit` is the square of the support. Returns whether it has
@@ -55,15 +52,16 @@ impl NearNotes {
             return true;
         }
         let any = L::bits(q2.less(limit)) != 0;
-        self.found |= if any { self.next } else { 0 };
-        self.next = (self.next << 1) | (self.next & REST);
+        // Beyond the last bit it is written over from the first on, and not believed.
+        self.found |= u64::from(any) << (self.vectors % u64::BITS);
+        self.vectors += 1;
         any
     }
 
     /// What was found.
     #[inline(always)]
     pub fn done<const D: usize>(self) -> Near {
-        if D < CULLED_DIMENSIONS { Near(self.found) } else { Near::ALL }
+        if D < CULLED_DIMENSIONS && self.vectors <= u64::BITS { Near(self.found) } else { Near::ALL }
     }
 }
 
@@ -76,9 +74,9 @@ impl<R: Real> Pack<R> {
         near: Near,
     ) -> NearEntries<'_, L, D> {
         let all = self.entries::<L>(columns);
-        let (count, whole) = (all.len(), u64::BITS as usize);
-        let known = if count < whole { near.0 & !(u64::MAX << count) } else { near.0 };
-        NearEntries { all, near: known, beyond: if known & REST != 0 { whole } else { count } }
+        let (count, bits) = (all.len(), u64::BITS as usize);
+        let near = if count < bits { near.0 & !(u64::MAX << count) } else { near.0 };
+        NearEntries { all, near, beyond: bits }
     }
 }
 
@@ -161,16 +159,16 @@ mod tests {
                 let all = seen(Near::ALL);
                 assert_eq!(all.len(), vectors, "{} lanes, {count} particles", L::COUNT);
                 let vector = row / L::COUNT;
-                let expected = if vector < 63 { &all[vector..=vector] } else { &all[63..] };
+                let expected = if vectors <= 64 { &all[vector..=vector] } else { &all[..] };
                 assert_eq!(seen(near), expected, "row {row} of {count}, {} lanes", L::COUNT);
             }
         }
     }
 
     #[test]
-    fn the_vector_of_a_particle_is_found_and_behind_the_last_bit_all_are_walked() {
+    fn the_vector_of_a_particle_is_found_and_where_bits_do_not_suffice_all_are_walked() {
         for set in InstructionSet::available() {
-            for count in [1, 7, 200, 63 * 2, 63 * 4 + 1, 63 * 8, 64 * 8, 64 * 8 + 1, 999] {
+            for count in [1, 7, 128, 129, 200, 256, 257, 64 * 8, 64 * 8 + 1, 999] {
                 <f64 as Real>::dispatch(set, Walk(count));
             }
         }

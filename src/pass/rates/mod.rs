@@ -9,7 +9,9 @@
 //! Alvarado-Rodríguez et al. (2017), Eqs. 10 and 18. The body force is the integrator's. Lengths in the loop are in
 //! units of h, and the kernel without its norm: the dimensions come back once per row.
 
+mod batch;
 pub mod body;
+mod ends;
 mod layout;
 mod row;
 #[cfg(test)]
@@ -18,6 +20,7 @@ mod tests;
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use batch::{Batch, Columns, Taken};
 use layout::{Fields, Layout};
 use row::PairLoop;
 
@@ -255,45 +258,57 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
     ) -> RatesSummary {
         let grid = self.source.grid;
         let first = grid.rows(self.cells.start).start;
-        let (acceleration, shift, [divergence, damping]) = self.outputs;
+        let (mut acceleration, mut shift, [divergence, damping]) = self.outputs;
         let mut summary = RatesSummary::default();
+        let mut batch = Batch::new();
+        let mut columns =
+            Columns { first, acceleration: &mut acceleration, shift: &mut shift, divergence, damping };
         for cell in self.cells {
             let rows = grid.rows(cell);
             if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
                 continue;
             }
+            let (pack, source) = (&*self.pack, self.source);
             // Of each cell apart: that of all is in memory, where to join at every row would cost a twentieth of the pass.
             let mut of_cell = RatesSummary::default();
             for row in rows {
                 if self.zone[row] != Zone::Fluid {
                     continue;
                 }
-                let (point, distance) =
-                    (self.pack.relative(self.source, row), self.wall_distance[row].to_f64());
+                let (point, distance) = (pack.relative(source, row), self.wall_distance[row].to_f64());
                 let near = Near::of_row(self.near, row);
-                let (pack, source) = (&*self.pack, self.source);
                 // Most rows have no wall in their support, and need not ask each neighbour whether it is one.
-                let sees_wall = distance.is_finite();
-                let rates = if PLAIN && WALLS && !sees_wall {
-                    pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, false, false>(
-                        pack, source, point, row, near, distance,
-                    )
-                } else {
-                    pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, true, false>(
-                        pack, source, point, row, near, distance,
-                    )
-                };
+                let at_wall = distance.is_finite();
+                if PLAIN && !NET {
+                    let sums = if WALLS && at_wall {
+                        pair_loop.walk::<K, PLAIN, DAMPED, WALLS, NET, true, false>(
+                            pack, source, point, row, near, distance,
+                        )
+                    } else {
+                        pair_loop.walk::<K, PLAIN, DAMPED, WALLS, NET, false, false>(
+                            pack, source, point, row, near, distance,
+                        )
+                    };
+                    let velocity = std::array::from_fn(|d| source.columns[d][row]);
+                    if batch.take(pair_loop, sums, Taken { row, velocity, at_wall }) {
+                        batch.finish(pair_loop, &mut columns);
+                    }
+                    continue;
+                }
+                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, true, false>(
+                    pack, source, point, row, near, distance,
+                );
                 let mut square = 0.0;
                 let mut speed = 0.0;
                 for d in 0..D {
-                    acceleration[d][row - first] = R::from_f64(rates.acceleration[d]);
-                    shift[d][row - first] = R::from_f64(rates.shift[d]);
+                    columns.acceleration[d][row - first] = R::from_f64(rates.acceleration[d]);
+                    columns.shift[d][row - first] = R::from_f64(rates.shift[d]);
                     square += rates.acceleration[d] * rates.acceleration[d];
-                    let v = self.source.columns[d][row].to_f64();
+                    let v = source.columns[d][row].to_f64();
                     speed += v * v;
                 }
-                divergence[row - first] = R::from_f64(rates.divergence);
-                if let Some(damping) = damping.get_mut(row - first) {
+                columns.divergence[row - first] = R::from_f64(rates.divergence);
+                if let Some(damping) = columns.damping.get_mut(row - first) {
                     *damping = R::from_f64(rates.damping);
                 }
                 of_cell = of_cell.join(RatesSummary {
@@ -301,12 +316,16 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     signal_speed: rates.signal_speed,
                     speed,
                     divergence: rates.divergence.abs(),
-                    damping: if sees_wall { 0.0 } else { rates.damping },
-                    damping_at_walls: if sees_wall { rates.damping } else { 0.0 },
+                    damping: if at_wall { 0.0 } else { rates.damping },
+                    damping_at_walls: if at_wall { rates.damping } else { 0.0 },
                     eddy_viscosity: self.eddy_viscosity.get(row).map_or(0.0, |eddy| eddy.to_f64()),
                 });
             }
             summary = summary.join(of_cell);
+        }
+        if PLAIN && !NET {
+            batch.finish(pair_loop, &mut columns);
+            summary = batch.summary();
         }
         // The root of the largest square is the largest root: one root a block.
         summary.acceleration = summary.acceleration.sqrt();

@@ -1,5 +1,6 @@
 //! The pair loop of one row: what every neighbour contributes to it.
 
+use super::ends::{RowRates, RowSums};
 use super::layout::Layout;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{Lanes, add_scaled, cross, dot};
@@ -17,7 +18,7 @@ use crate::physics::wall::{WallPressure, image};
 
 /// The settings of the loop, ready for lanes.
 pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
-    pair: &'a PairSettings,
+    pub pair: &'a PairSettings,
     layout: Layout,
     /// Body force of the rows, m/s²; empty where it is that of `pair`.
     body_force: &'a [Vec<L::Real>; D],
@@ -31,31 +32,20 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     /// α m of the artificial viscosity, kg.
     artificial_mass: f64,
     /// ∇W over slope · x_ab/h, 1/m^(D+1).
-    gradient_scale: f64,
+    pub gradient_scale: f64,
     /// 4 ν m ∇W/(slope · x_ab), of the viscous sum.
-    viscous_scale: f64,
+    pub viscous_scale: f64,
     /// What the sum of the damping rates has of the row itself, times its density, kg/(m³ s).
-    own_damping: f64,
+    pub own_damping: f64,
 }
 
 /// Terms beyond the plain ones: branches that always go the same way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Terms {
+pub(super) struct Terms {
     artificial: bool,
     printed: bool,
-    vacondio: bool,
+    pub vacondio: bool,
     mirrored: bool,
-}
-
-/// What a row has summed up, in SI units.
-pub(super) struct RowRates<const D: usize> {
-    pub acceleration: [f64; D],
-    pub shift: [f64; D],
-    pub divergence: f64,
-    pub signal_speed: f64,
-    pub damping: f64,
-    /// The part of the acceleration that is pressure, and Σ x_ab × (the pair's acceleration), m²/s²; 0 unless asked for.
-    pub split: ([f64; D], [f64; 3]),
 }
 
 impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
@@ -113,8 +103,19 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.image_distance.is_some()
     }
 
-    /// Sums over what is `near` in a pack for the row at `point` (relative to the pack, in units of h); `SEEN`: of the walls
-    /// some are in its support; `SPLIT`: with pressure and moment apart.
+    /// The columns and terms of a loop: of a plain one known when it is compiled; `SEEN`: some of the walls are in the row's support.
+    #[inline(always)]
+    fn view<const PLAIN: bool, const DAMPED: bool, const WALLS: bool, const NET: bool, const SEEN: bool>(
+        &self,
+    ) -> (Layout, Terms) {
+        if PLAIN {
+            (Layout::plain::<D>(DAMPED, WALLS, NET, SEEN), Terms::default())
+        } else {
+            (self.layout, self.terms)
+        }
+    }
+
+    /// Sums over what is `near` in a pack for the row at `point` (relative to the pack, in units of h); `SPLIT`: with pressure and moment apart.
     #[inline(always)]
     pub fn sum<
         K: KernelShape,
@@ -133,12 +134,39 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         near: Near,
         wall_distance: f64,
     ) -> RowRates<D> {
+        let sums = self.walk::<K, PLAIN, DAMPED, WALLS, NET, SEEN, SPLIT>(
+            pack,
+            source,
+            point,
+            row,
+            near,
+            wall_distance,
+        );
+        let (layout, terms) = self.view::<PLAIN, DAMPED, WALLS, NET, SEEN>();
+        self.end::<SPLIT>(sums, layout, terms, source, row)
+    }
+
+    /// The same, left as it lies in the lanes.
+    #[inline(always)]
+    pub fn walk<
+        K: KernelShape,
+        const PLAIN: bool,
+        const DAMPED: bool,
+        const WALLS: bool,
+        const NET: bool,
+        const SEEN: bool,
+        const SPLIT: bool,
+    >(
+        &self,
+        pack: &Pack<L::Real>,
+        source: &Source<L::Real, D>,
+        point: [L::Real; D],
+        row: usize,
+        near: Near,
+        wall_distance: f64,
+    ) -> RowSums<L, D> {
         let pair = self.pair;
-        let (layout, terms) = if PLAIN {
-            (Layout::plain::<D>(DAMPED, WALLS, NET, SEEN), Terms::default())
-        } else {
-            (self.layout, self.terms)
-        };
+        let (layout, terms) = self.view::<PLAIN, DAMPED, WALLS, NET, SEEN>();
         let h = pair.smoothing_length;
         let own = |column: usize| source.columns[column - D][row];
         let density = own(layout.density).to_f64();
@@ -176,7 +204,6 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             momentum::own_pressure(pressure, density, pair.tait.reference_density, pair.tensile_control);
         let own_pressure = L::constant(own_pressure);
         let inverse_distance = L::constant(pair.wall_model.inverse_distance(wall_distance, pair.spacing));
-        let speed_a = pair.tait.sound_speed_at(density);
         // Terms along x_ab that are not divided by ρ_a are multiplied by −ρ_a first.
         let artificial_scale = L::constant(-density * self.speed_scale * self.artificial_mass);
         let noise_scale = L::constant(-density * self.speed_scale * pair.noise_damping * pair.mass);
@@ -322,42 +349,19 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             }
         }
 
-        let mut shift = shift.map(|sum| sum.sum().to_f64());
-        if let Some(first) = layout.crowding {
-            let weights = shift_weights.sum().to_f64();
-            for d in 0..D {
-                shift[d] = own(first + d).to_f64() - shift[d] / weights;
-            }
+        RowSums {
+            density,
+            along_x,
+            along_v,
+            shift,
+            shift_weights,
+            divergence,
+            damping,
+            signal,
+            distance,
+            neighbours,
+            pressed,
+            turn,
         }
-        let along_x_scale = L::constant(-self.gradient_scale / density);
-        let along_v_scale = L::constant(self.viscous_scale);
-        let shift_scale = if layout.crowding.is_some() {
-            1.0
-        } else if terms.vacondio {
-            // The row itself was counted, at distance zero.
-            let others = (neighbours.sum().to_f64() - 1.0).max(1.0);
-            (distance.sum().to_f64() / others).powi(2) / others
-        } else {
-            self.gradient_scale
-        };
-        let mut rates = RowRates {
-            acceleration: [0.0; D],
-            shift: [0.0; D],
-            divergence: -self.gradient_scale * divergence.sum().to_f64(),
-            signal_speed: speed_a + signal.largest().to_f64(),
-            damping: -self.viscous_scale * damping.sum().to_f64() - self.own_damping / density,
-            split: ([0.0; D], [0.0; 3]),
-        };
-        for d in 0..D {
-            let total = along_x[d].mul_add(along_x_scale, along_v[d] * along_v_scale);
-            rates.acceleration[d] = total.sum().to_f64();
-            rates.shift[d] = shift_scale * shift[d];
-        }
-        if SPLIT {
-            rates.split.0 = pressed.map(|sum| (sum * along_x_scale).sum().to_f64());
-            let moment = |c: usize| turn[0][c].mul_add(along_x_scale, turn[1][c] * along_v_scale);
-            rates.split.1 = std::array::from_fn(|c| h * moment(c).sum().to_f64());
-        }
-        rates
     }
 }

@@ -1,7 +1,7 @@
 //! The sums of one row: what every neighbour contributes to them.
 
 use crate::math::kernel::KernelShape;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::{self, Lanes};
 use crate::math::linear::invert_symmetric;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
@@ -87,8 +87,8 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     let own_weight = K::slope(q, inverse_q).largest().to_f64();
     let weights = weight_sum.sum().to_f64() - own_weight;
     let of_weights = if weights == 0.0 { 0.0 } else { 1.0 / weights };
-    let along = along_sum.map(|sum| sum.sum().to_f64());
-    let across = across_sum.map(|sum| sum.sum().to_f64());
+    let along = lanes::sums(along_sum);
+    let across = lanes::sums(across_sum);
     let mut moments = [[0.0; D]; D];
     let mut plain = [[0.0; D]; D];
     for i in 0..D {
@@ -107,10 +107,5 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             }
         }
     }
-    RowSums {
-        kernel_sum: kernel_sum.sum(),
-        gradient,
-        slopes: slopes.map(|sum| sum.sum().to_f64()),
-        near: notes.done::<D>(),
-    }
+    RowSums { kernel_sum: kernel_sum.sum(), gradient, slopes: lanes::sums(slopes), near: notes.done::<D>() }
 }

@@ -31,7 +31,7 @@ use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised, dot};
+use crate::math::lanes::{self, Lanes, Vectorised, dot};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
@@ -259,7 +259,7 @@ fn mean_flow<K: KernelShape, L: Lanes, const D: usize>(
     let whole = weights.sum().to_f64();
     let inverse = if whole > LEAST_SUM { 1.0 / whole } else { 0.0 };
     MeanFlow {
-        velocity: sum.map(|sum| sum.sum().to_f64() * inverse),
+        velocity: lanes::sums(sum).map(|sum| sum * inverse),
         height: height.sum().to_f64() * inverse,
         weights: whole,
         felt: felt.sum().to_f64(),

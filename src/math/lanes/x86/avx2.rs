@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::lanes;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::{Lanes, MOST_LANES};
 
 lanes! {
     /// Four f64 of AVX2.
@@ -59,6 +59,11 @@ lanes! {
                 let pair = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
                 _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)))
             }
+        }
+        fn sum_each(vectors: &[Self; MOST_LANES]) -> Self {
+            let [a, b, c, d, ..] = vectors;
+            // SAFETY: as said above.
+            unsafe { Self(four_pd([a.0, b.0, c.0, d.0])) }
         }
         fn largest(self) -> f64 {
             // SAFETY: as said above.
@@ -132,6 +137,11 @@ lanes! {
                 _mm_cvtss_f32(_mm_add_ss(two, _mm_movehdup_ps(two)))
             }
         }
+        fn sum_each(vectors: &[Self; MOST_LANES]) -> Self {
+            let [a, b, c, d, e, f, g, h, ..] = vectors;
+            // SAFETY: as said above.
+            unsafe { Self(eight_ps([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0])) }
+        }
         fn largest(self) -> f32 {
             // SAFETY: as said above.
             unsafe {
@@ -140,6 +150,49 @@ lanes! {
                 _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
             }
         }
+    }
+}
+
+/// The sums over the lanes of four vectors.
+///
+/// # Safety
+/// The machine must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn four_pd(v: [__m256d; 4]) -> __m256d {
+    // SAFETY: as said above. No closures here: they would not be compiled for the set.
+    unsafe {
+        let a = _mm256_add_pd(_mm256_unpacklo_pd(v[0], v[1]), _mm256_unpackhi_pd(v[0], v[1]));
+        let b = _mm256_add_pd(_mm256_unpacklo_pd(v[2], v[3]), _mm256_unpackhi_pd(v[2], v[3]));
+        _mm256_add_pd(_mm256_permute2f128_pd::<0x20>(a, b), _mm256_permute2f128_pd::<0x31>(a, b))
+    }
+}
+
+/// The sums over the lanes of eight vectors.
+///
+/// # Safety
+/// The machine must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn eight_ps(v: [__m256; 8]) -> __m256 {
+    // SAFETY: as said above.
+    unsafe {
+        let a = halves_ps([v[0], v[1], v[2], v[3]]);
+        let b = halves_ps([v[4], v[5], v[6], v[7]]);
+        _mm256_add_ps(_mm256_permute2f128_ps::<0x20>(a, b), _mm256_permute2f128_ps::<0x31>(a, b))
+    }
+}
+
+/// The sums over the lower and over the upper lanes of four vectors.
+///
+/// # Safety
+/// The machine must have AVX2.
+#[inline(always)]
+unsafe fn halves_ps(v: [__m256; 4]) -> __m256 {
+    // SAFETY: as said above.
+    unsafe {
+        let a = _mm256_add_ps(_mm256_unpacklo_ps(v[0], v[1]), _mm256_unpackhi_ps(v[0], v[1]));
+        let b = _mm256_add_ps(_mm256_unpacklo_ps(v[2], v[3]), _mm256_unpackhi_ps(v[2], v[3]));
+        let (a, b) = (_mm256_castps_pd(a), _mm256_castps_pd(b));
+        _mm256_add_ps(_mm256_castpd_ps(_mm256_unpacklo_pd(a, b)), _mm256_castpd_ps(_mm256_unpackhi_pd(a, b)))
     }
 }
 

@@ -3,8 +3,9 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::avx2::{eight_ps, four_pd};
 use super::lanes;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::{Lanes, MOST_LANES};
 
 lanes! {
     /// Eight f64 of AVX-512.
@@ -55,6 +56,15 @@ lanes! {
         fn sum(self) -> f64 {
             // SAFETY: as said above.
             unsafe { _mm512_reduce_add_pd(self.0) }
+        }
+        fn sum_each(vectors: &[Self; MOST_LANES]) -> Self {
+            let [a, b, c, d, e, f, g, h, ..] = vectors;
+            // SAFETY: as said above.
+            unsafe {
+                let low = four_pd([half_pd(a.0), half_pd(b.0), half_pd(c.0), half_pd(d.0)]);
+                let high = four_pd([half_pd(e.0), half_pd(f.0), half_pd(g.0), half_pd(h.0)]);
+                Self(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high))
+            }
         }
         fn largest(self) -> f64 {
             // SAFETY: as said above.
@@ -115,9 +125,41 @@ lanes! {
             // SAFETY: as said above.
             unsafe { _mm512_reduce_add_ps(self.0) }
         }
+        fn sum_each(vectors: &[Self; MOST_LANES]) -> Self {
+            let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = vectors;
+            // SAFETY: as said above.
+            unsafe {
+                let (a, b, c, d) = (half_ps(a.0), half_ps(b.0), half_ps(c.0), half_ps(d.0));
+                let (e, f, g, h) = (half_ps(e.0), half_ps(f.0), half_ps(g.0), half_ps(h.0));
+                let (i, j, k, l) = (half_ps(i.0), half_ps(j.0), half_ps(k.0), half_ps(l.0));
+                let (m, n, o, p) = (half_ps(m.0), half_ps(n.0), half_ps(o.0), half_ps(p.0));
+                let (low, high) = (eight_ps([a, b, c, d, e, f, g, h]), eight_ps([i, j, k, l, m, n, o, p]));
+                Self(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high))
+            }
+        }
         fn largest(self) -> f32 {
             // SAFETY: as said above.
             unsafe { _mm512_reduce_max_ps(self.0) }
         }
     }
+}
+
+/// The lower lanes added to the upper.
+///
+/// # Safety
+/// The machine must have AVX-512 F.
+#[inline(always)]
+unsafe fn half_pd(v: __m512d) -> __m256d {
+    // SAFETY: as said above.
+    unsafe { _mm256_add_pd(_mm512_castpd512_pd256(v), _mm512_extractf64x4_pd::<1>(v)) }
+}
+
+/// The lower lanes added to the upper.
+///
+/// # Safety
+/// The machine must have AVX-512 F and DQ.
+#[inline(always)]
+unsafe fn half_ps(v: __m512) -> __m256 {
+    // SAFETY: as said above.
+    unsafe { _mm256_add_ps(_mm512_castps512_ps256(v), _mm512_extractf32x8_ps::<1>(v)) }
 }
