@@ -46,6 +46,24 @@ pub trait Lanes:
     /// `from` must be valid for reading `COUNT` numbers.
     unsafe fn load(from: *const Self::Real) -> Self;
 
+    /// The first `COUNT` of the numbers.
+    #[inline(always)]
+    fn first_of(numbers: &[Self::Real; MOST_LANES]) -> Self {
+        const { assert!(Self::COUNT <= MOST_LANES) };
+        // SAFETY: there are as many.
+        unsafe { Self::load(numbers.as_ptr()) }
+    }
+
+    /// The lanes, followed by zeros.
+    #[inline(always)]
+    fn to_array(self) -> [Self::Real; MOST_LANES] {
+        const { assert!(Self::COUNT <= MOST_LANES) };
+        let mut numbers = [Self::Real::default(); MOST_LANES];
+        // SAFETY: it has room for as many.
+        unsafe { self.store(numbers.as_mut_ptr()) };
+        numbers
+    }
+
     /// Reads `COUNT` consecutive positions relative to an origin: `(x − origin) · scale`, rounded once.
     ///
     /// # Safety
@@ -255,6 +273,7 @@ mod tests {
             let vectors: [L; MOST_LANES] = std::array::from_fn(|i| a * L::constant(i as f64 - 2.5) + b);
             let each = L::sum_each(&vectors);
             check_each(each, &vectors, epsilon);
+            assert_eq!(L::first_of(&a.to_array()).to_array()[..L::COUNT], first);
             let below = first.iter().zip(&second).filter(|(a, b)| a < b).count();
             assert_eq!(L::bits(a.less(b)).count_ones() as usize, below);
             assert_eq!(L::bits(a.less(L::constant(0.5))), 1);
@@ -276,10 +295,7 @@ mod tests {
     }
 
     fn check_each<L: Lanes>(each: L, vectors: &[L; MOST_LANES], epsilon: f64) {
-        let mut found = vec![L::Real::default(); L::COUNT];
-        // SAFETY: it holds `COUNT` numbers.
-        unsafe { each.store(found.as_mut_ptr()) };
-        for (found, vector) in found.into_iter().zip(vectors) {
+        for (found, vector) in each.to_array().into_iter().zip(vectors).take(L::COUNT) {
             let (found, expected) = (found.to_f64(), vector.sum().to_f64());
             assert!((found - expected).abs() <= 100.0 * epsilon, "{found}, not {expected}");
         }

@@ -112,8 +112,6 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
                 of_rows[slot] = of_rows[0];
             }
         }
-        // SAFETY: all have room for the most lanes.
-        let load = |of_rows: &[L::Real; MOST_LANES]| unsafe { L::load(of_rows.as_ptr()) };
         let sum = |at: usize| L::sum_each(&self.sums[at]);
         let rows = &self.rows[..self.count.min(MOST_LANES)];
         let (zero, scale) = (L::constant(0.0), L::constant(pair_loop.gradient_scale));
@@ -121,7 +119,7 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
 
         let (mut squared, mut speed) = (zero, zero);
         for d in 0..D {
-            let (a, v) = (sum(d), load(&self.velocity[d]));
+            let (a, v) = (sum(d), L::first_of(&self.velocity[d]));
             put(columns.acceleration[d], a);
             put(columns.shift[d], scale * sum(D + d));
             squared = a.mul_add(a, squared);
@@ -129,12 +127,12 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
         }
         let divergence = -(scale * sum(2 * D));
         put(columns.divergence, divergence);
-        let own = L::constant(pair_loop.own_damping) / load(&self.density);
+        let own = L::constant(pair_loop.own_damping) / L::first_of(&self.density);
         let damping = -(L::constant(pair_loop.viscous_scale).mul_add(sum(2 * D + 1), own));
         put(columns.damping, damping);
 
         let extremes = &mut self.extremes;
-        let at_wall = zero.less(load(&self.at_wall));
+        let at_wall = zero.less(L::first_of(&self.at_wall));
         let of_walls = L::keep(at_wall, damping);
         extremes.acceleration = extremes.acceleration.max(squared);
         extremes.speed = extremes.speed.max(speed);
@@ -168,9 +166,7 @@ fn put<L: Lanes>(column: &mut [L::Real], first: usize, rows: &[usize], values: L
     if column.is_empty() {
         return;
     }
-    let mut of_rows = [L::Real::default(); MOST_LANES];
-    // SAFETY: it has room for the most lanes.
-    unsafe { values.store(of_rows.as_mut_ptr()) };
+    let of_rows = values.to_array();
     let start = rows[0] - first;
     match column.get_mut(start..start + L::COUNT) {
         Some(whole) if rows.len() == L::COUNT && rows[L::COUNT - 1] - rows[0] == L::COUNT - 1 => {
