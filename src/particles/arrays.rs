@@ -92,9 +92,9 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             return;
         }
         permute(&mut self.id, order, &mut spare.ids);
-        permute(&mut self.zone, order, &mut spare.zones);
-        permute(&mut self.patch, order, &mut spare.patches);
-        permute(&mut self.fresh, order, &mut spare.flags);
+        permute_unless_even(&mut self.zone, order, &mut spare.zones);
+        permute_unless_even(&mut self.patch, order, &mut spare.patches);
+        permute_unless_even(&mut self.fresh, order, &mut spare.flags);
         for column in &mut self.position {
             permute(column, order, &mut spare.positions);
         }
@@ -164,6 +164,22 @@ fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, order: &[u32], 
         }
     });
     std::mem::swap(column, spare);
+}
+
+/// The same for a column that may have one value alone, as zones in a box of fluid have: then its order is any, and it needs no
+/// spare.
+fn permute_unless_even<T>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>)
+where
+    T: Copy + Default + PartialEq + Send + Sync,
+{
+    let first = column.first().copied().unwrap_or_default();
+    // Without a way out within a chunk: so it is a loop over vectors.
+    let even = |chunk: &[T]| chunk.iter().fold(true, |even, value| even & (*value == first));
+    if column.par_chunks(CHUNK).all(even) {
+        column.truncate(order.len());
+    } else {
+        permute(column, order, spare);
+    }
 }
 
 #[cfg(test)]
