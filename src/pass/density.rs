@@ -147,7 +147,7 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
         x_a[d] = L::splat(point[d]);
     }
     let mut sum = L::constant(0.0);
-    let mut notes = NearNotes::new();
+    let mut notes = NearNotes::default();
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
     for entry in pack.entries::<L>(D) {
         let mut r2 = L::constant(LEAST_Q2);

@@ -31,19 +31,13 @@ pub const fn noted<const D: usize>(rows: usize) -> usize {
 }
 
 /// Notes made while a pack is walked, vector by vector.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct NearNotes {
     found: u64,
     vectors: u32,
 }
 
 impl NearNotes {
-    /// None yet.
-    #[inline(always)]
-    pub fn new() -> Self {
-        Self { found: 0, vectors: 0 }
-    }
-
     /// Takes note of the next vector by its squared distances; `limit` is the square of the support. Returns whether it has
     /// anything there, as far as notes are made.
     #[inline(always)]
@@ -144,7 +138,7 @@ mod tests {
             // The first and the last are in reach of a support of 0.0005 of themselves alone.
             for row in [0, count / 2, count - 1] {
                 let point = pack.relative(&source, row).map(L::splat);
-                let mut notes = NearNotes::new();
+                let mut notes = NearNotes::default();
                 for entry in pack.entries::<L>(2) {
                     let x = point[0] - entry.column(0);
                     notes.take::<L, 2>(x * x, L::constant(0.0005 * 0.0005));

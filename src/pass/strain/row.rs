@@ -44,7 +44,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     // By component: M is symmetric.
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
-    let mut notes = NearNotes::new();
+    let mut notes = NearNotes::default();
     for entry in pack.entries::<L>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
         let mut x = [zero; D];
         let mut q2 = L::constant(LEAST_Q2);
