@@ -89,7 +89,7 @@ impl<R: Real, const D: usize> RowLoop<R, D> for OfRow<'_, R, D> {
     ) -> RowForce<D> {
         let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout, self.body_force);
         let distance = self.wall_distance[row].to_f64();
-        let rates = pair_loop.sum::<K, false, false, false, false, true, true>(
+        let rates = pair_loop.sum::<K, false, false, false, false, true>(
             pack,
             source,
             point,

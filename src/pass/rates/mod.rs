@@ -295,9 +295,8 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     }
                     continue;
                 }
-                let rates = pair_loop.sum::<K, PLAIN, DAMPED, WALLS, NET, true, false>(
-                    pack, source, point, row, near, distance,
-                );
+                let rates = pair_loop
+                    .sum::<K, PLAIN, DAMPED, WALLS, NET, false>(pack, source, point, row, near, distance);
                 let mut square = 0.0;
                 let mut speed = 0.0;
                 for d in 0..D {

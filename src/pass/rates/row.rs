@@ -103,7 +103,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         self.layout.image_distance.is_some()
     }
 
-    /// The columns and terms of a loop: of a plain one known when it is compiled; `SEEN`: some of the walls are in the row's support.
+    /// The columns and terms of a loop: of a plain one known when it is compiled; `SEEN`: some of the walls may be in the row's
+    /// support.
     #[inline(always)]
     fn view<const PLAIN: bool, const DAMPED: bool, const WALLS: bool, const NET: bool, const SEEN: bool>(
         &self,
@@ -123,7 +124,6 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         const DAMPED: bool,
         const WALLS: bool,
         const NET: bool,
-        const SEEN: bool,
         const SPLIT: bool,
     >(
         &self,
@@ -134,7 +134,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         near: Near,
         wall_distance: f64,
     ) -> RowRates<D> {
-        let sums = self.walk::<K, PLAIN, DAMPED, WALLS, NET, SEEN, SPLIT>(
+        let sums = self.walk::<K, PLAIN, DAMPED, WALLS, NET, true, SPLIT>(
             pack,
             source,
             point,
@@ -142,11 +142,11 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             near,
             wall_distance,
         );
-        let (layout, terms) = self.view::<PLAIN, DAMPED, WALLS, NET, SEEN>();
+        let (layout, terms) = self.view::<PLAIN, DAMPED, WALLS, NET, true>();
         self.end::<SPLIT>(sums, layout, terms, source, row)
     }
 
-    /// The same, left as it lies in the lanes.
+    /// The same, left as it lies in the lanes; `SEEN`: some of the walls may be in the row's support.
     #[inline(always)]
     pub fn walk<
         K: KernelShape,
