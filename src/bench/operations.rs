@@ -16,10 +16,10 @@ pub const fn density(dimensions: usize) -> usize {
     3 * dimensions + 10
 }
 
-/// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 5, the shared division with what it
-/// yields 10, x·v and the signal 2 D, divergence 4, pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
+/// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division with what it
+/// yields 10, x·v and the signal 2 D, divergence 3, pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
 pub const fn rates(dimensions: usize) -> usize {
-    12 * dimensions + 25
+    12 * dimensions + 23
 }
 
 /// What walls add to the rates of rows that have one in their support, and to those of all rows where the loop is no plain one: the image factor 2,
@@ -47,23 +47,23 @@ pub const fn stress(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
 }
 
-/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 5, volume 3, the factors of the sums 3 D,
+/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, volume 2, the factors of the sums 3 D,
 /// gradient and moments 2 D² each.
 pub const fn gradients(dimensions: usize) -> usize {
-    4 * dimensions * dimensions + 7 * dimensions + 10
+    4 * dimensions * dimensions + 7 * dimensions + 8
 }
 
-/// Of the loop in `pass/strain/row.rs`, which sums the density as well: that of the density 3 D + 10, F 6, v_ab and the factors
-/// of the sums 3 D, the sums themselves 2 D + 1, gradient 2 D², moments D² + D.
+/// Of the loop in `pass/strain/row.rs`, which sums the density as well: that of the density 3 D + 10, F 5, x_ab once more, v_ab and the factors
+/// of the sums 4 D, the sums themselves 2 D + 1, gradient 2 D², moments D² + D.
 pub const fn density_and_strain(dimensions: usize) -> usize {
-    3 * dimensions * dimensions + 9 * dimensions + 17
+    3 * dimensions * dimensions + 10 * dimensions + 16
 }
 
-/// Of the plain loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 5, the shared division with what it yields 6, weight
+/// Of the plain loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division with what it yields 5, weight
 /// 4, x·v and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and damping 4, pressure 1, the neighbour's
 /// stress 3, acceleration 6 D, background 2 D.
 pub const fn evolved_rates(dimensions: usize) -> usize {
-    16 * dimensions + 29
+    16 * dimensions + 27
 }
 
 /// What walls add to them: the image factor 2, its use in the viscous term 1.
@@ -77,7 +77,7 @@ pub const fn value_beyond_wendland(kernel: Kernel) -> usize {
     }
 }
 
-/// What a slope of a kernel takes more than one of Wendland's: 5.
+/// What a slope of a kernel takes more than one of Wendland's: 4.
 pub const fn slope_beyond_wendland(kernel: Kernel) -> usize {
     match kernel {
         Kernel::WendlandC2 => 0,

@@ -163,7 +163,6 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
         let cap = L::constant(model.largest_factor());
         let columns = self.source.columns.len();
         let (has_walls, free_slip) = (columns > D + 1, columns > D + 2);
-        let mass = L::constant(self.pair.mass);
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
@@ -179,7 +178,7 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
             }
             let (q, inverse_q) = q2.roots();
             let slope = K::slope(q, inverse_q);
-            let volume_slope = slope * (mass * entry.column(2 * D).inverse());
+            let volume_slope = slope * entry.column(2 * D).inverse();
             let mut factor = one;
             if has_walls {
                 factor = image::velocity_factor(entry.column(2 * D + 1).abs(), inverse_distance, cap);
@@ -202,9 +201,9 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
             }
         }
 
-        // ∇W = scale · slope · x_ab/h; in the moments one more h.
+        // m ∇W = scale · slope · x_ab/h; in the moments one more h.
         let h = self.pair.smoothing_length;
-        let scale = self.pair.kernel_scale() / h;
+        let scale = self.pair.mass * self.pair.slope_scale() / h;
         let mut plain = [[0.0; D]; D];
         let mut moments = [[0.0; D]; D];
         for i in 0..D {

@@ -109,6 +109,11 @@ impl PairSettings {
         self.kernel.norm(self.dimensions) / self.smoothing_length.powi(self.dimensions as i32)
     }
 
+    /// F(r) over its shape f(q), times h²: β α_D/h^D, 1/m^D. ∇W is this · f(q) · (x_ab/h)/h.
+    pub fn slope_scale(&self) -> f64 {
+        self.kernel.slope_norm() * self.kernel_scale()
+    }
+
     /// Kernel W(r), 1/m^D.
     #[inline]
     pub fn w(&self, r: f64) -> f64 {

@@ -173,7 +173,7 @@ impl<K: KernelShape, R: Real, const D: usize> WaveBlock<'_, K, R, D> {
             }
         }
         let h = self.pair.smoothing_length;
-        let f_scale = self.pair.kernel_scale() / (h * h);
+        let f_scale = self.pair.slope_scale() / (h * h);
         let mut found = WaveFound { sums: sums.total(f_scale, h), concentration: DVec3::ZERO };
         for d in 0..D {
             found.concentration[d] = f_scale * h * concentration[d].sum().to_f64();
@@ -200,7 +200,7 @@ mod tests {
     ) -> WaveFound {
         let Sample { pair, grid, particles, .. } = sample;
         let h = pair.smoothing_length;
-        let f_scale = pair.kernel_scale() / (h * h);
+        let f_scale = pair.slope_scale() / (h * h);
         let d_o = particles.wall_distance[row].to_f64().max(0.1 * SPACING);
         let mut sums = WaveLanes::<Array<f64, 1>, D>::new();
         let mut concentration = DVec3::ZERO;

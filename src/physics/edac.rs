@@ -89,7 +89,7 @@ impl Edac {
     }
 }
 
-/// (V_a² + V_b²)/V0² times the slope of the kernel, of V_a²/V0² and V_b/V0.
+/// (V_a² + V_b²)/m² times the slope of the kernel, of V_a²/m² and V_b/m.
 #[inline(always)]
 pub fn weight<L: Lanes>(own_square: L, volume: L, slope: L) -> L {
     volume.mul_add(volume, own_square) * slope

@@ -1,4 +1,7 @@
-//! Counting sort of particles into the cells, by cell and inside a cell by the particle's number.
+//! Counting sort of particles into the cells, by cell, inside a cell by its parts along x, and inside a part by the particle's number.
+//!
+//! Parts make neighbours in the order neighbours in space: of the vectors of a neighbourhood fewer have something in a particle's
+//! support. In 3D, where neighbourhoods are culled, there is one part to a cell.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
@@ -13,21 +16,29 @@ const CHUNK: usize = 8192;
 /// Cells that one thread sorts without splitting further.
 const CELLS_PER_TASK: usize = 2048;
 
-/// Cell of a row that is left out.
-const NO_CELL: u32 = u32::MAX;
+/// Place of a row that is left out.
+const NO_PLACE: u32 = u32::MAX;
+
+/// Bits for the part of a cell.
+const fn part_bits<const D: usize>() -> u32 {
+    if D < 3 { 2 } else { 0 }
+}
+
+/// Bits for a row in a slot, below those of the particle's number and of the part.
+const ROW_BITS: u32 = 30;
 
 /// Buffers kept from sort to sort.
 #[derive(Debug, Default)]
 pub(super) struct SortBuffers {
     /// Rows counted per cell, then the next free slot of the cell.
     cursor: Vec<AtomicU32>,
-    /// Particle number in the upper half, row in the lower half.
+    /// Part of the cell, particle number and row, from the highest bit on.
     slots: Vec<AtomicU64>,
 }
 
 impl<const D: usize> CellGrid<D> {
     /// Sorts the rows for which `keep` holds into the cells and returns the order: row indices by cell, inside a cell
-    /// by `id`, so that a sum over neighbours does not depend on how the particles came there.
+    /// by part and `id`, so that a sum over neighbours does not depend on how the particles came there.
     ///
     /// # Errors
     /// The first kept row that is outside the box, or whose position is not finite.
@@ -39,16 +50,18 @@ impl<const D: usize> CellGrid<D> {
     ) -> Result<&[u32], usize> {
         let rows = id.len();
         let cells = self.len();
+        assert!(rows < 1 << ROW_BITS, "more than a billion particles");
+        assert!(cells < (NO_PLACE >> part_bits::<D>()) as usize, "more cells than can be numbered");
         let mut buffers = std::mem::take(&mut self.buffers);
-        // The cell of each row, in the memory of the order that will replace it.
-        let mut cell_of_row = std::mem::take(&mut self.order);
-        cell_of_row.resize(rows, NO_CELL);
+        // The place of each row, in the memory of the order that will replace it.
+        let mut place_of_row = std::mem::take(&mut self.order);
+        place_of_row.resize(rows, NO_PLACE);
         buffers.cursor.resize_with(cells, AtomicU32::default);
         buffers.cursor.par_iter_mut().with_min_len(CHUNK).for_each(|count| *count.get_mut() = 0);
 
-        let outside = self.count(position, &keep, &mut cell_of_row, &buffers.cursor);
+        let outside = self.count(position, &keep, &mut place_of_row, &buffers.cursor);
         if outside != usize::MAX {
-            self.order = cell_of_row;
+            self.order = place_of_row;
             self.buffers = buffers;
             return Err(outside);
         }
@@ -63,61 +76,80 @@ impl<const D: usize> CellGrid<D> {
 
         let kept = total as usize;
         buffers.slots.resize_with(kept, AtomicU64::default);
-        cell_of_row.par_chunks(CHUNK).enumerate().for_each(|(chunk, cell_of)| {
+        place_of_row.par_chunks(CHUNK).enumerate().for_each(|(chunk, place_of)| {
             let mut row = chunk * CHUNK;
-            for run in cell_of.chunk_by(|a, b| a == b) {
-                if run[0] != NO_CELL {
-                    let first = buffers.cursor[run[0] as usize].fetch_add(run.len() as u32, Relaxed) as usize;
-                    for (slot, row) in buffers.slots[first..first + run.len()].iter().zip(row..) {
-                        slot.store(u64::from(id[row]) << 32 | row as u64, Relaxed);
+            for run in place_of.chunk_by(same_cell::<D>) {
+                if run[0] != NO_PLACE {
+                    let cursor = &buffers.cursor[(run[0] >> part_bits::<D>()) as usize];
+                    let first = cursor.fetch_add(run.len() as u32, Relaxed) as usize;
+                    let slots = &buffers.slots[first..first + run.len()];
+                    for ((slot, &place), row) in slots.iter().zip(run).zip(row..) {
+                        let part = u64::from(place & ((1 << part_bits::<D>()) - 1));
+                        let key = part << u32::BITS | u64::from(id[row]);
+                        slot.store(key << ROW_BITS | row as u64, Relaxed);
                     }
                 }
                 row += run.len();
             }
         });
 
-        self.order = cell_of_row;
+        self.order = place_of_row;
         self.order.resize(kept, 0);
         sort_inside_cells(&self.starts, &mut buffers.slots, &mut self.order);
         self.buffers = buffers;
         Ok(&self.order)
     }
 
-    /// Finds the cell of each row and counts rows per cell; returns the first row outside the box, or `usize::MAX`.
+    /// Finds the place of each row, its cell and the part of it, and counts rows per cell; returns the first row outside the box, or `usize::MAX`.
     fn count(
         &self,
         position: &[Vec<f64>; D],
         keep: &(impl Fn(usize) -> bool + Sync),
-        cell_of_row: &mut [u32],
+        place_of_row: &mut [u32],
         cursor: &[AtomicU32],
     ) -> usize {
         let outside = AtomicUsize::new(usize::MAX);
-        cell_of_row.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, cell_of)| {
-            for (offset, cell) in cell_of.iter_mut().enumerate() {
+        place_of_row.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, place_of)| {
+            for (offset, place) in place_of.iter_mut().enumerate() {
                 let row = chunk * CHUNK + offset;
-                *cell = NO_CELL;
+                *place = NO_PLACE;
                 if !keep(row) {
                     continue;
                 }
-                match self.cell_of(std::array::from_fn(|d| position[d][row])) {
-                    Some(found) => *cell = found as u32,
+                let point = std::array::from_fn(|d| position[d][row]);
+                match self.cell_of(point) {
+                    Some(found) => *place = (found as u32) << part_bits::<D>() | self.part_of(point),
                     None => {
                         outside.fetch_min(row, Relaxed);
                     }
                 }
             }
             // Most rows are in order since the last sort: one atomic addition a run of rows, not one a row.
-            for run in cell_of.chunk_by(|a, b| a == b) {
-                if run[0] != NO_CELL {
-                    cursor[run[0] as usize].fetch_add(run.len() as u32, Relaxed);
+            for run in place_of.chunk_by(same_cell::<D>) {
+                if run[0] != NO_PLACE {
+                    cursor[(run[0] >> part_bits::<D>()) as usize].fetch_add(run.len() as u32, Relaxed);
                 }
             }
         });
         outside.into_inner()
     }
+
+    /// The part of its cell that a point is in, along x.
+    #[inline]
+    fn part_of(&self, point: [f64; D]) -> u32 {
+        let parts = f64::from(1 << part_bits::<D>());
+        let along = (point[0] - self.lower[0]) * self.inverse_cell_size[0] * parts;
+        along as u32 & ((1 << part_bits::<D>()) - 1)
+    }
 }
 
-/// Sorts the slots of each cell by particle number and writes their rows. `starts` are the bounds of the cells within
+/// Whether two places are in the same cell.
+#[inline]
+fn same_cell<const D: usize>(a: &u32, b: &u32) -> bool {
+    a >> part_bits::<D>() == b >> part_bits::<D>()
+}
+
+/// Sorts the slots of each cell by part and particle number and writes their rows. `starts` are the bounds of the cells within
 /// the whole order; `slots` and `order` are the part that belongs to them.
 fn sort_inside_cells(starts: &[u32], slots: &mut [AtomicU64], order: &mut [u32]) {
     let cells = starts.len() - 1;
@@ -137,7 +169,7 @@ fn sort_inside_cells(starts: &[u32], slots: &mut [AtomicU64], order: &mut [u32])
         let slots = &mut slots[rows.clone()];
         slots.sort_unstable_by_key(|slot| slot.load(Relaxed));
         for (row, slot) in order[rows].iter_mut().zip(slots) {
-            *row = *slot.get_mut() as u32;
+            *row = *slot.get_mut() as u32 & ((1 << ROW_BITS) - 1);
         }
     }
 }
@@ -153,6 +185,18 @@ mod tests {
         let order = grid.build(&position, &[7, 9, 3, 5, 1], |row| row != 3).expect("all inside");
         assert_eq!(order, [2, 1, 4, 0]);
         assert_eq!(grid.starts(), [0, 2, 3, 3, 3, 3, 3, 3, 4]);
+    }
+
+    #[test]
+    fn order_inside_a_cell_is_by_quarters_along_x_in_2d_alone() {
+        let mut grid = CellGrid::new([-1.0; 2], [1.0; 2], [false, true], 1.0, 1.0);
+        // Both cells of the lower row: quarters 3, 0, 0, 2 of the first, 1 and 0 of the second, whose edge is a particle's.
+        let position = [vec![-0.1, -0.9, -0.99, -0.3, 0.3, 0.0], vec![-0.5; 6]];
+        assert_eq!(grid.build(&position, &[1, 5, 4, 2, 3, 9], |_| true), Ok(&[2, 1, 3, 0, 5, 4][..]));
+        let [x, y] = position;
+        let mut grid = CellGrid::new([-1.0; 3], [1.0; 3], [false; 3], 1.0, 1.0);
+        let position = [x, y.clone(), y];
+        assert_eq!(grid.build(&position, &[1, 5, 4, 2, 3, 9], |_| true), Ok(&[0, 3, 2, 1, 4, 5][..]));
     }
 
     #[test]

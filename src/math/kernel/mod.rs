@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! W(r) = α_D/h^D w(q),   F(r) = (dW/dr)/r = α_D/h^(D+2) (dw/dq)/q ≤ 0,   q = r/h
+//! (dw/dq)/q = β f(q)
 //! ```
 //!
-//! F is finite at r = 0 for both kernels, so `∇W = F x_ab` needs no care for a particle and itself.
+//! F is finite at r = 0 for both kernels, so `∇W = F x_ab` needs no care for a particle and itself. The loops over pairs sum with
+//! f; its factor β comes once, at the end.
 //!
 //! To add a kernel: a room with a unit type that is a [`KernelShape`]; a variant of [`Kernel`]; an arm in
 //! `with_shape`; the tests below take it from `ALL`.
@@ -33,13 +35,16 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
     /// Radius of the compact support over h.
     const SUPPORT: f64;
 
+    /// The norm β < 0 of the slope: (dw/dq)/q = β f(q).
+    const SLOPE_NORM: f64;
+
     /// The norm α_D: W = α_D/h^D w(q).
     fn norm(dimensions: usize) -> f64;
 
     /// w(q); zero beyond the support.
     fn value<L: Lanes>(q: L) -> L;
 
-    /// (dw/dq)/q; finite at q = 0, zero beyond the support. `inverse_q` is 1/q, any finite number where q = 0.
+    /// f(q) ≥ 0; finite at q = 0, zero beyond the support. `inverse_q` is 1/q, any finite number where q = 0.
     fn slope<L: Lanes>(q: L, inverse_q: L) -> L;
 }
 
@@ -72,6 +77,14 @@ impl Kernel {
         }
     }
 
+    /// The norm β of the slope: (dw/dq)/q = β f(q).
+    pub fn slope_norm(self) -> f64 {
+        match self {
+            Kernel::WendlandC2 => Wendland::SLOPE_NORM,
+            Kernel::QuinticSpline => Quintic::SLOPE_NORM,
+        }
+    }
+
     /// W(r), 1/m^D, for a smoothing length h, m.
     #[inline]
     pub fn value(self, dimensions: usize, h: f64, r: f64) -> f64 {
@@ -92,7 +105,7 @@ impl Kernel {
             Kernel::WendlandC2 => Wendland::slope(q, inverse_q),
             Kernel::QuinticSpline => Quintic::slope(q, inverse_q),
         };
-        self.norm(dimensions) * slope / power(h, dimensions + 2)
+        self.norm(dimensions) * self.slope_norm() * slope / power(h, dimensions + 2)
     }
 
     /// Matches the choice once and hands the task the shape as a type.

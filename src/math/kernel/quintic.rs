@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! w(q) = (3 − q)₊⁵ − 6 (2 − q)₊⁵ + 15 (1 − q)₊⁵
-//! (dw/dq)/q = −5 [(3 − q)₊⁴ − 6 (2 − q)₊⁴]/q   for q ≥ 1
-//!           = −120 + 120 q² − 50 q³            for q < 1
+//! (dw/dq)/q = β [(3 − q)₊⁴ − 6 (2 − q)₊⁴]/q   for q ≥ 1,   β = −5
+//!           = β [24 − 24 q² + 10 q³]          for q < 1
 //! α_2 = 7/(478π),   α_3 = 1/(120π)
 //! ```
 //!
@@ -21,6 +21,7 @@ pub struct Quintic;
 
 impl KernelShape for Quintic {
     const SUPPORT: f64 = 3.0;
+    const SLOPE_NORM: f64 = -5.0;
 
     fn norm(dimensions: usize) -> f64 {
         if dimensions == 2 { 7.0 / (478.0 * PI) } else { 1.0 / (120.0 * PI) }
@@ -43,8 +44,8 @@ impl KernelShape for Quintic {
             let t2 = t * t;
             t2 * t2
         };
-        let outer = fourth(2.0).mul_add(L::constant(30.0), fourth(3.0) * L::constant(-5.0)) * inverse_q;
-        let inner = (q * q).mul_add(q.mul_add(L::constant(-50.0), L::constant(120.0)), L::constant(-120.0));
+        let outer = fourth(2.0).mul_add(L::constant(-6.0), fourth(3.0)) * inverse_q;
+        let inner = (q * q).mul_add(q.mul_add(L::constant(10.0), L::constant(-24.0)), L::constant(24.0));
         L::select(q.less(L::constant(1.0)), inner, outer)
     }
 }

@@ -1,7 +1,7 @@
 //! Wendland's C2 kernel.
 //!
 //! ```text
-//! w(q) = (1 − q/2)⁴ (2q + 1),   (dw/dq)/q = −5 (1 − q/2)³,   q < 2
+//! w(q) = (1 − q/2)⁴ (2q + 1),   (dw/dq)/q = β (1 − q/2)³,   β = −5,   q < 2
 //! α_2 = 7/(4π),   α_3 = 21/(16π)
 //! ```
 //!
@@ -18,6 +18,7 @@ pub struct Wendland;
 
 impl KernelShape for Wendland {
     const SUPPORT: f64 = 2.0;
+    const SLOPE_NORM: f64 = -5.0;
 
     fn norm(dimensions: usize) -> f64 {
         if dimensions == 2 { 7.0 / (4.0 * PI) } else { 21.0 / (16.0 * PI) }
@@ -33,7 +34,7 @@ impl KernelShape for Wendland {
     #[inline(always)]
     fn slope<L: Lanes>(q: L, _inverse_q: L) -> L {
         let t = compact(q);
-        t * t * (t * L::constant(-5.0))
+        t * t * t
     }
 }
 

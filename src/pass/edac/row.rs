@@ -100,9 +100,7 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     cap: L,
     /// Support over h, squared.
     limit: L,
-    /// Volume of a particle on the lattice, m^D.
-    volume: f64,
-    /// ∇W over slope · x_ab/h, 1/m^(D+1).
+    /// m ∇W over slope · x_ab/h, kg/m^(D+1).
     gradient_scale: f64,
     /// ν and ν_edac as they enter the sums, m²/s.
     viscosity: [f64; 2],
@@ -153,8 +151,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             },
             cap: L::constant(pair.wall_model.largest_factor()),
             limit: L::constant(pair.kernel.support_ratio().powi(2)),
-            volume: pair.mass / pair.tait.reference_density,
-            gradient_scale: pair.kernel_scale() / pair.smoothing_length,
+            gradient_scale: pair.mass * pair.slope_scale() / pair.smoothing_length,
             viscosity,
             own_damping: -2.0 * viscosity[0].max(viscosity[1]) * pair.mass * own_slope,
         }
@@ -208,8 +205,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         }
         let rho_a = L::constant(density);
         let p_a = L::constant(pressure);
-        let rho_0 = L::constant(reference);
-        let own_square = L::constant((reference / density).powi(2));
+        let own_square = L::constant(density.powi(-2));
         let half_of_stress = L::constant(-0.5 / density);
         let inverse_distance = L::constant(pair.wall_model.inverse_distance(wall_distance, pair.spacing));
 
@@ -242,7 +238,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             let rho_b = entry.column(layout.density);
             let density_sum = rho_a + rho_b;
             let inverse = (density_sum * rho_b).inverse();
-            let volume = rho_0 * (inverse * density_sum);
+            // The mass, which all volumes share, comes at the end.
+            let volume = inverse * density_sum;
             let weight = edac::weight(own_square, volume, slope);
             let shared = weight * (inverse * rho_b);
 
@@ -311,8 +308,8 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             }
         }
 
-        // V0²/m ∇W, and with it that of the viscous terms.
-        let scale = self.volume / reference * self.gradient_scale;
+        // Weights are of volumes over masses: V²/m ∇W is m ∇W times them.
+        let scale = self.gradient_scale;
         let [nu, nu_of_pressure] = self.viscosity.map(|nu| 2.0 * nu * density * scale / h);
         let squared_speed = pair.tait.sound_speed * pair.tait.sound_speed;
         let push = lanes::sums(push);
@@ -327,7 +324,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let along_x_scale = L::constant(-density * scale);
         let along_v_scale = L::constant(nu);
         let background = self.edac.background * reference * squared_speed;
-        let inflow = self.volume * self.gradient_scale * divergence.sum().to_f64();
+        let inflow = scale * divergence.sum().to_f64();
         let diffusion = -nu_of_pressure * diffusion.sum().to_f64();
         let relaxing = self.edac.relaxing(h, pair.tait.sound_speed, density - reference, pressure);
         let mut rates = RowRates {
@@ -335,7 +332,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             background: push.map(|push| -background * scale * push),
             pressure_rate: density * squared_speed * inflow + diffusion + relaxing,
             divergence: -inflow,
-            damping: -nu.max(nu_of_pressure) * damping.sum().to_f64() - self.own_damping / density
+            damping: -nu.min(nu_of_pressure) * damping.sum().to_f64() - self.own_damping / density
                 + self.edac.relaxation * pair.tait.sound_speed / h,
             split: ([0.0; D], [0.0; 3]),
         };

@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub use entries::Entry;
-pub use near::{Near, NearNotes, noted};
+pub use near::{Near, NearNotes, STRETCH, noted};
 pub use source::{Only, Source};
 
 use crate::math::lanes::{Lanes, MOST_LANES};
@@ -150,30 +150,21 @@ impl<R: Real> Pack<R> {
         let base = self.storage[self.begin..].as_mut_ptr();
         let mut len = 0;
         for &Run { start, end, shift } in &self.runs {
-            let count = end - start;
-            // The last rows of the arrays are copied before they are read.
-            let whole = start + count.next_multiple_of(L::COUNT) <= total;
-            for column in 0..D + source.columns.len() {
-                for done in (0..count).step_by(L::COUNT) {
-                    let row = start + done;
-                    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read; `reserve` made room for all
-                    // candidates, each run rounded up to whole vectors.
-                    unsafe {
-                        let values: L = match (column < D, whole) {
-                            (true, _) => load_relative_rows(
-                                &source.position[column],
-                                row,
-                                self.centre[column] - shift[column],
-                                source.inverse_h,
-                            ),
-                            (false, true) => L::load(source.columns[column - D].as_ptr().add(row)),
-                            (false, false) => load_rows(source.columns[column - D], row),
-                        };
-                        values.store(base.add(column * self.stride + len + done));
-                    }
+            let mut origin = [0.0; D];
+            for d in 0..D {
+                origin[d] = self.centre[d] - shift[d];
+            }
+            // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
+            unsafe {
+                let to = base.add(len);
+                // The last rows of the arrays are copied before they are read.
+                if start + (end - start).next_multiple_of(L::COUNT) <= total {
+                    copy_run::<L, D, true>(source, start..end, origin, to, self.stride);
+                } else {
+                    copy_run::<L, D, false>(source, start..end, origin, to, self.stride);
                 }
             }
-            len += count;
+            len += end - start;
         }
         len
     }
@@ -293,6 +284,44 @@ impl<R: Real> Pack<R> {
         if length > self.storage.len() {
             self.storage.resize(length, R::default());
             self.begin = self.storage.as_ptr().align_offset(64).min(LINE);
+        }
+    }
+}
+
+/// Copies the rows of a run, all columns `stride` apart, to `to`; `WHOLE`: as many numbers as whole vectors have follow the first row.
+///
+/// # Safety
+/// There must be as many, and room for whole vectors.
+#[inline(always)]
+unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
+    source: &Source<L::Real, D>,
+    rows: Range<usize>,
+    origin: [f64; D],
+    to: *mut L::Real,
+    stride: usize,
+) {
+    for (vector, row) in rows.step_by(L::COUNT).enumerate() {
+        let scale = source.inverse_h;
+        // Columns inside: they are as many each time, so that only the end of a run is guessed wrong.
+        // SAFETY: by the caller's promise.
+        unsafe {
+            let mut to = to.add(vector * L::COUNT);
+            for d in 0..D {
+                let positions = &source.position[d];
+                let x: L = if WHOLE {
+                    L::load_relative(positions.as_ptr().add(row), origin[d], scale)
+                } else {
+                    load_relative_rows(positions, row, origin[d], scale)
+                };
+                x.store(to);
+                to = to.add(stride);
+            }
+            for column in source.columns {
+                let values: L =
+                    if WHOLE { L::load(column.as_ptr().add(row)) } else { load_rows(column, row) };
+                values.store(to);
+                to = to.add(stride);
+            }
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! In 2D a quarter of them have nothing. A branch that leaves such a vector out is guessed wrong once or twice a row, and a wrong guess
 //! costs as much as a vector or two. So the pass that sums the density, which needs no branch, notes which they are, and those that
-//! walk the same packs after it step from one to the next. In a culled pack they are too few: there nothing is noted, and all are
+//! walk the same packs after it step from one to the next. A pass that sums much beside the density walks the pack twice, stretch by
+//! stretch: once for what all vectors need, once for what is near. In a culled pack they are too few: there nothing is noted, and all are
 //! walked.
 
 use super::entries::{Entries, Entry};
@@ -23,6 +24,12 @@ impl Near {
     pub fn of_row(noted: &[Near], row: usize) -> Near {
         noted.get(row).copied().unwrap_or(Near::ALL)
     }
+
+    /// Which of the first so many vectors it has.
+    #[inline(always)]
+    fn among(self, count: usize) -> Noted {
+        Noted(if count < STRETCH { self.0 & !(u64::MAX << count) } else { self.0 })
+    }
 }
 
 /// How many of so many rows are to be noted of.
@@ -38,18 +45,16 @@ pub struct NearNotes {
 }
 
 impl NearNotes {
-    /// Takes note of the next vector by its squared distances; `limit` is the square of the support. Returns whether it has
-    /// anything there, as far as notes are made.
+    /// Takes note of the next vector by its squared distances; `limit` is the square of the support.
     #[inline(always)]
-    pub fn take<L: Lanes, const D: usize>(&mut self, q2: L, limit: L) -> bool {
+    pub fn take<L: Lanes, const D: usize>(&mut self, q2: L, limit: L) {
         if D >= CULLED_DIMENSIONS {
-            return true;
+            return;
         }
         let any = L::bits(q2.less(limit)) != 0;
         // Beyond the last bit it is written over from the first on, and not believed.
         self.found |= u64::from(any) << (self.vectors % u64::BITS);
         self.vectors += 1;
-        any
     }
 
     /// What was found.
@@ -59,7 +64,88 @@ impl NearNotes {
     }
 }
 
+/// Vectors of a stretch at most: of each there is a bit.
+pub const STRETCH: usize = u64::BITS as usize;
+
+/// A stretch of a pack, to be walked twice: all of it, then what is near.
+#[derive(Debug)]
+pub struct Stretch<'a, L: Lanes> {
+    all: Entries<'a, L>,
+    from: usize,
+    len: usize,
+}
+
+impl<'a, L: Lanes> Stretch<'a, L> {
+    /// Number of its vectors, [`STRETCH`] at most.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// One of its vectors.
+    #[inline(always)]
+    pub fn at(&self, vector: usize) -> Entry<'a, L> {
+        self.all.at(self.from + vector)
+    }
+
+    /// Those of its vectors that were noted, one after another.
+    #[inline(always)]
+    pub fn near(&self, near: Near) -> Noted {
+        near.among(self.len)
+    }
+
+    /// What is noted of its vectors, as what is known of all of the pack.
+    #[inline(always)]
+    pub fn of_pack(&self, near: Near) -> Near {
+        if self.all.len() <= STRETCH { near } else { Near::ALL }
+    }
+}
+
+/// Numbers of the vectors that are near a row.
+#[derive(Debug)]
+pub struct Noted(u64);
+
+impl Iterator for Noted {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let vector = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        Some(vector)
+    }
+}
+
+/// The stretches of a pack, one after another.
+#[derive(Debug)]
+pub struct Stretches<'a, L: Lanes> {
+    pack: &'a Pack<L::Real>,
+    columns: usize,
+    from: usize,
+}
+
+impl<'a, L: Lanes> Iterator for Stretches<'a, L> {
+    type Item = Stretch<'a, L>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Stretch<'a, L>> {
+        let all = self.pack.entries::<L>(self.columns);
+        let (from, len) = (self.from, all.len().saturating_sub(self.from).min(STRETCH));
+        self.from += STRETCH;
+        (len > 0).then_some(Stretch { all, from, len })
+    }
+}
+
 impl<R: Real> Pack<R> {
+    /// The packed particles in stretches of [`STRETCH`] vectors; `columns` says how many columns will be asked for.
+    #[inline(always)]
+    pub fn stretches<L: Lanes<Real = R>>(&self, columns: usize) -> Stretches<'_, L> {
+        Stretches { pack: self, columns, from: 0 }
+    }
+
     /// The vectors that are near a row, one after another; `columns` says how many columns will be asked for.
     #[inline(always)]
     pub fn entries_near<L: Lanes<Real = R>, const D: usize>(
@@ -68,9 +154,8 @@ impl<R: Real> Pack<R> {
         near: Near,
     ) -> NearEntries<'_, L, D> {
         let all = self.entries::<L>(columns);
-        let (count, bits) = (all.len(), u64::BITS as usize);
-        let near = if count < bits { near.0 & !(u64::MAX << count) } else { near.0 };
-        NearEntries { all, near, beyond: bits }
+        let near = near.among(all.len());
+        NearEntries { all, near, beyond: STRETCH }
     }
 }
 
@@ -78,7 +163,7 @@ impl<R: Real> Pack<R> {
 #[derive(Debug)]
 pub struct NearEntries<'a, L: Lanes, const D: usize> {
     all: Entries<'a, L>,
-    near: u64,
+    near: Noted,
     /// The next of those that have no bit of their own.
     beyond: usize,
 }
@@ -91,9 +176,7 @@ impl<'a, L: Lanes, const D: usize> Iterator for NearEntries<'a, L, D> {
         if D >= CULLED_DIMENSIONS {
             return self.all.next();
         }
-        if self.near != 0 {
-            let vector = self.near.trailing_zeros() as usize;
-            self.near &= self.near - 1;
+        if let Some(vector) = self.near.next() {
             return Some(self.all.at(vector));
         }
         if self.beyond >= self.all.len() {
@@ -155,6 +238,22 @@ mod tests {
                 let vector = row / L::COUNT;
                 let expected = if vectors <= 64 { &all[vector..=vector] } else { &all[..] };
                 assert_eq!(seen(near), expected, "row {row} of {count}, {} lanes", L::COUNT);
+                // In stretches every vector comes once, and the one of the row is found however many there are.
+                let (mut walked, mut found) = (Vec::new(), Vec::new());
+                for stretch in pack.stretches::<L>(2) {
+                    let mut notes = NearNotes::default();
+                    for vector in 0..stretch.len() {
+                        let first = stretch.at(vector).column(0);
+                        walked.push(first.largest());
+                        let x = point[0] - first;
+                        notes.take::<L, 2>(x * x, L::constant(0.0005 * 0.0005));
+                    }
+                    let noted = notes.done::<2>();
+                    found.extend(stretch.near(noted).map(|vector| stretch.at(vector).column(0).largest()));
+                    assert_eq!(stretch.of_pack(noted), near, "row {row} of {count}, {} lanes", L::COUNT);
+                }
+                assert_eq!(walked, all);
+                assert_eq!(found, &all[vector..=vector], "row {row} of {count}, {} lanes", L::COUNT);
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::pass::pack::Source;
 pub(super) struct RowSums<L: Lanes, const D: usize> {
     /// Density of the row, kg/m³.
     pub density: f64,
-    /// Of the acceleration what is to be multiplied by −∇W/(slope · x_ab/h)/ρ_a.
+    /// Of the acceleration what is to be multiplied by −m ∇W/(slope · x_ab/h)/ρ_a.
     pub along_x: [L; D],
     /// What is to be multiplied by 4 ν m ∇W/(slope · x_ab).
     pub along_v: [L; D],

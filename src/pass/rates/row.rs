@@ -29,9 +29,9 @@ pub(super) struct PairLoop<'a, L: Lanes, const D: usize> {
     limit: L,
     /// c0/ρ0³, m¹⁰/(kg³ s): times ρ³ it is the speed of sound.
     speed_scale: f64,
-    /// α m of the artificial viscosity, kg.
-    artificial_mass: f64,
-    /// ∇W over slope · x_ab/h, 1/m^(D+1).
+    /// α of the artificial viscosity.
+    artificial_alpha: f64,
+    /// m ∇W over slope · x_ab/h, kg/m^(D+1): the mass, which all neighbours have, comes at the end.
     pub gradient_scale: f64,
     /// 4 ν m ∇W/(slope · x_ab), of the viscous sum.
     pub viscous_scale: f64,
@@ -56,7 +56,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             Viscosity::Artificial { alpha } => (alpha, false),
             Viscosity::Sps { .. } => (0.0, false),
         };
-        let gradient_scale = pair.kernel_scale() / pair.smoothing_length;
+        let gradient_scale = pair.mass * pair.slope_scale() / pair.smoothing_length;
         let own_slope = if printed { 0.0 } else { pair.kernel.slope(D, pair.smoothing_length, 0.0) };
         Self {
             pair,
@@ -71,9 +71,9 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             cap: L::constant(pair.wall_model.largest_factor()),
             limit: L::constant(pair.kernel.support_ratio().powi(2)),
             speed_scale: pair.tait.sound_speed / pair.tait.reference_density.powi(3),
-            artificial_mass: artificial * pair.mass,
+            artificial_alpha: artificial,
             gradient_scale,
-            viscous_scale: 4.0 * pair.pair_viscosity() * pair.mass * gradient_scale / pair.smoothing_length,
+            viscous_scale: 4.0 * pair.pair_viscosity() * gradient_scale / pair.smoothing_length,
             own_damping: -2.0 * pair.pair_viscosity() * pair.mass * own_slope,
         }
     }
@@ -196,7 +196,6 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 *stress = L::splat(own(first + c));
             }
         }
-        let mass = L::constant(pair.mass);
         let rho_a = L::constant(density);
         let square_a = L::constant(density * density);
         let p_a = L::constant(pressure);
@@ -205,9 +204,9 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
         let own_pressure = L::constant(own_pressure);
         let inverse_distance = L::constant(pair.wall_model.inverse_distance(wall_distance, pair.spacing));
         // Terms along x_ab that are not divided by ρ_a are multiplied by −ρ_a first.
-        let artificial_scale = L::constant(-density * self.speed_scale * self.artificial_mass);
-        let noise_scale = L::constant(-density * self.speed_scale * pair.noise_damping * pair.mass);
-        let stress_scale = L::constant(-density * pair.mass);
+        let artificial_scale = L::constant(-density * self.speed_scale * self.artificial_alpha);
+        let noise_scale = L::constant(-density * self.speed_scale * pair.noise_damping);
+        let stress_scale = L::constant(-density);
 
         let mut along_x = [zero; D];
         let mut along_v = [zero; D];
@@ -262,7 +261,7 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
                 imaged_xv = L::select(slips, product, imaged_xv);
             }
 
-            let volume_slope = mass * inverse_rho_b * slope;
+            let volume_slope = inverse_rho_b * slope;
             divergence = volume_slope.mul_add(imaged_xv, divergence);
 
             let mut p_b = entry.column(layout.pressure);

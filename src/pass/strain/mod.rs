@@ -26,7 +26,7 @@ use row::{RowSums, sum};
 
 use super::blocks::for_each_block;
 use super::density::finish;
-use super::pack::{Near, Only, Pack, Source, noted};
+use super::pack::{Near, Only, Pack, STRETCH, Source, noted};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -155,7 +155,8 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let ([density, pressure], strain, mut whole, (mut crowding, noted)) = self.outputs;
         let crowded = !self.pair.shifting.keeps_drift();
         // ∇W over slope · x_ab/h, 1/m^(D+1).
-        let gradient_scale = self.pair.kernel_scale() * self.source.inverse_h;
+        let gradient_scale = self.pair.slope_scale() * self.source.inverse_h;
+        let mut all_slopes = [L::constant(0.0); STRETCH];
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
             if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.zone[row])) {
@@ -166,9 +167,9 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
                     continue;
                 }
                 let RowSums { kernel_sum, gradient, slopes, near } = if crowded {
-                    sum::<K, L, D, true>(self.pack, self.source, row)
+                    sum::<K, L, D, true>(self.pack, self.source, row, &mut all_slopes)
                 } else {
-                    sum::<K, L, D, false>(self.pack, self.source, row)
+                    sum::<K, L, D, false>(self.pack, self.source, row, &mut all_slopes)
                 };
                 if let Some(slot) = noted.get_mut(row - first) {
                     *slot = near;

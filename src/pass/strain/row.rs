@@ -5,7 +5,7 @@ use crate::math::lanes::{self, Lanes};
 use crate::math::linear::invert_symmetric;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Near, NearNotes, Pack, Source};
+use crate::pass::pack::{Near, NearNotes, Pack, STRETCH, Source};
 use crate::physics::sps::component;
 
 /// What a row has summed up.
@@ -20,12 +20,16 @@ pub(super) struct RowSums<R, const D: usize> {
     pub near: Near,
 }
 
-/// Sums over a pack for a row; `CROWDED`: the slopes, too.
+/// Sums over a pack for a row; `CROWDED`: the slopes, too. `all_slopes` is room for f(q) of a stretch.
+///
+/// In two walks: what all need, without a branch, and then the many sums over what is near, which in one would find no registers, and
+/// wait for a wrong guess once or twice a row.
 #[inline(always)]
 pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>(
     pack: &Pack<L::Real>,
     source: &Source<L::Real, D>,
     row: usize,
+    all_slopes: &mut [L; STRETCH],
 ) -> RowSums<L::Real, D> {
     let zero = L::constant(0.0);
     let point = pack.relative(source, row);
@@ -44,39 +48,49 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     // By component: M is symmetric.
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
-    let mut notes = NearNotes::default();
-    for entry in pack.entries::<L>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
-        let mut x = [zero; D];
-        let mut q2 = L::constant(LEAST_Q2);
-        for d in 0..D {
-            x[d] = x_a[d] - entry.column(d);
-            q2 = x[d].mul_add(x[d], q2);
-        }
-        // So much is summed here that a vector costs more than a branch that is guessed wrong.
-        if !notes.take::<L, D>(q2, limit) {
-            continue;
-        }
-        let (q, inverse_q) = q2.roots();
-        kernel_sum = kernel_sum + K::value(q);
-        let of_all = K::slope(q, inverse_q);
-        let slope = of_all * entry.column(2 * D);
-        weight_sum = weight_sum + slope;
-        if CROWDED {
-            let of_volume = of_all * entry.column(2 * D + 1);
+    let mut near = Near::ALL;
+    for stretch in pack.stretches::<L>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
+        let mut notes = NearNotes::default();
+        for vector in 0..stretch.len() {
+            let entry = stretch.at(vector);
+            let mut q2 = L::constant(LEAST_Q2);
             for d in 0..D {
-                slopes[d] = of_volume.mul_add(x[d], slopes[d]);
+                let x = x_a[d] - entry.column(d);
+                q2 = x.mul_add(x, q2);
             }
+            notes.take::<L, D>(q2, limit);
+            let (q, inverse_q) = q2.roots();
+            kernel_sum = kernel_sum + K::value(q);
+            all_slopes[vector % STRETCH] = K::slope(q, inverse_q);
         }
-        for i in 0..D {
-            let across = slope * (v_a[i] - entry.column(D + i));
-            let along = slope * x[i];
-            across_sum[i] = across_sum[i] + across;
-            along_sum[i] = along_sum[i] + along;
-            for j in 0..D {
-                sum[i][j] = across.mul_add(x[j], sum[i][j]);
-                if j <= i {
-                    let at = component::<D>(i, j);
-                    moment[at] = along.mul_add(x[j], moment[at]);
+        let of_stretch = notes.done::<D>();
+        near = stretch.of_pack(of_stretch);
+        for vector in stretch.near(of_stretch) {
+            let entry = stretch.at(vector);
+            let mut x = [zero; D];
+            for d in 0..D {
+                x[d] = x_a[d] - entry.column(d);
+            }
+            let of_all = all_slopes[vector % STRETCH];
+            let slope = of_all * entry.column(2 * D);
+            weight_sum = weight_sum + slope;
+            if CROWDED {
+                let of_volume = of_all * entry.column(2 * D + 1);
+                for d in 0..D {
+                    slopes[d] = of_volume.mul_add(x[d], slopes[d]);
+                }
+            }
+            for i in 0..D {
+                let across = slope * (v_a[i] - entry.column(D + i));
+                let along = slope * x[i];
+                across_sum[i] = across_sum[i] + across;
+                along_sum[i] = along_sum[i] + along;
+                for j in 0..D {
+                    sum[i][j] = across.mul_add(x[j], sum[i][j]);
+                    if j <= i {
+                        let at = component::<D>(i, j);
+                        moment[at] = along.mul_add(x[j], moment[at]);
+                    }
                 }
             }
         }
@@ -107,5 +121,5 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             }
         }
     }
-    RowSums { kernel_sum: kernel_sum.sum(), gradient, slopes: lanes::sums(slopes), near: notes.done::<D>() }
+    RowSums { kernel_sum: kernel_sum.sum(), gradient, slopes: lanes::sums(slopes), near }
 }
