@@ -35,34 +35,50 @@ pub fn shift<R: Real, const D: usize>(
         time_step: clock.time_step,
     };
     let ParticleArrays { zone, position, velocity, velocity_before, drift, drifts, .. } = &mut *arrays;
-    let per_step = 1.0 / step.time_step;
     let (zone, sums) = (&*zone, &sums.0);
+    let (carries, per_step) = (shifting.carries_velocity(), 1.0 / step.time_step);
     let work =
         |rows: Range<usize>, (position, [mut now, mut before]): Columns<R, D, 2>, drift: &mut [&mut [R]]| {
-            for (at, row) in rows.enumerate() {
-                if zone[row] != Zone::Fluid && zone[row] != Zone::Outflow {
-                    for drift in &mut *drift {
-                        drift[at] = R::default();
+            let first = rows.start;
+            for start in rows.clone().step_by(GROUP) {
+                let group = start..rows.end.min(start + GROUP);
+                let part = start - first..group.end - first;
+                let zone = &zone[group.clone()];
+                let concentration = sums.shift.each_ref().map(|column| &column[group.clone()]);
+                let velocity = now.each_ref().map(|column| &column[part.clone()]);
+                let mut moved = displacements(shifting, step, zone, concentration, velocity);
+                for axis in 0..D {
+                    for (x, moved) in position[axis][part.clone()].iter_mut().zip(&moved[axis]) {
+                        *x += moved;
                     }
+                }
+                for (drift, moved) in drift.iter_mut().zip(&moved) {
+                    for (drift, moved) in drift[part.clone()].iter_mut().zip(moved) {
+                        *drift = R::from_f64(moved * per_step);
+                    }
+                }
+                if !carries {
                     continue;
                 }
-                let concentration: [f64; D] = std::array::from_fn(|axis| sums.shift[axis][row].to_f64());
-                let squared_speed = (0..D).map(|axis| now[axis][at].to_f64().powi(2)).sum::<f64>();
-                let moved = shifting.displacement(concentration, squared_speed, step);
-                for axis in 0..D {
-                    position[axis][at] += moved[axis];
+                for (at, zone) in zone.iter().enumerate() {
+                    for moved in &mut moved {
+                        moved[at] = if *zone == Zone::Fluid { moved[at] } else { 0.0 };
+                    }
                 }
-                for (drift, moved) in drift.iter_mut().zip(moved) {
-                    drift[at] = R::from_f64(moved * per_step);
-                }
-                if shifting.carries_velocity() && zone[row] == Zone::Fluid {
-                    let gradient =
-                        sums.neighbour_gradient.each_ref().map(|of| of.each_ref().map(|g| g[row].to_f64()));
-                    let change = carried(moved, gradient);
-                    for velocity in [&mut now, &mut before] {
+                for (of_component, (now, before)) in
+                    sums.neighbour_gradient.iter().zip(now.iter_mut().zip(before.iter_mut()))
+                {
+                    let slopes = of_component.each_ref().map(|slopes| &slopes[group.clone()]);
+                    let velocities = now[part.clone()].iter_mut().zip(&mut before[part.clone()]);
+                    for (at, (now, before)) in velocities.enumerate() {
+                        let mut moves = [0.0; D];
+                        let mut slope = [0.0; D];
                         for axis in 0..D {
-                            velocity[axis][at] += R::from_f64(change[axis]);
+                            (moves[axis], slope[axis]) = (moved[axis][at], slopes[axis][at].to_f64());
                         }
+                        let change = R::from_f64(carried(moves, slope));
+                        *now += change;
+                        *before += change;
                     }
                 }
             }
@@ -80,6 +96,53 @@ pub fn shift<R: Real, const D: usize>(
             work(rows, columns, &mut []);
         });
     }
+}
+
+/// Rows that are looked at together: loops over them have no branches and become vectors.
+const GROUP: usize = 64;
+
+/// Displacements of a group of rows, m: none of those that are not shifted.
+#[inline(always)]
+fn displacements<R: Real, const D: usize>(
+    shifting: Shifting,
+    step: ShiftStep,
+    zone: &[Zone],
+    concentration: [&[R]; D],
+    velocity: [&[R]; D],
+) -> [[f64; GROUP]; D] {
+    let rows = zone.len().min(GROUP);
+    let squares = |columns: [&[R]; D]| {
+        let mut sums = [0.0; GROUP];
+        for column in columns {
+            for (sum, x) in sums.iter_mut().zip(column) {
+                *sum += x.to_f64() * x.to_f64();
+            }
+        }
+        sums
+    };
+    let (mut scales, mut squared) = (squares(velocity), squares(concentration));
+    let (scales, squared) = (&mut scales[..rows], &mut squared[..rows]);
+    shifting.scales(scales, step);
+    let mut too_long = false;
+    for (scale, squared) in scales.iter().zip(&mut *squared) {
+        *squared *= scale * scale;
+        too_long |= *squared > step.squared_limit();
+    }
+    if too_long {
+        for (scale, squared) in scales.iter_mut().zip(squared) {
+            *scale = step.shortened(*scale, *squared);
+        }
+    }
+    for (scale, zone) in scales.iter_mut().zip(zone) {
+        *scale = if matches!(zone, Zone::Fluid | Zone::Outflow) { *scale } else { 0.0 };
+    }
+    let mut moved = [[0.0; GROUP]; D];
+    for axis in 0..D {
+        for ((moved, scale), x) in moved[axis].iter_mut().zip(&*scales).zip(concentration[axis]) {
+            *moved = scale * x.to_f64();
+        }
+    }
+    moved
 }
 
 /// Positions; velocities, present and before, and drifts if there are any, of a part's rows.

@@ -133,38 +133,50 @@ impl Shifting {
         matches!(self, Shifting::Local { .. })
     }
 
-    /// Displacement of a particle, m, from the vector that the rate pass summed for it and the square of its own speed, m²/s²; never
-    /// longer than 0.1 Δ.
-    #[inline]
-    pub fn displacement<const D: usize>(
-        &self,
-        vector: [f64; D],
-        squared_speed: f64,
-        step: ShiftStep,
-    ) -> [f64; D] {
+    /// Displacements, m, over the vectors that the rate pass summed, in the place of the squares of the particles' own speeds, m²/s²; to be
+    /// [`ShiftStep::shortened`].
+    #[inline(always)]
+    pub fn scales(&self, squared_speeds: &mut [f64], step: ShiftStep) {
         let h = step.smoothing_length;
+        // As the instruction does it: `min` asks for a number that is none.
+        let smaller = |a: f64, b: f64| if a < b { a } else { b };
         let diffused = |coefficient: f64, speed: f64| {
-            -h * (coefficient * speed * step.time_step).min(LARGEST_DIFFUSION * h)
+            -h * smaller(coefficient * speed * step.time_step, LARGEST_DIFFUSION * h)
         };
-        let scale = match *self {
-            Shifting::Off => 0.0,
-            Shifting::Fickian { coefficient, .. } => diffused(coefficient, step.largest_speed),
-            Shifting::Local { coefficient, .. } => {
-                diffused(coefficient, squared_speed.sqrt().min(step.largest_speed))
+        match *self {
+            Shifting::Off => squared_speeds.fill(0.0),
+            Shifting::Fickian { coefficient, .. } => {
+                squared_speeds.fill(diffused(coefficient, step.largest_speed));
             }
-            Shifting::Vacondio { beta } => beta * step.largest_speed * step.time_step,
-        };
-        let squared = scale * scale * vector.iter().map(|x| x * x).sum::<f64>();
-        let limit = LONGEST * step.spacing;
-        // Few are that long: no root for the others.
-        let scale = if squared > limit * limit { scale * limit / squared.sqrt() } else { scale };
-        vector.map(|x| scale * x)
+            Shifting::Local { coefficient, .. } => {
+                for scale in squared_speeds {
+                    *scale = diffused(coefficient, smaller(scale.sqrt(), step.largest_speed));
+                }
+            }
+            Shifting::Vacondio { beta } => squared_speeds.fill(beta * step.largest_speed * step.time_step),
+        }
     }
 }
 
-/// What a velocity changes by along a displacement, m/s: δx·∇v, with `gradient[i][j]` = ∂v_i/∂x_j, 1/s.
-pub fn carried<const D: usize>(displacement: [f64; D], gradient: [[f64; D]; D]) -> [f64; D] {
-    gradient.map(|of_component| displacement.iter().zip(of_component).map(|(x, slope)| x * slope).sum())
+impl ShiftStep {
+    /// Square of the longest shift, m².
+    #[inline(always)]
+    pub fn squared_limit(&self) -> f64 {
+        (LONGEST * self.spacing).powi(2)
+    }
+
+    /// The scale that leaves a displacement of this squared length, m², no longer than 0.1 Δ.
+    #[inline(always)]
+    pub fn shortened(&self, scale: f64, squared: f64) -> f64 {
+        // Few are that long: no root for the others.
+        if squared > self.squared_limit() { scale * (LONGEST * self.spacing) / squared.sqrt() } else { scale }
+    }
+}
+
+/// What a component of a velocity changes by along a displacement, m/s: δx·∇v_i, with `slopes[j]` = ∂v_i/∂x_j, 1/s.
+#[inline(always)]
+pub fn carried<const D: usize>(displacement: [f64; D], slopes: [f64; D]) -> f64 {
+    displacement.iter().zip(slopes).map(|(x, slope)| x * slope).sum()
 }
 
 #[cfg(test)]
@@ -175,24 +187,39 @@ mod tests {
     const STEP: ShiftStep =
         ShiftStep { smoothing_length: 0.15, spacing: 0.1, largest_speed: 2.0, time_step: 1e-3 };
 
+    /// Displacement of a particle, m.
+    fn displacement<const D: usize>(
+        shifting: Shifting,
+        vector: [f64; D],
+        squared_speed: f64,
+        step: ShiftStep,
+    ) -> [f64; D] {
+        let mut scale = [squared_speed];
+        shifting.scales(&mut scale, step);
+        let [scale] = scale;
+        let squared = vector.iter().map(|x| (scale * x).powi(2)).sum();
+        vector.map(|x| step.shortened(scale, squared) * x)
+    }
+
     #[test]
     fn particles_drift_down_the_concentration() {
-        let [x, y] = Shifting::default().displacement([0.5, -1.0], 0.25, STEP);
+        let [x, y] = displacement(Shifting::default(), [0.5, -1.0], 0.25, STEP);
         assert!((x + 4.0 * 0.15 * 2e-3 * 0.5).abs() < 1e-15 && (y - 12e-4).abs() < 1e-15);
     }
 
     #[test]
     fn a_local_shift_goes_with_the_particles_own_speed_which_is_never_above_the_largest() {
         let local = Shifting::Local { coefficient: 8.0, drift: Drift::Kept };
-        let [x, _] = local.displacement([0.5, 0.0], 0.0625, STEP);
+        let [x, _] = displacement(local, [0.5, 0.0], 0.0625, STEP);
         assert!((x + 8.0 * 0.15 * 0.25e-3 * 0.5).abs() < 1e-18);
-        assert_eq!(local.displacement([0.5, 0.0], 0.0, STEP), [0.0, 0.0]);
-        assert_eq!(local.displacement([0.5, 0.0], 81.0, STEP), local.displacement([0.5, 0.0], 4.0, STEP));
+        assert_eq!(displacement(local, [0.5, 0.0], 0.0, STEP), [0.0, 0.0]);
+        assert_eq!(displacement(local, [0.5, 0.0], 81.0, STEP), displacement(local, [0.5, 0.0], 4.0, STEP));
     }
 
     #[test]
     fn velocity_is_carried_along_its_gradient() {
-        assert_eq!(carried([0.5, -2.0], [[1.0, 3.0], [-4.0, 0.25]]), [-5.5, -2.5]);
+        assert_eq!(carried([0.5, -2.0], [1.0, 3.0]), -5.5);
+        assert_eq!(carried([0.5, -2.0], [-4.0, 0.25]), -2.5);
         assert!(
             Shifting::Local { coefficient: 1.0, drift: Drift::Kept }.carries_velocity()
                 && !Shifting::default().carries_velocity()
@@ -239,7 +266,7 @@ mod tests {
             assert!(2.0 / stiffness(Kernel::QuinticSpline, ratio) > 1.3);
         }
         let [x, _] =
-            Shifting::Local { coefficient: 1e3, drift: Drift::Kept }.displacement([0.01, 0.0], 1.0, STEP);
+            displacement(Shifting::Local { coefficient: 1e3, drift: Drift::Kept }, [0.01, 0.0], 1.0, STEP);
         assert!((x + 0.6 * 0.15 * 0.15 * 0.01).abs() < 1e-18);
     }
 
@@ -247,9 +274,9 @@ mod tests {
     fn a_shift_is_never_longer_than_a_tenth_of_the_spacing() {
         let local = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
         for shifting in [Shifting::default(), local, Shifting::Vacondio { beta: 0.04 }] {
-            let shift = shifting.displacement([3e9, -4e9, 0.0], 4.0, STEP);
+            let shift = displacement(shifting, [3e9, -4e9, 0.0], 4.0, STEP);
             assert!((shift.iter().map(|x| x * x).sum::<f64>().sqrt() - 0.01).abs() < 1e-12);
         }
-        assert_eq!(Shifting::Off.displacement([1.0, 1.0], 4.0, STEP), [0.0, 0.0]);
+        assert_eq!(displacement(Shifting::Off, [1.0, 1.0], 4.0, STEP), [0.0, 0.0]);
     }
 }
