@@ -236,11 +236,12 @@ impl<'a, L: Lanes, const D: usize> PairLoop<'a, L, D> {
             let rho_b = entry.column(layout.density);
             let density_sum = rho_a + rho_b;
             let softened = q2 + L::constant(ETA_SQUARED);
-            let product = density_sum * softened;
-            let inverse = (product * rho_b).inverse();
-            let inverse_rho_b = inverse * product;
+            // What does not wait for the distance is multiplied first.
+            let densities = density_sum * rho_b;
+            let inverse = (densities * softened).inverse();
+            let inverse_softened = inverse * densities;
+            let inverse_rho_b = inverse * (density_sum * softened);
             let inverse_density_sum = inverse * (softened * rho_b);
-            let inverse_softened = inverse * (density_sum * rho_b);
 
             let xv = dot(x, v);
             let in_support = q2.less(self.limit);
