@@ -1,4 +1,5 @@
-//! The working set of a step: contiguous columns, sorted by cell and inside a cell by particle id.
+//! The working set of a step: contiguous columns, sorted by cell, inside a cell by its parts along x (`math/grid/sort.rs`) and by
+//! particle id.
 //!
 //! Reservoir particles are not in the arrays: they have no neighbours. Everything here is the
 //! truth within a step; the components of the world are the truth between steps.

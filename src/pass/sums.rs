@@ -148,6 +148,8 @@ impl<R: Real> PairColumns<R> {
         columns.zip(inputs).for_each(|((image, before), ((zones, distances), &walls))| {
             let mut walls = walls;
             // Most groups of rows have no wall: they take no branch a row.
+            // The last chunk of those before has the total behind it.
+            let before = &mut before[..zones.len()];
             let groups = image.chunks_mut(GROUP).zip(before.chunks_mut(GROUP));
             for ((image, before), (zones, distances)) in
                 groups.zip(zones.chunks(GROUP).zip(distances.chunks(GROUP)))
