@@ -260,3 +260,37 @@ fn fill_volumes<R: Real, const D: usize>(
     };
     for_each_part(0..particles.len(), column.as_mut_slice(), &work);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::kernel::Kernel;
+    use crate::particles::rows::Row;
+    use crate::pass::samples::{SPACING, settings};
+
+    #[test]
+    fn walls_are_counted_wherever_groups_and_chunks_of_rows_end() {
+        let pair = settings(Kernel::WendlandC2, 2, 1.3);
+        for rows in [1, GROUP - 1, GROUP, 3 * GROUP + 7, CHUNK, CHUNK + 1, CHUNK + GROUP + 5] {
+            let mut particles = ParticleArrays::<f64, 2>::default();
+            for id in 0..rows {
+                // Some groups have no wall, some have one, the last row is one.
+                let is_wall = id + 1 == rows || (id / 50 % 3 == 0 && id % 7 == 2);
+                let zone = if is_wall { Zone::Wall } else { Zone::Fluid };
+                let wall_distance = if id % 2 == 0 { 0.3 * SPACING } else { 0.0 };
+                particles.push(&Row { id: id as u32, zone, wall_distance, ..Default::default() });
+            }
+            let mut columns = PairColumns::default();
+            let total = columns.find_walls(&pair, &particles);
+            let mut walls = 0;
+            for row in 0..rows {
+                assert_eq!(columns.walls_before[row], walls, "row {row} of {rows}");
+                let behind = particles.wall_distance[row].max(LEAST_IMAGE_DISTANCE * SPACING);
+                let is_wall = particles.zone[row] == Zone::Wall;
+                assert_eq!(columns.image_distance[row], if is_wall { behind } else { 0.0 });
+                walls += u32::from(is_wall);
+            }
+            assert_eq!((total, columns.walls_before[rows]), (walls, walls), "{rows} rows");
+        }
+    }
+}
