@@ -139,7 +139,8 @@ fn displacements<R: Real, const D: usize>(
     let mut moved = [[0.0; GROUP]; D];
     for axis in 0..D {
         for ((moved, scale), x) in moved[axis].iter_mut().zip(&*scales).zip(concentration[axis]) {
-            *moved = scale * x.to_f64();
+            // What rows that are not shifted have in their sums is from rows of another step.
+            *moved = if *scale == 0.0 { 0.0 } else { scale * x.to_f64() };
         }
     }
     moved
