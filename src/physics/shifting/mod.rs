@@ -7,7 +7,7 @@
 //!
 //! Lind et al. (2012): particles drift down the gradient of their concentration; with a particle's own speed in place of the
 //! largest, Skillen et al. (2013). The rate pass sums ∇C or, for [`vacondio`], its repulsion;
-//! [`Shifting::displacement`] makes the step of it, [`carried`] takes the velocity along (Lind et al. (2012), by Taylor's
+//! [`Shifting::scales`] makes the step of it, [`carried`] takes the velocity along (Lind et al. (2012), by Taylor's
 //! series).
 //!
 //! Where a stream is stretched, its lattice is, too, and ∇C has ½ ∇·M in it (M = −Σ V_b x_ab ∇W, which is the unit matrix on a lattice at
