@@ -93,6 +93,9 @@ pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn
     );
 }
 
+/// Rows of a part that is looked through for a list: those near openings are few.
+const LISTED: usize = 1024;
+
 /// Runs `work` over the rows in parts, in parallel. Each part has a list of its own, which is kept from call to call and is as
 /// `work` left it; returns those of these rows, in their order.
 pub fn with_lists<'a, T: Default + Send>(
@@ -100,7 +103,7 @@ pub fn with_lists<'a, T: Default + Send>(
     lists: &'a mut Vec<T>,
     work: &(impl Fn(Range<usize>, &mut T) + Sync),
 ) -> &'a mut [T] {
-    let parts = rows.div_ceil(PART);
+    let parts = rows.div_ceil(LISTED);
     if lists.len() < parts {
         lists.resize_with(parts, T::default);
     }
@@ -108,7 +111,7 @@ pub fn with_lists<'a, T: Default + Send>(
     lists
         .par_iter_mut()
         .enumerate()
-        .for_each(|(part, list)| work(part * PART..rows.min((part + 1) * PART), list));
+        .for_each(|(part, list)| work(part * LISTED..rows.min((part + 1) * LISTED), list));
     lists
 }
 
@@ -179,7 +182,7 @@ mod tests {
     #[test]
     fn lists_come_in_the_order_of_the_rows_and_those_of_longer_ones_are_left_out() {
         let mut lists = Vec::<Vec<usize>>::new();
-        for rows in [0, 5 * PART + 3, PART + 1, PART, 1] {
+        for rows in [0, 5 * LISTED + 3, LISTED + 1, LISTED, 1] {
             let found = with_lists(rows, &mut lists, &|rows, list| {
                 list.clear();
                 list.extend(rows);

@@ -31,6 +31,7 @@ pub fn sum_density<R: Real, const D: usize>(
 ) {
     sums.packs.prepare();
     sums.near.resize(noted::<D>(particles.len()), Near::ALL);
+    sums.columns.forget_densities();
     pair.kernel.with_shape(DensityPass { pair, grid, particles, sums });
 }
 
@@ -119,20 +120,20 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_,
 }
 
 /// Makes densities and pressures of the kernel sums of rows. Apart from the sums: one row's chain of dependent
-/// operations would hold up the next row's sum.
+/// operations would hold up the next row's sum. Without a branch, so that the loop becomes one over vectors: what has no sum keeps what it has.
+#[inline(always)]
 pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut [R], pressure: &mut [R]) {
     let scale = pair.kernel_scale();
-    for ((density, pressure), zone) in density.iter_mut().zip(pressure).zip(zone) {
-        if pair.sums_density(*zone) {
-            let sum = density.to_f64() * scale;
-            let rho = density::from_kernel_sum(sum, pair.mass, pair.lattice.density);
-            *density = R::from_f64(rho);
-            if pair.pressure == PressureLaw::Tait {
-                *pressure = R::from_f64(pair.tait.pressure(rho));
-            }
-        } else if *zone == Zone::Wall && pair.pressure != PressureLaw::Tait {
-            *density = R::from_f64(pair.tait.reference_density);
-        }
+    let by_tait = pair.pressure == PressureLaw::Tait;
+    let of_walls = R::from_f64(pair.tait.reference_density);
+    for ((density, pressure), &zone) in density.iter_mut().zip(pressure).zip(zone) {
+        let is_summed = pair.sums_density(zone);
+        let sum = density.to_f64() * scale;
+        let rho = density::from_kernel_sum(sum, pair.mass, pair.lattice.density);
+        let unsummed = if (zone == Zone::Wall) & !by_tait { of_walls } else { *density };
+        *density = if is_summed { R::from_f64(rho) } else { unsummed };
+        let found = R::from_f64(pair.tait.pressure(rho));
+        *pressure = if is_summed & by_tait { found } else { *pressure };
     }
 }
 

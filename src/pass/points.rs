@@ -28,8 +28,8 @@ pub struct PointFlows<const D: usize> {
     pub points: Vec<[f64; D]>,
     /// What was found at each; None where no fluid is near.
     pub found: Vec<Option<PointFlow>>,
-    /// Cell and number of each point, by cell.
-    order: Vec<([i64; D], u32)>,
+    /// Number of each point behind bits of its cell's place, in their order: points of one cell follow each other.
+    order: Vec<u64>,
     in_order: Vec<Option<PointFlow>>,
 }
 
@@ -70,16 +70,29 @@ impl<const D: usize> PointFlows<D> {
         sums.packs.prepare();
         sums.columns.find_fluid_volume(pair, particles);
         self.order.clear();
-        let cells = self.points.iter().map(|&point| grid.unwrapped_index(point));
-        self.order.extend(cells.zip(0..));
+        let cells = self.points.iter().map(|&point| place(grid.unwrapped_index(point)));
+        self.order.extend(cells.zip(0_u64..).map(|(place, number)| place << u32::BITS | number));
         self.order.sort_unstable();
         self.in_order.resize(self.points.len(), None);
         pair.kernel.with_shape(PointPass { fit, pressure, pair, grid, particles, sums, flows: self });
         self.found.resize(self.points.len(), None);
-        for (&(_, number), &found) in self.order.iter().zip(&self.in_order) {
-            self.found[number as usize] = found;
+        for (&at, &found) in self.order.iter().zip(&self.in_order) {
+            self.found[number(at)] = found;
         }
     }
+}
+
+/// Bits of a cell's place along an axis that the order looks at.
+const PLACE_BITS: u32 = 10;
+
+/// The lowest bits of a cell's place along all axes. Cells far apart may share them: a cell is then only met more than once.
+fn place<const D: usize>(cell: [i64; D]) -> u64 {
+    cell.iter().rev().fold(0, |place, &along| place << PLACE_BITS | along as u64 & ((1 << PLACE_BITS) - 1))
+}
+
+/// The number of a point in the order.
+fn number(at: u64) -> usize {
+    at as u32 as usize
 }
 
 struct PointPass<'a, R: Real, const D: usize> {
@@ -132,7 +145,7 @@ struct PointBlock<'a, K, R: Real, const D: usize> {
     fit: PointFit,
     source: &'a Source<'a, R, D>,
     points: &'a [[f64; D]],
-    order: &'a [([i64; D], u32)],
+    order: &'a [u64],
     found: &'a mut [Option<PointFlow>],
     pack: &'a mut Pack<R>,
     shape: PhantomData<K>,
@@ -144,12 +157,13 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for PointBlock<'_, K
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) {
         let mut packed = None;
-        for (&(cell, number), found) in self.order.iter().zip(self.found) {
-            let point = self.points[number as usize];
+        for (&at, found) in self.order.iter().zip(self.found) {
+            let point = self.points[number(at)];
             *found = None;
             if !point.iter().all(|x| x.is_finite()) {
                 continue;
             }
+            let cell = self.source.grid.unwrapped_index(point);
             if packed != Some(cell) {
                 self.pack.fill_around::<L, D>(self.source, cell);
                 packed = Some(cell);

@@ -162,6 +162,7 @@ impl PairSettings {
     }
 
     /// Whether the density of a zone's particles is summed.
+    #[inline(always)]
     pub fn sums_density(&self, zone: Zone) -> bool {
         match (self.pressure, zone) {
             (_, Zone::Fluid) => true,

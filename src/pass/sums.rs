@@ -72,10 +72,23 @@ pub(super) struct PairColumns<R> {
     pub walls_before: Vec<u32>,
     /// Number of wall rows before each chunk of rows.
     walls_by_chunk: Vec<u32>,
+    /// What the columns above have of the walls; None until they are looked for in the present order.
+    walls: Option<Walls>,
+    /// Whether `fluid_volume` is that of the present densities.
+    has_fluid_volume: bool,
     /// Pressure found for wall rows, Pa, until all of them are.
     pub wall_pressure: Vec<R>,
     /// 1 for the wall rows of the body whose force is summed, 0 for all others.
     pub body: Vec<R>,
+}
+
+/// Walls as the columns have them.
+#[derive(Clone, Copy, Debug)]
+struct Walls {
+    /// Number of wall rows.
+    count: u32,
+    /// Whether the image distances are those of the wall model, for [`PairColumns::find_images`].
+    as_images: bool,
 }
 
 impl<R: Real, const D: usize> Default for PairSums<R, D> {
@@ -103,10 +116,12 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
     }
 }
 
-impl<R, const D: usize> PairSums<R, D> {
-    /// Forgets what was noted of an order that the rows are no longer in.
+impl<R: Real, const D: usize> PairSums<R, D> {
+    /// Forgets what was noted of an order that the rows are no longer in, of zones that have changed and of walls that have moved.
     pub fn forget_order(&mut self) {
         self.near.clear();
+        self.columns.walls = None;
+        self.columns.forget_densities();
     }
 }
 
@@ -120,8 +135,23 @@ const CHUNK: usize = 8192;
 const GROUP: usize = 32;
 
 impl<R: Real> PairColumns<R> {
-    /// Fills the columns that say where the walls are; returns the number of wall rows.
+    /// Fills the columns that say where the walls are, unless they do since the last sort; returns the number of wall rows.
     pub(super) fn find_walls<const D: usize>(
+        &mut self,
+        pair: &PairSettings,
+        particles: &ParticleArrays<R, D>,
+    ) -> u32 {
+        match self.walls {
+            Some(Walls { count, as_images: false }) => count,
+            _ => {
+                let count = self.look_for_walls(pair, particles);
+                self.walls = Some(Walls { count, as_images: false });
+                count
+            }
+        }
+    }
+
+    fn look_for_walls<const D: usize>(
         &mut self,
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
@@ -182,13 +212,21 @@ impl<R: Real> PairColumns<R> {
         fill_volumes(&mut self.volume, pair, particles, |_| true);
     }
 
-    /// Fills the column of the fluid's volumes.
+    /// Fills the column of the fluid's volumes, unless it has them since the last density was summed.
     pub(super) fn find_fluid_volume<const D: usize>(
         &mut self,
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
     ) {
-        fill_volumes(&mut self.fluid_volume, pair, particles, |zone| zone == Zone::Fluid);
+        if !self.has_fluid_volume {
+            fill_volumes(&mut self.fluid_volume, pair, particles, |zone| zone == Zone::Fluid);
+            self.has_fluid_volume = true;
+        }
+    }
+
+    /// Forgets what was made of densities of the fluid that have changed.
+    pub(super) fn forget_densities(&mut self) {
+        self.has_fluid_volume = false;
     }
 
     /// Fills the column that says what flows.
@@ -221,9 +259,13 @@ impl<R: Real> PairColumns<R> {
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
     ) -> bool {
-        let has_walls = self.find_walls(pair, particles) > 0;
+        if let Some(Walls { count, as_images: true }) = self.walls {
+            return count > 0;
+        }
+        let count = self.find_walls(pair, particles);
         let model = pair.wall_model;
-        if has_walls && (pair.has_free_slip() || model == WallModel::Ghost) {
+        if count > 0 && (pair.has_free_slip() || model == WallModel::Ghost) {
+            self.walls = Some(Walls { count, as_images: true });
             let work = |rows: Range<usize>, images: &mut [R]| {
                 for (image, row) in images.iter_mut().zip(rows) {
                     if particles.zone[row] != Zone::Wall {
@@ -239,7 +281,7 @@ impl<R: Real> PairColumns<R> {
             };
             for_each_part(0..particles.len(), self.image_distance.as_mut_slice(), &work);
         }
-        has_walls
+        count > 0
     }
 }
 

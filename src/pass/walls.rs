@@ -10,13 +10,11 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-
-use super::blocks::for_each_block;
+use super::blocks::{for_each_block, for_each_part};
 use super::density::LEAST_Q2;
 use super::pack::{Only, Pack, Source};
 use super::settings::PairSettings;
-use super::sums::PairSums;
+use super::sums::{PairColumns, PairSums};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised, dot};
@@ -27,8 +25,8 @@ use crate::particles::zone::Zone;
 /// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing is felt.
 const LEAST_SUM: f64 = 1e-20;
 
-/// Rows that a thread takes at a time.
-const CHUNK: usize = 8192;
+/// Rows that are looked at together.
+const GROUP: usize = 64;
 
 /// Columns of the pack beside the coordinates: density and pressure of the flow.
 const COLUMNS: usize = 2;
@@ -48,17 +46,25 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     sums.columns.wall_pressure.resize(particles.len(), R::default());
     pair.kernel.with_shape(WallPass { pair, grid, particles: &*particles, sums, carried });
     // Written only now: the extrapolation reads pressures while it runs.
-    let found = &sums.columns.wall_pressure;
+    let PairColumns { wall_pressure, walls_before, .. } = &sums.columns;
     let zone = &particles.zone;
-    let columns = (&mut particles.pressure, &mut particles.density);
-    columns.into_par_iter().with_min_len(CHUNK).enumerate().for_each(|(row, (pressure, density))| {
-        if zone[row] == Zone::Wall {
-            *pressure = found[row];
-            if let Some(rho) = pair.density_at(found[row].to_f64()) {
-                *density = R::from_f64(rho);
+    let work = |rows: Range<usize>, [pressure, density]: [&mut [R]; 2]| {
+        let first = rows.start;
+        for start in rows.clone().step_by(GROUP) {
+            let group = start..rows.end.min(start + GROUP);
+            // Most groups of rows have no wall.
+            if walls_before[group.start] == walls_before[group.end] {
+                continue;
+            }
+            for row in group.filter(|&row| zone[row] == Zone::Wall) {
+                pressure[row - first] = wall_pressure[row];
+                if let Some(rho) = pair.density_at(wall_pressure[row].to_f64()) {
+                    density[row - first] = R::from_f64(rho);
+                }
             }
         }
-    });
+    };
+    for_each_part(0..zone.len(), [&mut particles.pressure[..], &mut particles.density[..]], &work);
 }
 
 struct WallPass<'a, F, R: Real, const D: usize> {

@@ -22,11 +22,13 @@ pub struct Tait {
 
 impl Tait {
     /// Pressure scale p0 = c0² ρ0/γ, Pa.
+    #[inline(always)]
     pub fn pressure_scale(&self) -> f64 {
         self.sound_speed * self.sound_speed * self.reference_density / GAMMA
     }
 
     /// Pressure at a density, Pa.
+    #[inline(always)]
     pub fn pressure(&self, density: f64) -> f64 {
         let ratio = density / self.reference_density;
         let cube = ratio * ratio * ratio;

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use bevy_ecs::system::{Res, ResMut};
+use bevy_ecs::system::{Local, Res, ResMut};
+use glam::DVec3;
 
 use super::boundaries::motion::{move_inflow, move_outflow};
 use super::boundaries::outlets::OutletStates;
@@ -88,6 +89,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
     outlets: Res<OutletStates>,
     sums: Res<Sums<R, D>>,
     mut clock: ResMut<Clock>,
+    mut velocities: Local<Vec<DVec3>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
@@ -116,7 +118,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
         &sums.0.pressure_rate,
     );
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
-        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, arrays);
+        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, &mut velocities, arrays);
     }
     for (index, (outlet, rows)) in scene.outlets.iter().zip(&rows.outflow).enumerate() {
         move_outflow(outlet, &outlets.0[index], rows, time_step, arrays);

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use bevy_ecs::system::{Res, ResMut};
+use bevy_ecs::system::{Local, Res, ResMut};
+use glam::DVec3;
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
 };
@@ -11,8 +12,10 @@ use super::boundaries::motion::{move_inflow, move_outflow};
 use super::boundaries::outlets::OutletStates;
 use super::boundaries::rows::PatchRows;
 use super::clock::Clock;
+use super::pair::Pair;
 use super::rates::{RatesFound, StepsSincePlain, Sums};
 use super::setup::{Resolution, SceneInUse};
+use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
@@ -30,11 +33,12 @@ pub fn kick<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     resolution: Res<Resolution>,
     found: Res<RatesFound>,
-    rows: Res<PatchRows>,
+    (pair, rows): (Res<Pair>, Res<PatchRows>),
     outlets: Res<OutletStates>,
     sums: Res<Sums<R, D>>,
     mut since_plain: ResMut<StepsSincePlain>,
     mut clock: ResMut<Clock>,
+    mut velocities: Local<Vec<DVec3>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
     let scene = &*scene.0;
@@ -55,14 +59,20 @@ pub fn kick<R: Real, const D: usize>(
         Integrator::Verlet { plain_step_every } => {
             let scheme = Verlet { time_step, time_step_before, plain: since_plain.0 == 0 };
             since_plain.0 = (since_plain.0 + 1) % plain_step_every;
-            advance_fluid(&scheme, damping, &sums.0.damping, arrays);
+            advance_fluid(&scheme, damping, &sums.0.damping, pair.0.lanes, arrays);
         }
         Integrator::KickDrift => {
-            advance_fluid(&KickDrift { time_step, time_step_before }, damping, &sums.0.damping, arrays);
+            advance_fluid(
+                &KickDrift { time_step, time_step_before },
+                damping,
+                &sums.0.damping,
+                pair.0.lanes,
+                arrays,
+            );
         }
     }
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
-        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, arrays);
+        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, &mut velocities, arrays);
     }
     for (index, (outlet, rows)) in scene.outlets.iter().zip(&rows.outflow).enumerate() {
         move_outflow(outlet, &outlets.0[index], rows, time_step, arrays);
@@ -103,12 +113,13 @@ fn advance_fluid<A: Advance, R: Real, const D: usize>(
     scheme: &A,
     largest_damping: f64,
     damping: &[R],
+    lanes: InstructionSet,
     arrays: &mut ParticleArrays<R, D>,
 ) {
     if friction::is_fast(scheme, largest_damping) {
         slow_down(scheme, damping, arrays);
     }
-    kick_fluid(scheme, arrays);
+    kick_fluid(scheme, lanes, arrays);
 }
 
 /// Leaves of the accelerations at walls what a step can follow.
@@ -137,34 +148,15 @@ fn slow_down<A: Advance, R: Real, const D: usize>(
 /// vectors.
 const GROUP: usize = 64;
 
-fn kick_fluid<A: Advance, R: Real, const D: usize>(scheme: &A, arrays: &mut ParticleArrays<R, D>) {
+fn kick_fluid<A: Advance, R: Real, const D: usize>(
+    scheme: &A,
+    lanes: InstructionSet,
+    arrays: &mut ParticleArrays<R, D>,
+) {
     let ParticleArrays { zone, fresh, position, velocity, velocity_before, acceleration, .. } = arrays;
-    let (zone, fresh, acceleration) = (&*zone, &*fresh, &*acceleration);
+    let (zone, fresh, acceleration) = (&**zone, &**fresh, &*acceleration);
     let work = |rows: Range<usize>, (position, velocity, before): Columns<R, D>| {
-        let first = rows.start;
-        for start in rows.clone().step_by(GROUP) {
-            let group = start..rows.end.min(start + GROUP);
-            let plain = group.clone().fold(true, |all, row| all & (zone[row] == Zone::Fluid) & !fresh[row]);
-            let part = group.start - first..group.end - first;
-            for axis in 0..D {
-                let x = &mut position[axis][part.clone()];
-                let v = &mut velocity[axis][part.clone()];
-                let v_before = &mut before[axis][part.clone()];
-                let advanced = x.iter_mut().zip(v).zip(v_before).zip(&acceleration[axis][group.clone()]);
-                if plain {
-                    for (((x, v), v_before), &a) in advanced {
-                        (*x, [*v, *v_before]) = scheme.advance(false, *x, [*v, *v_before], a);
-                    }
-                } else {
-                    let kinds = zone[group.clone()].iter().zip(&fresh[group.clone()]);
-                    for ((((x, v), v_before), &a), (&zone, &fresh)) in advanced.zip(kinds) {
-                        if zone == Zone::Fluid {
-                            (*x, [*v, *v_before]) = scheme.advance(fresh, *x, [*v, *v_before], a);
-                        }
-                    }
-                }
-            }
-        }
+        R::dispatch(lanes, KickPart { scheme, zone, fresh, acceleration, rows, position, velocity, before });
     };
     let columns = (
         position.each_mut().map(Vec::as_mut_slice),
@@ -176,3 +168,49 @@ fn kick_fluid<A: Advance, R: Real, const D: usize>(scheme: &A, arrays: &mut Part
 
 /// Positions, velocities and earlier velocities of a part's rows.
 type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
+
+/// A part of the rows: on lanes for their instructions alone, which its loops, of plain numbers, are compiled for.
+struct KickPart<'a, A, R, const D: usize> {
+    scheme: &'a A,
+    zone: &'a [Zone],
+    fresh: &'a [bool],
+    acceleration: &'a [Vec<R>; D],
+    rows: Range<usize>,
+    position: [&'a mut [f64]; D],
+    velocity: [&'a mut [R]; D],
+    before: [&'a mut [R]; D],
+}
+
+impl<A: Advance, R: Real, const D: usize> Vectorised<R> for KickPart<'_, A, R, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(self) {
+        let Self { scheme, zone, fresh, acceleration, rows, position, velocity, before } = self;
+        let first = rows.start;
+        for start in rows.clone().step_by(GROUP) {
+            let group = start..rows.end.min(start + GROUP);
+            let part = group.start - first..group.end - first;
+            let (zone, fresh) = (&zone[group.clone()], &fresh[group.clone()]);
+            let plain =
+                zone.iter().zip(fresh).fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh);
+            for axis in 0..D {
+                let x = &mut position[axis][part.clone()];
+                let v = &mut velocity[axis][part.clone()];
+                let v_before = &mut before[axis][part.clone()];
+                let advanced = x.iter_mut().zip(v).zip(v_before).zip(&acceleration[axis][group.clone()]);
+                if plain {
+                    for (((x, v), v_before), &a) in advanced {
+                        (*x, [*v, *v_before]) = scheme.advance(false, *x, [*v, *v_before], a);
+                    }
+                } else {
+                    for ((((x, v), v_before), &a), (&zone, &fresh)) in advanced.zip(zone.iter().zip(fresh)) {
+                        if zone == Zone::Fluid {
+                            (*x, [*v, *v_before]) = scheme.advance(fresh, *x, [*v, *v_before], a);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -9,9 +9,14 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelI
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::CellGrid;
+use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
+use crate::math::real::Real;
 
 /// Rows that a thread takes at a time.
 const CHUNK: usize = 8192;
+
+/// Rows whose places are found together.
+const GROUP: usize = 64;
 
 /// Cells that one thread sorts without splitting further.
 const CELLS_PER_TASK: usize = 2048;
@@ -113,16 +118,20 @@ impl<const D: usize> CellGrid<D> {
     ) -> usize {
         let outside = AtomicUsize::new(usize::MAX);
         place_of_row.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, place_of)| {
-            for (offset, place) in place_of.iter_mut().enumerate() {
-                let row = chunk * CHUNK + offset;
-                *place = NO_PLACE;
-                if !keep(row) {
+            let rows = chunk * CHUNK..chunk * CHUNK + place_of.len();
+            let position = std::array::from_fn(|d| &position[d][rows.clone()]);
+            f64::dispatch(InstructionSet::best(), FindPlaces { grid: self, position, places: place_of });
+            for (group, places) in place_of.chunks_mut(GROUP).enumerate() {
+                let first = chunk * CHUNK + group * GROUP;
+                let rows = first..first + places.len();
+                let all_inside = places.iter().fold(true, |all, &place| all & (place != NO_PLACE));
+                if all_inside && rows.clone().fold(true, |all, row| all & keep(row)) {
                     continue;
                 }
-                let point = std::array::from_fn(|d| position[d][row]);
-                match self.cell_of(point) {
-                    Some(found) => *place = (found as u32) << part_bits::<D>() | self.part_of(point),
-                    None => {
+                for (place, row) in places.iter_mut().zip(rows) {
+                    if !keep(row) {
+                        *place = NO_PLACE;
+                    } else if *place == NO_PLACE {
                         outside.fetch_min(row, Relaxed);
                     }
                 }
@@ -136,17 +145,62 @@ impl<const D: usize> CellGrid<D> {
         });
         outside.into_inner()
     }
+}
 
-    /// The part of its cell that a point is in, along x.
-    #[inline]
-    fn part_of(&self, point: [f64; D]) -> u32 {
-        if part_bits::<D>() == 0 {
-            return 0;
+/// Finds the places of points, [`NO_PLACE`] outside the box: the cells that [`CellGrid::cell_of`] says, and their parts along x.
+///
+/// All in floating point, without branches: so it is a loop over vectors, which a conversion to integers that is right for all numbers
+/// is not. On lanes for their instructions alone.
+struct FindPlaces<'a, const D: usize> {
+    grid: &'a CellGrid<D>,
+    position: [&'a [f64]; D],
+    places: &'a mut [u32],
+}
+
+impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = f64>>(self) {
+        let grid = self.grid;
+        for (group, places) in self.places.chunks_mut(GROUP).enumerate() {
+            let mut found = [0.0; GROUP];
+            let found = &mut found[..places.len()];
+            for d in (0..D).rev() {
+                let (lower, upper, scale) = (grid.lower[d], grid.upper[d], grid.inverse_cell_size[d]);
+                let (cells, last) = (grid.cells[d] as f64, (grid.cells[d] - 1) as f64);
+                let before_upper = if grid.periodic[d] { upper.next_down() } else { upper };
+                let along_axis = &self.position[d][group * GROUP..][..found.len()];
+                for (place, &x) in found.iter_mut().zip(along_axis) {
+                    let along = (x - lower) * scale;
+                    let whole = floor(along);
+                    let cell = if whole < last { whole } else { last };
+                    let mut next = *place * cells + cell;
+                    if d == 0 && part_bits::<D>() > 0 {
+                        let part = floor((along - whole) * f64::from(PARTS));
+                        let part = if part < f64::from(PARTS - 1) { part } else { f64::from(PARTS - 1) };
+                        next = next * f64::from(1_u32 << part_bits::<D>()) + part;
+                    }
+                    *place = if (x >= lower) & (x <= before_upper) { next } else { f64::NAN };
+                }
+            }
+            for (place, &found) in places.iter_mut().zip(&*found) {
+                // What is no number stays one.
+                let whole = (found + INTEGERS).to_bits() as u32;
+                *place = if found >= 0.0 { whole } else { NO_PLACE };
+            }
         }
-        let along = (point[0] - self.lower[0]) * self.inverse_cell_size[0];
-        // Not by `fract`, which is a call on processors that are only promised SSE2.
-        (((along - f64::from(along as u32)) * f64::from(PARTS)) as u32).min(PARTS - 1)
     }
+}
+
+/// Numbers from here to twice that have no digits behind the point: one added to it is rounded, and stands in the lowest bits.
+const INTEGERS: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
+
+/// The largest integer that is not above a number from 0 to [`INTEGERS`]; of others any number.
+#[inline(always)]
+fn floor(x: f64) -> f64 {
+    let nearest = (x + INTEGERS) - INTEGERS;
+    if nearest > x { nearest - 1.0 } else { nearest }
 }
 
 /// Whether two places are in the same cell.
@@ -203,6 +257,43 @@ mod tests {
         let mut grid = CellGrid::new([-1.0; 3], [1.0; 3], [false; 3], 1.0, 1.0);
         let position = [x, y.clone(), y];
         assert_eq!(grid.build(&position, &[1, 5, 4, 2, 3, 9], |_| true), Ok(&[0, 3, 2, 1, 4, 5][..]));
+    }
+
+    #[test]
+    fn places_are_the_cells_of_points_wherever_they_are() {
+        for periodic in [[false; 2], [true; 2]] {
+            let grid = CellGrid::new([-0.7, 0.1], [1.3, 0.9], periodic, 0.17, 0.17);
+            let ends =
+                |d: usize| [grid.lower()[d], grid.upper()[d], f64::NAN, f64::INFINITY, -3.0, 1e300, -1e-300];
+            let mut along: [Vec<f64>; 2] = std::array::from_fn(|d| {
+                let edges = (0..=grid.cells()[d]).map(|edge| grid.corner([edge as i64; 2])[d]);
+                let all = edges.flat_map(|x| [x, x.next_up(), x.next_down(), x + 0.03, x + 0.06, x + 0.12]);
+                all.chain(ends(d).into_iter().flat_map(|x| [x, x.next_up(), x.next_down()])).collect()
+            });
+            let count = along[0].len().min(along[1].len());
+            for _ in 0..count {
+                along[1].rotate_left(1);
+                let position = std::array::from_fn(|d| &along[d][..count]);
+                for set in InstructionSet::available() {
+                    let mut places = vec![0; count];
+                    f64::dispatch(set, FindPlaces { grid: &grid, position, places: &mut places });
+                    for (row, place) in places.into_iter().enumerate() {
+                        let point = [along[0][row], along[1][row]];
+                        let Some(cell) = grid.cell_of(point) else {
+                            assert_eq!(place, NO_PLACE, "{point:?}");
+                            continue;
+                        };
+                        assert_eq!((place >> 2) as usize, cell, "{point:?}");
+                        let along = (point[0] - grid.lower()[0]) / grid.cell_size()[0];
+                        let part = f64::from(PARTS) * along.fract();
+                        // At an edge rounding decides.
+                        if (part - part.round()).abs() > 1e-9 {
+                            assert_eq!(place & 3, part as u32, "{point:?}");
+                        }
+                    }
+                }
+            }
+        }
     }
 
     #[test]

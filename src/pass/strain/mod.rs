@@ -53,6 +53,7 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
 ) {
     sums.packs.prepare();
     sums.near.resize(noted::<D>(particles.len()), Near::ALL);
+    sums.columns.forget_densities();
     sums.columns.find_flow(particles);
     for column in sums.strain.iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());

@@ -7,7 +7,7 @@
 //!
 //! Lind et al. (2012): particles drift down the gradient of their concentration; with a particle's own speed in place of the
 //! largest, Skillen et al. (2013). The rate pass sums ∇C or, for [`vacondio`], its repulsion;
-//! [`Shifting::scales`] makes the step of it, [`carried`] takes the velocity along (Lind et al. (2012), by Taylor's
+//! [`Shifting::scales`] makes the step of it, [`add_carried`] takes the velocity along (Lind et al. (2012), by Taylor's
 //! series).
 //!
 //! Where a stream is stretched, its lattice is, too, and ∇C has ½ ∇·M in it (M = −Σ V_b x_ab ∇W, which is the unit matrix on a lattice at
@@ -22,6 +22,8 @@
 pub mod vacondio;
 
 use serde::{Deserialize, Serialize};
+
+use crate::math::real::Real;
 
 /// How fluid particles are moved towards an even distribution after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -173,10 +175,13 @@ impl ShiftStep {
     }
 }
 
-/// What a component of a velocity changes by along a displacement, m/s: δx·∇v_i, with `slopes[j]` = ∂v_i/∂x_j, 1/s.
+/// Adds what a component of velocities changes by along one axis of displacements, m/s: δx_j ∂v_i/∂x_j, the displacements in m and the
+/// slopes in 1/s.
 #[inline(always)]
-pub fn carried<const D: usize>(displacement: [f64; D], slopes: [f64; D]) -> f64 {
-    displacement.iter().zip(slopes).map(|(x, slope)| x * slope).sum()
+pub fn add_carried<R: Real>(changes: &mut [f64], displacements: &[f64], slopes: &[R]) {
+    for (change, (displacement, slope)) in changes.iter_mut().zip(displacements.iter().zip(slopes)) {
+        *change += displacement * slope.to_f64();
+    }
 }
 
 #[cfg(test)]
@@ -218,8 +223,10 @@ mod tests {
 
     #[test]
     fn velocity_is_carried_along_its_gradient() {
-        assert_eq!(carried([0.5, -2.0], [1.0, 3.0]), -5.5);
-        assert_eq!(carried([0.5, -2.0], [-4.0, 0.25]), -2.5);
+        let mut changes = [0.0; 2];
+        add_carried(&mut changes, &[0.5, 1.0], &[1.0, -4.0]);
+        add_carried(&mut changes, &[-2.0, 3.0], &[3.0, 0.25]);
+        assert_eq!(changes, [-5.5, -3.25]);
         assert!(
             Shifting::Local { coefficient: 1.0, drift: Drift::Kept }.carries_velocity()
                 && !Shifting::default().carries_velocity()

@@ -138,7 +138,7 @@ impl AbsorbingZone {
         };
         let patch = &outlet.patch;
         let offset = position - patch.at;
-        let present = |field: &[f64]| section.interpolate(patch, offset, field);
+        let place = section.place(patch, offset);
         let depth = patch.along(position) / scene.spacing + LAYERS_SEEN;
         let then = |field: &[f64]| {
             let points = self.pressure.len();
@@ -146,14 +146,15 @@ impl AbsorbingZone {
             let depth = depth.clamp(0.0, last as f64);
             let before = depth as usize;
             let behind = (before + 1).min(last);
-            let low = present(&field[before * points..][..points]);
-            let high = present(&field[behind * points..][..points]);
+            let low = place.interpolate(&field[before * points..][..points]);
+            let high = place.interpolate(&field[behind * points..][..points]);
             low + (depth - before as f64) * (high - low)
         };
         let impedance = scene.fluid.density * scene.fluid.sound_speed;
-        let velocity = convective_velocity(foot.velocity, foot.pressure, present(&self.pressure), impedance);
+        let present = place.interpolate(&self.pressure);
+        let velocity = convective_velocity(foot.velocity, foot.pressure, present, impedance);
         // The fit at the foot knows the profile better than the points do; they know how it was before.
-        let change = then(&self.continuation.velocity) - present(&self.velocity);
+        let change = then(&self.continuation.velocity) - place.interpolate(&self.velocity);
         (then(&self.continuation.pressure), velocity + change)
     }
 }

@@ -38,9 +38,22 @@ use crate::systems::setup::SceneInUse;
 /// Time over which an extrapolated pressure is followed, in passages of sound over Δ.
 const LAG: f64 = 2.0;
 
+/// Inflow particles that a thread takes at least.
+const CHUNK: usize = 32;
+
 /// Velocity that an inlet prescribes at a point and time, m/s.
 pub fn inlet_velocity(inlet: &Inlet, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
     inlet.velocity_at(viscosity, point, time)
+}
+
+/// What an inflow particle has in a step.
+pub struct Prescribed {
+    /// Velocity, m/s.
+    velocity: DVec3,
+    /// Pressure, Pa.
+    pressure: f64,
+    /// Density that the pressure belongs to, kg/m³; None where it is summed.
+    density: Option<f64>,
 }
 
 /// Sets velocity, pressure and density of inflow particles at the present time.
@@ -51,7 +64,7 @@ pub fn apply_inlets<R: Real, const D: usize>(
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
     mut flows: Local<PointFlows<D>>,
-    mut pressures: Local<Vec<f64>>,
+    mut inflow: Local<Vec<Prescribed>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
 ) {
@@ -71,28 +84,28 @@ pub fn apply_inlets<R: Real, const D: usize>(
             }));
             flows.find(PointFit::Pressure, &pair.0, &grid.0, &arrays, &mut sums.0);
         }
-        let found = rows.par_iter().enumerate().with_min_len(32).map(|(index, &row)| match inlet.pressure {
-            InletPressure::Prescribed(pressure) => pressure,
-            InletPressure::Extrapolated => match flows.found[index] {
-                Some(flow) => {
-                    flow.pressure - rise(scene, inlet, arrays.position_of(row as usize), clock.time)
-                }
-                None => arrays.pressure[row as usize].to_f64(),
-            },
-        });
-        found.collect_into_vec(&mut pressures);
-        for (&row, &pressure) in rows.iter().zip(&*pressures) {
+        let (before, found) = (&*arrays, &flows.found);
+        let prescribed = rows.par_iter().enumerate().with_min_len(CHUNK).map(|(index, &row)| {
             let row = row as usize;
-            let velocity = inlet_velocity(inlet, nu, arrays.position_of(row), clock.time);
-            set_real_vector(&mut arrays.velocity, row, velocity);
-            let pressure = if arrays.fresh[row] || clock.step == 0 {
-                pressure
-            } else {
-                let before = arrays.pressure[row].to_f64();
-                before + share * (pressure - before)
+            let (place, own) = (before.position_of(row), before.pressure[row].to_f64());
+            let pressure = match inlet.pressure {
+                InletPressure::Prescribed(pressure) => pressure,
+                InletPressure::Extrapolated => match found[index] {
+                    Some(flow) => flow.pressure - rise(scene, inlet, place, clock.time),
+                    None => own,
+                },
             };
+            let at_once = before.fresh[row] || clock.step == 0;
+            let pressure = if at_once { pressure } else { own + share * (pressure - own) };
+            let velocity = inlet_velocity(inlet, nu, place, clock.time);
+            Prescribed { velocity, pressure, density: pair.0.density_at(pressure) }
+        });
+        prescribed.collect_into_vec(&mut inflow);
+        for (&row, &Prescribed { velocity, pressure, density }) in rows.iter().zip(&*inflow) {
+            let row = row as usize;
+            set_real_vector(&mut arrays.velocity, row, velocity);
             arrays.pressure[row] = R::from_f64(pressure);
-            if let Some(density) = pair.0.density_at(pressure) {
+            if let Some(density) = density {
                 arrays.density[row] = R::from_f64(density);
             }
         }

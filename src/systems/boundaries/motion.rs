@@ -1,6 +1,7 @@
 //! How inflow and outflow particles move in the kick.
 
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::inlets::inlet_velocity;
 use super::outlets::OutletState;
@@ -10,19 +11,28 @@ use crate::particles::rows::{real_vector, set_real_vector};
 use crate::physics::outlet::Frame;
 use crate::scene::model::{Inlet, Outlet};
 
-/// Moves the particles of an inlet by one step from `time` (s) with the prescribed velocity.
+/// Inflow particles that a thread takes at least: a profile may be an expression.
+const CHUNK: usize = 32;
+
+/// Moves the particles of an inlet by one step from `time` (s) with the prescribed velocity; `velocities` is kept from step to step.
 pub fn move_inflow<R: Real, const D: usize>(
     inlet: &Inlet,
     viscosity: f64,
     rows: &[u32],
     time: f64,
     time_step: f64,
+    velocities: &mut Vec<DVec3>,
     arrays: &mut ParticleArrays<R, D>,
 ) {
-    for &row in rows {
+    let before = &*arrays;
+    let next = rows
+        .par_iter()
+        .with_min_len(CHUNK)
+        .map(|&row| inlet_velocity(inlet, viscosity, before.position_of(row as usize), time + time_step));
+    next.collect_into_vec(velocities);
+    for (&row, &next) in rows.iter().zip(&*velocities) {
         let row = row as usize;
         let v = arrays.velocity_of(row);
-        let next = inlet_velocity(inlet, viscosity, arrays.position_of(row), time + time_step);
         set_real_vector(&mut arrays.velocity_before, row, v);
         set_real_vector(&mut arrays.velocity, row, next);
         // The mean of both ends carries the prescribed flux through a ramp to second order.

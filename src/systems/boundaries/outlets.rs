@@ -12,7 +12,7 @@ use super::absorb::AbsorbingZone;
 use super::hybrid::{HybridZone, apply_hybrid};
 use super::kept::{apply_characteristic, apply_do_nothing, apply_mirror, apply_modified_do_nothing};
 use super::rows::PatchRows;
-use super::wave_zone::apply_wave;
+use super::wave_zone::{ZoneMove, apply_wave};
 use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -74,7 +74,7 @@ pub struct OutletStage<'a, R: Real, const D: usize> {
     /// Settings of the pair sums.
     pub pair: &'a PairSettings,
     grid: &'a CellGrid<D>,
-    buffers: &'a mut OutletBuffers<R, D>,
+    pub(super) buffers: &'a mut OutletBuffers<R, D>,
     sums: &'a mut PairSums<R, D>,
     /// The particles.
     pub arrays: &'a mut ParticleArrays<R, D>,
@@ -85,6 +85,8 @@ pub struct OutletStage<'a, R: Real, const D: usize> {
 pub struct OutletBuffers<R: Real, const D: usize> {
     flows: PointFlows<D>,
     column: Vec<R>,
+    /// What a wave equation's stage found for the rows of its zone.
+    pub(super) of_zone: Vec<ZoneMove>,
 }
 
 impl<R: Real, const D: usize> OutletStage<'_, R, D> {
@@ -119,7 +121,7 @@ impl<R: Real, const D: usize> OutletStage<'_, R, D> {
 
     /// Takes means over the fluid at the zone's particles of what rows have, 0 for those that are not named.
     pub fn find_mean(&mut self, values: impl Iterator<Item = (usize, f64)>) {
-        let OutletBuffers { flows, column } = &mut *self.buffers;
+        let OutletBuffers { flows, column, .. } = &mut *self.buffers;
         column.clear();
         column.resize(self.arrays.len(), R::default());
         for (row, value) in values {

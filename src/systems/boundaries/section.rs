@@ -88,8 +88,8 @@ impl SectionPoints {
         inside as usize
     }
 
-    /// The value at an offset from the middle of the section (m), linear between the points.
-    pub fn interpolate(&self, patch: &Patch, offset: DVec3, values: &[f64]) -> f64 {
+    /// Where an offset from the middle of the section (m) is among the points.
+    pub fn place(&self, patch: &Patch, offset: DVec3) -> PlaceAmongPoints {
         let mut low = [[0; 2]; 2];
         let mut share = [0.0; 2];
         for axis in 0..2 {
@@ -101,9 +101,29 @@ impl SectionPoints {
             share[axis] = place - below;
             low[axis] = [self.index(below as i64, axis), self.index(below as i64 + 1, axis)];
         }
-        let at = |i: usize, j: usize| values[self.nearest[low[0][i] + self.counts[0] * low[1][j]] as usize];
-        let along = |j: usize| at(0, j) + share[0] * (at(1, j) - at(0, j));
-        if share[1] == 0.0 { along(0) } else { along(0) + share[1] * (along(1) - along(0)) }
+        let point = |i: usize, j: usize| self.nearest[low[0][i] + self.counts[0] * low[1][j]];
+        PlaceAmongPoints { points: [[point(0, 0), point(1, 0)], [point(0, 1), point(1, 1)]], share }
+    }
+}
+
+/// A place between points of a section: found once, it serves all fields.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaceAmongPoints {
+    /// The points around it: of the lower and the higher row, the lower and the higher of each.
+    points: [[u32; 2]; 2],
+    /// How far it is from the lower ones to the higher, within the rows and from row to row.
+    share: [f64; 2],
+}
+
+impl PlaceAmongPoints {
+    /// The value of a field there, linear between the points.
+    pub fn interpolate(&self, values: &[f64]) -> f64 {
+        let along = |[low, high]: [u32; 2]| {
+            let low = values[low as usize];
+            low + self.share[0] * (values[high as usize] - low)
+        };
+        let lower = along(self.points[0]);
+        if self.share[1] == 0.0 { lower } else { lower + self.share[1] * (along(self.points[1]) - lower) }
     }
 }
 
@@ -137,12 +157,12 @@ mod tests {
         assert_eq!(walled.neighbours[0], [0, 1, 0, 0]);
         assert_eq!(walled.neighbours[9], [8, 9, 9, 9]);
         let heights: Vec<f64> = walled.offsets.iter().map(|offset| offset.y).collect();
-        let middle = walled.interpolate(&patch, DVec3::Y * 0.123, &heights);
+        let middle = walled.place(&patch, DVec3::Y * 0.123).interpolate(&heights);
         assert!((middle - 0.123).abs() < 1e-12, "{middle}");
-        assert!((walled.interpolate(&patch, DVec3::Y * 0.49, &heights) - 0.45).abs() < 1e-12);
+        assert!((walled.place(&patch, DVec3::Y * 0.49).interpolate(&heights) - 0.45).abs() < 1e-12);
         let (round, patch) = points(&format!("{CHANNEL} periodic: [\"y\"], walls: None,"));
         assert_eq!(round.neighbours[0], [9, 1, 0, 0]);
-        let between = round.interpolate(&patch, DVec3::Y * 0.5, &heights);
+        let between = round.place(&patch, DVec3::Y * 0.5).interpolate(&heights);
         assert!((between - 0.5 * (heights[0] + heights[9])).abs() < 1e-12, "{between}");
     }
 
@@ -166,8 +186,8 @@ mod tests {
         let field: Vec<f64> =
             disc.offsets.iter().map(|offset| 1.0 + 2.0 * offset.y - 3.0 * offset.z).collect();
         let place = DVec3::new(0.0, 0.11, -0.07);
-        let found = disc.interpolate(&patch, place, &field);
+        let found = disc.place(&patch, place).interpolate(&field);
         assert!((found - 1.0 - 2.0 * place.y + 3.0 * place.z).abs() < 1e-12, "{found}");
-        assert!(disc.interpolate(&patch, DVec3::new(0.0, 0.45, 0.45), &field).is_finite());
+        assert!(disc.place(&patch, DVec3::new(0.0, 0.45, 0.45)).interpolate(&field).is_finite());
     }
 }

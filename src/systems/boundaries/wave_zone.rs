@@ -2,6 +2,7 @@
 
 use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::outlets::{OutletStage, OutletState};
 use super::rows::PatchRows;
@@ -18,6 +19,9 @@ use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::rates::Sums;
 use crate::systems::setup::SceneInUse;
+
+/// Particles of the zone that a thread takes at least.
+const CHUNK: usize = 64;
 
 /// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would see no fluid.
 const LAYERS_INSIDE: f64 = 1.0;
@@ -40,27 +44,30 @@ pub fn apply_wave<R: Real, const D: usize>(stage: &mut OutletStage<'_, R, D>, st
     let points = &stage.found()[zone.len()..];
     state.absorbing.advance(scene, outlet, points, mean, stage.time_step);
     let impedance = stage.impedance();
-    for (at, &row) in zone.iter().enumerate() {
+    // A pressure that a particle keeps from step to step must not lose its dynamic part again and again.
+    let given = matches!(wave.pressure, OutletPressure::Reference(_) | OutletPressure::Absorbing { .. });
+    let mut of_zone = std::mem::take(&mut stage.buffers.of_zone);
+    let (arrays, found, pair) = (&*stage.arrays, stage.found(), stage.pair);
+    let absorbing = &state.absorbing;
+    let moves = zone.par_iter().enumerate().with_min_len(CHUNK).map(|(at, &row)| {
         let row = row as usize;
-        let flow = stage.found()[at].unwrap_or(mean);
-        let own = stage.arrays.pressure[row].to_f64();
+        let flow = found[at].unwrap_or(mean);
+        let own = arrays.pressure[row].to_f64();
         let (pressure, velocity) = if absorbs {
-            state.absorbing.at(scene, outlet, stage.arrays.position_of(row), flow)
+            absorbing.at(scene, outlet, arrays.position_of(row), flow)
         } else {
             (own, convective_velocity(flow.velocity, flow.pressure, own, impedance))
         };
-        stage.arrays.pressure[row] = R::from_f64(pressure);
-        state.convective.push(velocity);
-    }
-    // A pressure that a particle keeps from step to step must not lose its dynamic part again and again.
-    let given = matches!(wave.pressure, OutletPressure::Reference(_) | OutletPressure::Absorbing { .. });
-    for (&row, &velocity) in zone.iter().zip(&state.convective) {
-        let row = row as usize;
-        let pressure = stage.arrays.pressure[row].to_f64();
         let pressure =
             if given { backflow_pressure(pressure, velocity, scene.fluid.density) } else { pressure };
+        ZoneMove { pressure, velocity, density: pair.density_at(pressure) }
+    });
+    moves.collect_into_vec(&mut of_zone);
+    for (&row, &ZoneMove { pressure, velocity, density }) in zone.iter().zip(&of_zone) {
+        let row = row as usize;
         stage.arrays.pressure[row] = R::from_f64(pressure);
-        match stage.pair.density_at(pressure) {
+        state.convective.push(velocity);
+        match density {
             Some(density) => stage.arrays.density[row] = R::from_f64(density),
             // The divergence drives an evolved pressure: it must see the velocity with which the zone moves, not that with
             // which its particles crossed the plane, or the outlet throws back a quarter of a pulse of sound.
@@ -72,6 +79,18 @@ pub fn apply_wave<R: Real, const D: usize>(stage: &mut OutletStage<'_, R, D>, st
             None => {}
         }
     }
+    stage.buffers.of_zone = of_zone;
+}
+
+/// What a step finds for a particle of the zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZoneMove {
+    /// Pressure, Pa.
+    pressure: f64,
+    /// Convective velocity, m/s.
+    velocity: f64,
+    /// Density that the pressure belongs to, kg/m³; None where it is summed.
+    density: Option<f64>,
 }
 
 fn set_pressure<R: Real, const D: usize>(
