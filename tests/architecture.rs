@@ -232,7 +232,8 @@ fn structure_changes_in_one_set() {
 #[test]
 fn locals_are_buffers() {
     // What a system keeps in a `Local` no checkpoint sees: only buffers that each step fills anew may stand there.
-    const BUFFERS: [&str; 4] = ["OutletBuffers<R, D>", "PointFlows<D>", "Vec<WaveFound>", "Vec<f64>"];
+    const BUFFERS: [&str; 5] =
+        ["OutletBuffers<R, D>", "PointFlows<D>", "Vec<Prescribed>", "Vec<WaveFound>", "Vec<DVec3>"];
     let mut faults = Vec::new();
     for source in sources(&["src"]) {
         for (at, _) in source.code.match_indices("Local<") {

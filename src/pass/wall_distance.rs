@@ -79,7 +79,8 @@ impl<R: Real, const D: usize> Vectorised<R> for DistanceBlock<'_, R, D> {
         let grid = self.source.grid;
         let first = grid.rows(self.cells.start).start;
         let h = self.pair.smoothing_length;
-        let limit = L::constant(self.source.support_ratio.powi(2));
+        let square = self.source.support_ratio.powi(2);
+        let limit = L::constant(square);
         let disc = L::constant(DISC * self.pair.spacing / h);
         let to_h = L::constant(1.0 / h);
         for cell in self.cells {
@@ -88,15 +89,18 @@ impl<R: Real, const D: usize> Vectorised<R> for DistanceBlock<'_, R, D> {
             if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.zone[row])) {
                 continue;
             }
+            let has_none = self.pack.is_empty();
+            let walls = self.pack.bounds::<L, D>();
             for row in rows {
                 if !flows(self.zone[row]) {
                     continue;
                 }
-                let mut nearest = f64::INFINITY;
-                if !self.pack.is_empty() {
-                    let point = self.pack.relative(self.source, row);
-                    nearest = nearest_disc::<L, D>(self.pack, point, limit, disc, to_h) * h;
-                }
+                let point = self.pack.relative(self.source, row);
+                let nearest = if has_none || walls.out_of_reach(point, square) {
+                    f64::INFINITY
+                } else {
+                    nearest_disc::<L, D>(self.pack, point, limit, disc, to_h) * h
+                };
                 self.distance[row - first] = R::from_f64(nearest);
             }
         }

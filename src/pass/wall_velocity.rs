@@ -109,11 +109,15 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for SeenBlock<'_, K,
             if !self.pack.fill::<L, D>(self.source, cell, |row| self.particles.zone[row] == Zone::Wall) {
                 continue;
             }
+            let flow = self.pack.bounds::<L, D>();
             for row in rows {
                 if self.particles.zone[row] != Zone::Wall {
                     continue;
                 }
                 let point = self.pack.relative(self.source, row);
+                if flow.out_of_reach(point, K::SUPPORT * K::SUPPORT) {
+                    continue;
+                }
                 let Some(mean) = mean_velocity::<K, L, D>(self.pack, point) else { continue };
                 let wall = std::array::from_fn(|d| self.source.columns[d][row].to_f64());
                 let seen = if self.pair.wall_part(self.particles.patch[row]).free_slip {

@@ -134,13 +134,20 @@ impl<K: KernelShape, F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D], R: Real, c
             if !self.pack.fill::<L, D>(self.source, cell, |row| self.particles.zone[row] == Zone::Wall) {
                 continue;
             }
+            let flow = self.pack.bounds::<L, D>();
             for row in rows {
-                if self.particles.zone[row] == Zone::Wall {
-                    let force = (self.carried)(self.particles, row).map(|g| g * self.pair.smoothing_length);
-                    let point = self.pack.relative(self.source, row);
-                    let pressure = mean_pressure::<K, L, D>(self.pack, point, force);
-                    self.pressure[row - first] = R::from_f64(pressure);
+                if self.particles.zone[row] != Zone::Wall {
+                    continue;
                 }
+                let point = self.pack.relative(self.source, row);
+                // Of several layers the last has no flow in its support.
+                let pressure = if flow.out_of_reach(point, K::SUPPORT * K::SUPPORT) {
+                    0.0
+                } else {
+                    let force = (self.carried)(self.particles, row).map(|g| g * self.pair.smoothing_length);
+                    mean_pressure::<K, L, D>(self.pack, point, force)
+                };
+                self.pressure[row - first] = R::from_f64(pressure);
             }
         }
     }

@@ -6,6 +6,7 @@
 //! particles far away. So the pair loop has no masks, no gathers and one form for 2D and 3D, periodic or narrow
 //! boxes, and single precision loses only the last digits of a distance, wherever in the domain it is.
 
+mod bounds;
 mod entries;
 mod near;
 mod source;
@@ -13,6 +14,7 @@ mod source;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+pub use bounds::Bounds;
 pub use entries::Entry;
 pub use near::{Near, NearNotes, STRETCH, noted};
 pub use source::{Only, Source};
