@@ -14,6 +14,7 @@ use super::neighbours::Grid;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
 use super::setup::{Resolution, SceneInUse};
+use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
@@ -85,7 +86,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     resolution: Res<Resolution>,
     found: Res<RatesFound>,
-    rows: Res<PatchRows>,
+    (pair, rows): (Res<Pair>, Res<PatchRows>),
     outlets: Res<OutletStates>,
     sums: Res<Sums<R, D>>,
     mut clock: ResMut<Clock>,
@@ -116,6 +117,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
         arrays,
         &sums.0.shift,
         &sums.0.pressure_rate,
+        pair.0.lanes,
     );
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
         move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, &mut velocities, arrays);
@@ -135,6 +137,7 @@ fn advance_fluid<R: Real, const D: usize>(
     arrays: &mut ParticleArrays<R, D>,
     background: &[Vec<R>; D],
     pressure_rate: &[R],
+    lanes: InstructionSet,
 ) {
     let ParticleArrays {
         zone,
@@ -148,48 +151,107 @@ fn advance_fluid<R: Real, const D: usize>(
         drift,
         ..
     } = arrays;
-    let (zone, fresh, acceleration) = (&*zone, &*fresh, &*acceleration);
-    let time_step = R::from_f64(scheme.time_step);
-    let work =
-        |rows: Range<usize>,
-         (position, (velocity, half, mut drift), [pressure, pressure_half]): Columns<R, D>| {
-            for (at, row) in rows.enumerate() {
-                if zone[row] != Zone::Fluid {
-                    for drift in &mut drift {
-                        drift[at] = R::default();
-                    }
-                    continue;
-                }
-                for axis in 0..D {
-                    let rate = acceleration[axis][row];
-                    let middle = scheme.half(fresh[row], velocity[axis][at], half[axis][at], rate);
-                    half[axis][at] = middle;
-                    velocity[axis][at] = scheme.guess(middle, rate);
-                    drift[axis][at] = time_step * background[axis][row];
-                    let (v, w) = (middle.to_f64(), drift[axis][at].to_f64());
-                    position[axis][at] = scheme.position(position[axis][at], v, w);
-                }
-                let rate = pressure_rate[row];
-                let middle = scheme.half(fresh[row], pressure[at], pressure_half[at], rate);
-                pressure_half[at] = middle;
-                pressure[at] = scheme.guess(middle, rate);
-            }
-        };
+    let (zone, fresh, acceleration) = (&**zone, &**fresh, &*acceleration);
+    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): Columns<R, D>| {
+        let rates = Rates { acceleration, background, pressure: pressure_rate };
+        R::dispatch(
+            lanes,
+            DriftPart { scheme, zone, fresh, rates, rows, position, velocity, half, drift, pressures },
+        );
+    };
     let columns = (
         position.each_mut().map(Vec::as_mut_slice),
-        (
-            velocity.each_mut().map(Vec::as_mut_slice),
-            velocity_before.each_mut().map(Vec::as_mut_slice),
-            drift.each_mut().map(Vec::as_mut_slice),
-        ),
+        [velocity, velocity_before, drift].map(|columns| columns.each_mut().map(Vec::as_mut_slice)),
         [pressure.as_mut_slice(), pressure_before.as_mut_slice()],
     );
     for_each_part(0..zone.len(), columns, &work);
 }
 
-/// Positions; velocities, those half a step earlier and drifts; pressures and those half a step earlier of a part's rows.
-type Columns<'a, R, const D: usize> =
-    ([&'a mut [f64]; D], ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; D]), [&'a mut [R]; 2]);
+/// Positions; velocities, those half a step earlier and drifts; pressures and those half a step earlier, of a part's rows.
+type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
+
+/// What the passes summed.
+#[derive(Clone, Copy)]
+struct Rates<'a, R, const D: usize> {
+    acceleration: &'a [Vec<R>; D],
+    background: &'a [Vec<R>; D],
+    pressure: &'a [R],
+}
+
+/// A part of the rows: on lanes for their instructions alone, which its loops, of plain numbers, are compiled for.
+struct DriftPart<'a, R, const D: usize> {
+    scheme: KickDrift,
+    zone: &'a [Zone],
+    fresh: &'a [bool],
+    rates: Rates<'a, R, D>,
+    rows: Range<usize>,
+    position: [&'a mut [f64]; D],
+    velocity: [&'a mut [R]; D],
+    half: [&'a mut [R]; D],
+    drift: [&'a mut [R]; D],
+    pressures: [&'a mut [R]; 2],
+}
+
+/// Rows that are looked at together: where all of them are fluid and none is fresh, the loops over them have no branches and become
+/// vectors.
+const GROUP: usize = 64;
+
+impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(mut self) {
+        let first = self.rows.start;
+        for start in self.rows.clone().step_by(GROUP) {
+            let group = start..self.rows.end.min(start + GROUP);
+            let kinds = self.zone[group.clone()].iter().zip(&self.fresh[group.clone()]);
+            let plain = kinds.fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh);
+            let part = start - first..group.end - first;
+            if plain {
+                self.advance(group, part, false);
+                continue;
+            }
+            for row in group {
+                let at = row - first;
+                if self.zone[row] == Zone::Fluid {
+                    self.advance(row..row + 1, at..at + 1, self.fresh[row]);
+                } else {
+                    for drift in &mut self.drift {
+                        drift[at] = R::default();
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<R: Real, const D: usize> DriftPart<'_, R, D> {
+    /// Advances rows of the fluid, `part` of the columns that are written, that are all `fresh` or none of them.
+    #[inline(always)]
+    fn advance(&mut self, rows: Range<usize>, part: Range<usize>, fresh: bool) {
+        let scheme = self.scheme;
+        let time_step = R::from_f64(scheme.time_step);
+        for axis in 0..D {
+            let rates = self.rates.acceleration[axis][rows.clone()].iter();
+            let rates = rates.zip(&self.rates.background[axis][rows.clone()]);
+            let velocities =
+                self.velocity[axis][part.clone()].iter_mut().zip(&mut self.half[axis][part.clone()]);
+            let moved = self.position[axis][part.clone()].iter_mut().zip(&mut self.drift[axis][part.clone()]);
+            for (((v, half), (x, drift)), (&rate, &background)) in velocities.zip(moved).zip(rates) {
+                *half = scheme.half(fresh, *v, *half, rate);
+                *v = scheme.guess(*half, rate);
+                *drift = time_step * background;
+                *x = scheme.position(*x, half.to_f64(), drift.to_f64());
+            }
+        }
+        let [pressure, half] = &mut self.pressures;
+        let pressures = pressure[part.clone()].iter_mut().zip(&mut half[part]);
+        for ((pressure, half), &rate) in pressures.zip(&self.rates.pressure[rows]) {
+            *half = scheme.half(fresh, *pressure, *half, rate);
+            *pressure = scheme.guess(*half, rate);
+        }
+    }
+}
 
 /// Keeps the outflow zones even as the background pressure does the fluid: δx = −2 Δt² (p_b/ρ0) ∇C, for
 /// Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0 where the particles are even.
