@@ -9,7 +9,7 @@ use super::boundaries::motion::{move_inflow, move_outflow};
 use super::boundaries::outlets::OutletStates;
 use super::boundaries::rows::PatchRows;
 use super::clock::Clock;
-use super::integrate::largest_acceleration;
+use super::integrate::{GROUP, are_plain, largest_acceleration};
 use super::neighbours::Grid;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
@@ -192,10 +192,6 @@ struct DriftPart<'a, R, const D: usize> {
     pressures: [&'a mut [R]; 2],
 }
 
-/// Rows that are looked at together: where all of them are fluid and none is fresh, the loops over them have no branches and become
-/// vectors.
-const GROUP: usize = 64;
-
 impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
     type Output = ();
 
@@ -204,10 +200,8 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
         let first = self.rows.start;
         for start in self.rows.clone().step_by(GROUP) {
             let group = start..self.rows.end.min(start + GROUP);
-            let kinds = self.zone[group.clone()].iter().zip(&self.fresh[group.clone()]);
-            let plain = kinds.fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh);
             let part = start - first..group.end - first;
-            if plain {
+            if are_plain(&self.zone[group.clone()], &self.fresh[group.clone()]) {
                 self.advance(group, part, false);
                 continue;
             }

@@ -144,9 +144,14 @@ fn slow_down<A: Advance, R: Real, const D: usize>(
     }
 }
 
-/// Rows that are looked at together: where all of them are fluid and none is fresh, the loop over them has no branches and becomes
-/// vectors.
-const GROUP: usize = 64;
+/// Rows that are looked at together: where all of them [`are_plain`], the loop over them has no branches and becomes vectors.
+pub(super) const GROUP: usize = 64;
+
+/// Whether all of some rows are fluid and none is fresh.
+#[inline(always)]
+pub(super) fn are_plain(zone: &[Zone], fresh: &[bool]) -> bool {
+    zone.iter().zip(fresh).fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh)
+}
 
 fn kick_fluid<A: Advance, R: Real, const D: usize>(
     scheme: &A,
@@ -192,8 +197,7 @@ impl<A: Advance, R: Real, const D: usize> Vectorised<R> for KickPart<'_, A, R, D
             let group = start..rows.end.min(start + GROUP);
             let part = group.start - first..group.end - first;
             let (zone, fresh) = (&zone[group.clone()], &fresh[group.clone()]);
-            let plain =
-                zone.iter().zip(fresh).fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh);
+            let plain = are_plain(zone, fresh);
             for axis in 0..D {
                 let x = &mut position[axis][part.clone()];
                 let v = &mut velocity[axis][part.clone()];
