@@ -157,7 +157,12 @@ fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, order: &[u32], 
             let run = rows.iter().zip(rows[0]..).fold(true, |run, (row, next)| run & (*row == next));
             match from.get(first..).and_then(|from| from.first_chunk::<RUN>()) {
                 Some(from) if run => *to = *from,
-                _ => *to = rows.map(|row| from[row as usize]),
+                // Not by `map`, which would be a call.
+                _ => {
+                    for (to, &row) in to.iter_mut().zip(rows) {
+                        *to = from[row as usize];
+                    }
+                }
             }
         }
         for (to, &row) in last.iter_mut().zip(rest) {

@@ -12,6 +12,9 @@ const ROWS: usize = 1024;
 /// Rows of a part: a part costs little, so it has more of them than a block.
 const PART: usize = 4096;
 
+/// Rows that are looked at together: a loop over all of them without branches becomes one over vectors.
+pub const GROUP: usize = 64;
+
 /// Output columns that can be cut into the rows before and after a row.
 pub trait Columns: Send + Sized {
     /// Columns without rows.

@@ -9,7 +9,7 @@ use super::boundaries::motion::{move_inflow, move_outflow};
 use super::boundaries::outlets::OutletStates;
 use super::boundaries::rows::PatchRows;
 use super::clock::Clock;
-use super::integrate::{GROUP, are_plain, largest_acceleration};
+use super::integrate::{are_plain, largest_acceleration};
 use super::neighbours::Grid;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
@@ -18,7 +18,7 @@ use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::pass::blocks::for_each_part;
+use crate::pass::blocks::{GROUP, for_each_part};
 use crate::pass::density;
 use crate::pass::edac;
 use crate::physics::edac::Edac;
@@ -108,7 +108,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
     };
     let arrays = &mut *arrays;
     let time_step = limits.time_step(
-        largest_acceleration(arrays).max(gravity),
+        largest_acceleration(arrays, pair.0.lanes).max(gravity),
         found.largest_signal,
         found.largest_damping,
     );

@@ -19,7 +19,7 @@ use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::pass::blocks::{for_each_part, join_parts};
+use crate::pass::blocks::{GROUP, for_each_part, join_parts};
 use crate::physics::integrator::kick_drift::KickDrift;
 use crate::physics::integrator::verlet::Verlet;
 use crate::physics::integrator::{Advance, Integrator, friction};
@@ -51,8 +51,11 @@ pub fn kick<R: Real, const D: usize>(
         viscosity: found.largest_viscosity,
     };
     let arrays = &mut *arrays;
-    let time_step =
-        limits.time_step(largest_acceleration(arrays), found.largest_signal, found.largest_damping);
+    let time_step = limits.time_step(
+        largest_acceleration(arrays, pair.0.lanes),
+        found.largest_signal,
+        found.largest_damping,
+    );
     let time_step_before = clock.time_step;
     let damping = found.largest_damping_at_walls;
     match parameters.integrator {
@@ -83,29 +86,49 @@ pub fn kick<R: Real, const D: usize>(
     clock.step += 1;
 }
 
-/// Maxima that are taken side by side.
-const MAXIMA: usize = 8;
+/// Largest |dv/dt| of fluid particles, m/s². A maximum does not depend on the order in which it is taken. Not taken where the rates are summed:
+/// body forces, walls and plugins add to them.
+pub(super) fn largest_acceleration<R: Real, const D: usize>(
+    arrays: &ParticleArrays<R, D>,
+    lanes: InstructionSet,
+) -> f64 {
+    let (zone, acceleration) = (&*arrays.zone, &arrays.acceleration);
+    let largest = |rows: Range<usize>| R::dispatch(lanes, LargestSquare { zone, acceleration, rows });
+    let squared: f64 = join_parts(0..zone.len(), &largest, &f64::max);
+    squared.sqrt()
+}
 
-/// Largest |dv/dt| of fluid particles, m/s². A maximum does not depend on the order in which it is taken.
-pub(super) fn largest_acceleration<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>) -> f64 {
-    let (zone, acceleration) = (&arrays.zone, &arrays.acceleration);
-    // A maximum a lane: one alone would wait for itself at every row.
-    let largest = |rows: Range<usize>| {
+/// Finds the largest |dv/dt|² of a part's rows: on lanes for their instructions alone, as [`KickPart`].
+struct LargestSquare<'a, R, const D: usize> {
+    zone: &'a [Zone],
+    acceleration: &'a [Vec<R>; D],
+    rows: Range<usize>,
+}
+
+/// Maxima that are taken side by side: one alone would wait for itself at every row.
+const MAXIMA: usize = 16;
+
+impl<R: Real, const D: usize> Vectorised<R> for LargestSquare<'_, R, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(self) -> f64 {
         let mut largest = [0.0_f64; MAXIMA];
-        let mut rest = rows;
-        while !rest.is_empty() {
-            let group = rest.start..rest.end.min(rest.start + MAXIMA);
-            rest.start = group.end;
-            for (row, largest) in group.zip(&mut largest) {
-                let squared: f64 = (0..D).map(|axis| acceleration[axis][row].to_f64().powi(2)).sum();
-                let squared = if zone[row] == Zone::Fluid { squared } else { 0.0 };
+        for start in self.rows.clone().step_by(MAXIMA) {
+            let group = start..self.rows.end.min(start + MAXIMA);
+            let mut squared = [0.0_f64; MAXIMA];
+            for column in self.acceleration {
+                for (squared, a) in squared.iter_mut().zip(&column[group.clone()]) {
+                    *squared += a.to_f64() * a.to_f64();
+                }
+            }
+            for ((largest, squared), &zone) in largest.iter_mut().zip(squared).zip(&self.zone[group]) {
+                let squared = if zone == Zone::Fluid { squared } else { 0.0 };
                 *largest = if squared > *largest { squared } else { *largest };
             }
         }
         largest.into_iter().fold(0.0, f64::max)
-    };
-    let squared: f64 = join_parts(0..zone.len(), &largest, &f64::max);
-    squared.sqrt()
+    }
 }
 
 /// Velocities and positions of the fluid; `largest_damping` and `damping`, 1/s, are those at walls.
@@ -144,10 +167,7 @@ fn slow_down<A: Advance, R: Real, const D: usize>(
     }
 }
 
-/// Rows that are looked at together: where all of them [`are_plain`], the loop over them has no branches and becomes vectors.
-pub(super) const GROUP: usize = 64;
-
-/// Whether all of some rows are fluid and none is fresh.
+/// Whether all of some rows are fluid and none is fresh: then a loop over them needs no branches.
 #[inline(always)]
 pub(super) fn are_plain(zone: &[Zone], fresh: &[bool]) -> bool {
     zone.iter().zip(fresh).fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh)

@@ -12,12 +12,9 @@ use crate::math::lanes::{Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::pass::blocks::for_each_part;
+use crate::pass::blocks::{GROUP, for_each_part};
 use crate::pass::sums::PairSums;
 use crate::physics::shifting::{ShiftStep, Shifting, add_carried};
-
-/// Rows that are looked at together: loops over them have no branches and become vectors.
-const GROUP: usize = 64;
 
 /// Moves fluid and outflow particles by the shifting vector that the pair sums found. Fluid particles take the velocity of
 /// the place they are moved to, at both time levels, if the shifting says so; those of an outflow have theirs from

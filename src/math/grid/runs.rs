@@ -66,10 +66,22 @@ impl<const D: usize> CellGrid<D> {
                 return;
             }
         }
+        // Most cells have all that they reach in the box: no images for them.
+        let inside = (0..D).all(|d| first[d] >= 0 && last[d] < self.cells[d] as i64);
         let mut at = first;
         loop {
             if wanted(at) {
-                self.visit_line(at, first[0], last[0], &mut visit);
+                if inside {
+                    let line = (1..D).rev().fold(0, |line, d| line * self.cells[d] + at[d] as usize);
+                    let base = line * self.cells[0];
+                    let (from, to) = (base + first[0] as usize, base + last[0] as usize + 1);
+                    let rows = self.starts[from] as usize..self.starts[to] as usize;
+                    if !rows.is_empty() {
+                        visit(rows, [0.0; D]);
+                    }
+                } else {
+                    self.visit_line(at, first[0], last[0], &mut visit);
+                }
             }
             let mut d = 1;
             while d < D {

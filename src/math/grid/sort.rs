@@ -149,8 +149,8 @@ impl<const D: usize> CellGrid<D> {
 
 /// Finds the places of points, [`NO_PLACE`] outside the box: the cells that [`CellGrid::cell_of`] says, and their parts along x.
 ///
-/// All in floating point, without branches: so it is a loop over vectors, which a conversion to integers that is right for all numbers
-/// is not. On lanes for their instructions alone.
+/// All in floating point, since a conversion to integers that is right for all numbers is not one instruction. Over lanes: the loop over plain
+/// numbers became one over vectors with AVX2, but not with AVX-512.
 struct FindPlaces<'a, const D: usize> {
     grid: &'a CellGrid<D>,
     position: [&'a [f64]; D],
@@ -162,29 +162,41 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
 
     #[inline(always)]
     fn run<L: Lanes<Real = f64>>(self) {
+        const { assert!(GROUP.is_multiple_of(L::COUNT)) };
         let grid = self.grid;
+        let outside = L::constant(f64::NAN);
+        let parts = L::constant(f64::from(PARTS));
+        let last_part = L::constant(f64::from(PARTS - 1));
+        let numbered = L::constant(f64::from(1_u32 << part_bits::<D>()));
         for (group, places) in self.places.chunks_mut(GROUP).enumerate() {
             let mut found = [0.0; GROUP];
-            let found = &mut found[..places.len()];
-            for d in (0..D).rev() {
-                let (lower, upper, scale) = (grid.lower[d], grid.upper[d], grid.inverse_cell_size[d]);
-                let (cells, last) = (grid.cells[d] as f64, (grid.cells[d] - 1) as f64);
-                let before_upper = if grid.periodic[d] { upper.next_down() } else { upper };
-                let along_axis = &self.position[d][group * GROUP..][..found.len()];
-                for (place, &x) in found.iter_mut().zip(along_axis) {
-                    let along = (x - lower) * scale;
-                    let whole = floor(along);
-                    let cell = if whole < last { whole } else { last };
-                    let mut next = *place * cells + cell;
-                    if d == 0 && part_bits::<D>() > 0 {
-                        let part = floor((along - whole) * f64::from(PARTS));
-                        let part = if part < f64::from(PARTS - 1) { part } else { f64::from(PARTS - 1) };
-                        next = next * f64::from(1_u32 << part_bits::<D>()) + part;
-                    }
-                    *place = if (x >= lower) & (x <= before_upper) { next } else { f64::NAN };
+            for (vector, found) in found.chunks_exact_mut(L::COUNT).enumerate() {
+                let first = vector * L::COUNT;
+                if first >= places.len() {
+                    break;
                 }
+                let mut place = L::constant(0.0);
+                for d in (0..D).rev() {
+                    let upper = grid.upper[d];
+                    let before_upper = if grid.periodic[d] { upper.next_down() } else { upper };
+                    let (lower, before_upper) = (L::constant(grid.lower[d]), L::constant(before_upper));
+                    let (cells, last) = (grid.cells[d] as f64, (grid.cells[d] - 1) as f64);
+                    let x = L::read(&self.position[d][group * GROUP + first..]);
+                    let along = (x - lower) * L::constant(grid.inverse_cell_size[d]);
+                    let whole = floor(along);
+                    let last = L::constant(last);
+                    // Not by `min`, which may forget that one of two is no number.
+                    place = place * L::constant(cells) + L::select(last.less(whole), last, whole);
+                    if d == 0 && part_bits::<D>() > 0 {
+                        let part = floor((along - whole) * parts).min(last_part);
+                        place = place * numbered + part;
+                    }
+                    place = L::select(x.less(lower), outside, place);
+                    place = L::select(before_upper.less(x), outside, place);
+                }
+                place.write(found);
             }
-            for (place, &found) in places.iter_mut().zip(&*found) {
+            for (place, &found) in places.iter_mut().zip(&found) {
                 // What is no number stays one.
                 let whole = (found + INTEGERS).to_bits() as u32;
                 *place = if found >= 0.0 { whole } else { NO_PLACE };
@@ -198,9 +210,9 @@ const INTEGERS: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
 /// The largest integer that is not above a number from 0 to [`INTEGERS`]; of others any number.
 #[inline(always)]
-fn floor(x: f64) -> f64 {
-    let nearest = (x + INTEGERS) - INTEGERS;
-    if nearest > x { nearest - 1.0 } else { nearest }
+fn floor<L: Lanes>(x: L) -> L {
+    let nearest = (x + L::constant(INTEGERS)) - L::constant(INTEGERS);
+    L::select(x.less(nearest), nearest - L::constant(1.0), nearest)
 }
 
 /// Whether two places are in the same cell.

@@ -64,6 +64,29 @@ pub trait Lanes:
         numbers
     }
 
+    /// The first `COUNT` of the numbers; where they are fewer, zeros follow them.
+    #[inline(always)]
+    fn read(numbers: &[Self::Real]) -> Self {
+        if numbers.len() >= Self::COUNT {
+            // SAFETY: there are as many.
+            return unsafe { Self::load(numbers.as_ptr()) };
+        }
+        let mut copy = [Self::Real::default(); MOST_LANES];
+        copy[..numbers.len()].copy_from_slice(numbers);
+        Self::first_of(&copy)
+    }
+
+    /// Writes the lanes over the first `COUNT` of the numbers.
+    ///
+    /// # Panics
+    /// If they are fewer.
+    #[inline(always)]
+    fn write(self, numbers: &mut [Self::Real]) {
+        assert!(numbers.len() >= Self::COUNT);
+        // SAFETY: there are as many.
+        unsafe { self.store(numbers.as_mut_ptr()) }
+    }
+
     /// Reads `COUNT` consecutive positions relative to an origin: `(x − origin) · scale`, rounded once.
     ///
     /// # Safety
@@ -274,6 +297,12 @@ mod tests {
             let each = L::sum_each(&vectors);
             check_each(each, &vectors, epsilon);
             assert_eq!(L::first_of(&a.to_array()).to_array()[..L::COUNT], first);
+            assert_eq!(L::read(&[&first[..], &second].concat()).to_array()[..L::COUNT], first);
+            let short = L::read(&second[1..]).to_array();
+            assert_eq!((&short[..L::COUNT - 1], short[L::COUNT - 1]), (&second[1..], R::default()));
+            let mut written = [&second[..], &second].concat();
+            a.write(&mut written);
+            assert_eq!(written, [&first[..], &second].concat());
             let below = first.iter().zip(&second).filter(|(a, b)| a < b).count();
             assert_eq!(L::bits(a.less(b)).count_ones() as usize, below);
             assert_eq!(L::bits(a.less(L::constant(0.5))), 1);

@@ -90,7 +90,7 @@ impl<R: Real> Pack<R> {
         self.runs.clear();
         let mut candidates = 0;
         source.grid.for_each_run_near(lower, upper, |rows, by| {
-            candidates += self.take(source.only, rows, by, L::COUNT)
+            candidates += self.take::<L, D>(source.only, rows, by)
         });
         self.copy::<L, D>(source, std::array::from_fn(|d| upper[d] - lower[d]), candidates);
         true
@@ -103,7 +103,7 @@ impl<R: Real> Pack<R> {
         source: &Source<R, D>,
         index: [i64; D],
     ) {
-        let candidates = self.find_runs(source, index, L::COUNT);
+        let candidates = self.find_runs::<L, D>(source, index);
         self.copy::<L, D>(source, source.grid.cell_size(), candidates);
     }
 
@@ -203,9 +203,9 @@ impl<R: Real> Pack<R> {
                 }
                 let asked_for = match source.only {
                     Only::All => beyond,
-                    Only::Positive(column, _) => L::select(zero.less(load_rows(column, row)), beyond, limit),
+                    Only::Positive(column, _) => L::select(zero.less(L::read(&column[row..])), beyond, limit),
                     Only::NotPositive(column, _) => {
-                        L::select(zero.less(load_rows(column, row)), limit, beyond)
+                        L::select(zero.less(L::read(&column[row..])), limit, beyond)
                     }
                 };
                 let near = asked_for.less(limit);
@@ -213,7 +213,7 @@ impl<R: Real> Pack<R> {
                 if kept > 0 {
                     for column in 0..D + columns {
                         let values =
-                            if column < D { x[column] } else { load_rows(source.columns[column - D], row) };
+                            if column < D { x[column] } else { L::read(&source.columns[column - D][row..]) };
                         // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
                         unsafe { values.compress(near, base.add(column * self.stride + len)) };
                     }
@@ -244,7 +244,12 @@ impl<R: Real> Pack<R> {
 
     /// Finds the runs of rows around a cell and its centre; returns the number of candidates, each run rounded up to
     /// whole vectors.
-    fn find_runs<const D: usize>(&mut self, source: &Source<R, D>, index: [i64; D], lanes: usize) -> usize {
+    #[inline(always)]
+    fn find_runs<L: Lanes<Real = R>, const D: usize>(
+        &mut self,
+        source: &Source<R, D>,
+        index: [i64; D],
+    ) -> usize {
         let grid = source.grid;
         let corner = grid.corner(index);
         for d in 0..D {
@@ -252,18 +257,17 @@ impl<R: Real> Pack<R> {
         }
         self.runs.clear();
         let mut candidates = 0;
-        grid.for_each_run(index, |rows, by| candidates += self.take(source.only, rows, by, lanes));
+        grid.for_each_run(index, |rows, by| candidates += self.take::<L, D>(source.only, rows, by));
         candidates
     }
 
     /// Takes note of a run if it has rows that are packed; returns how many it has, rounded up to whole vectors.
     #[inline(always)]
-    fn take<const D: usize>(
+    fn take<L: Lanes<Real = R>, const D: usize>(
         &mut self,
         only: Only<R>,
         rows: Range<usize>,
         by: [f64; D],
-        lanes: usize,
     ) -> usize {
         if !only.any(&rows) {
             return 0;
@@ -271,7 +275,7 @@ impl<R: Real> Pack<R> {
         let mut shift = [0.0; 3];
         shift[..D].copy_from_slice(&by);
         self.runs.push(Run { start: rows.start, end: rows.end, shift });
-        rows.len().next_multiple_of(lanes)
+        rows.len().next_multiple_of(L::COUNT)
     }
 
     /// Makes room for `rows` entries in each of `columns` columns.
@@ -320,7 +324,7 @@ unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
             }
             for column in source.columns {
                 let values: L =
-                    if WHOLE { L::load(column.as_ptr().add(row)) } else { load_rows(column, row) };
+                    if WHOLE { L::load(column.as_ptr().add(row)) } else { L::read(&column[row..]) };
                 values.store(to);
                 to = to.add(stride);
             }
@@ -341,23 +345,10 @@ fn load_relative_rows<L: Lanes>(positions: &[f64], row: usize, origin: f64, scal
     }
 }
 
-/// The numbers from a row on, followed by zeros where the column ends.
-#[inline(always)]
-fn load_rows<L: Lanes>(column: &[L::Real], row: usize) -> L {
-    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read.
-    unsafe {
-        if row + L::COUNT <= column.len() {
-            L::load(column.as_ptr().add(row))
-        } else {
-            L::load(padded(&column[row..]).as_ptr())
-        }
-    }
-}
-
 /// The numbers, followed by zeros: for the last rows of the arrays.
 #[inline(always)]
-fn padded<T: Copy + Default>(numbers: &[T]) -> [T; MOST_LANES] {
-    let mut copy = [T::default(); MOST_LANES];
+fn padded(numbers: &[f64]) -> [f64; MOST_LANES] {
+    let mut copy = [0.0; MOST_LANES];
     let count = numbers.len().min(MOST_LANES);
     copy[..count].copy_from_slice(&numbers[..count]);
     copy

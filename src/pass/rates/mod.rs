@@ -320,7 +320,9 @@ impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
                     eddy_viscosity: self.eddy_viscosity.get(row).map_or(0.0, |eddy| eddy.to_f64()),
                 });
             }
-            summary = summary.join(of_cell);
+            if !PLAIN || NET {
+                summary = summary.join(of_cell);
+            }
         }
         if PLAIN && !NET {
             batch.finish(pair_loop, &mut columns);
