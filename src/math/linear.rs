@@ -47,10 +47,10 @@ pub fn invert<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     Some(inverse)
 }
 
-/// The inverse of a symmetric matrix of two or three rows by cofactors, for hot loops; None where its determinant is
-/// below 1e-10 of the cube (square) of its largest entry, or not finite.
+/// The inverse of a symmetric matrix of two or three rows by cofactors, for hot loops: without a branch, zero where its determinant
+/// is below 1e-10 of the cube (square) of its largest entry, or not finite.
 #[inline(always)]
-pub fn invert_symmetric<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
+pub fn invert_symmetric<const N: usize>(matrix: [[f64; N]; N]) -> [[f64; N]; N] {
     const SINGULAR: f64 = 1e-10;
     let largest = matrix.iter().flatten().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
     let mut cofactors = [[0.0; N]; N];
@@ -68,18 +68,16 @@ pub fn invert_symmetric<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; 
     }
     let determinant: f64 = (0..N).map(|j| matrix[0][j] * cofactors[0][j]).sum();
     let smallest = SINGULAR * largest.powi(N as i32);
-    if !determinant.is_finite() || determinant.abs() <= smallest {
-        return None;
-    }
-    let scale = 1.0 / determinant;
+    let regular = determinant.is_finite() && determinant.abs() > smallest;
+    let scale = if regular { 1.0 / determinant } else { 0.0 };
     let mut inverse = [[0.0; N]; N];
     for i in 0..N {
         for j in i..N {
-            inverse[i][j] = scale * cofactors[i][j];
+            inverse[i][j] = if regular { scale * cofactors[i][j] } else { 0.0 };
             inverse[j][i] = inverse[i][j];
         }
     }
-    Some(inverse)
+    inverse
 }
 
 #[cfg(test)]
@@ -122,12 +120,12 @@ mod tests {
     fn cofactors_give_the_inverse_that_elimination_gives() {
         let flat = [[-2.0, 0.3], [0.3, -1.0]];
         let deep = [[-2.0, 0.3, 0.1], [0.3, -1.0, -0.4], [0.1, -0.4, -3.0]];
-        let (Some(a), Some(b)) = (invert(flat), invert_symmetric(flat)) else { panic!("regular") };
+        let (Some(a), b) = (invert(flat), invert_symmetric(flat)) else { panic!("regular") };
         assert!(a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-14));
-        let (Some(a), Some(b)) = (invert(deep), invert_symmetric(deep)) else { panic!("regular") };
+        let (Some(a), b) = (invert(deep), invert_symmetric(deep)) else { panic!("regular") };
         assert!(a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-14));
-        assert_eq!(invert_symmetric([[1.0, 1.0], [1.0, 1.0]]), None);
-        assert_eq!(invert_symmetric([[0.0; 3]; 3]), None);
-        assert_eq!(invert_symmetric([[f64::NAN; 3]; 3]), None);
+        assert_eq!(invert_symmetric([[1.0, 1.0], [1.0, 1.0]]), [[0.0; 2]; 2]);
+        assert_eq!(invert_symmetric([[0.0; 3]; 3]), [[0.0; 3]; 3]);
+        assert_eq!(invert_symmetric([[f64::NAN; 3]; 3]), [[0.0; 3]; 3]);
     }
 }

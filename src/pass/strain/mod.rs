@@ -15,6 +15,7 @@
 //! takes those of the step before, which differ by what sound does in a step: with equal ones it would have the gradient of the pressure in it, of
 //! which the mean around leaves what is narrow, next to edges (docs/noise.md).
 
+mod ends;
 mod row;
 #[cfg(test)]
 mod tests;
@@ -22,10 +23,11 @@ mod tests;
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use ends::{Ends, Gradients};
 use row::{RowSums, sum};
 
 use super::blocks::for_each_block;
-use super::density::finish;
+use super::density::{LEAST_Q2, finish};
 use super::pack::{Near, Only, Pack, STRETCH, Source, noted};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
@@ -36,7 +38,7 @@ use crate::math::lanes::{Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::sps::{component, components};
+use crate::physics::sps::components;
 
 /// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
 const MOST_COLUMNS: usize = 3 + 1 + 1;
@@ -82,7 +84,7 @@ struct StrainPass<'a, R: Real, const D: usize> {
 
 /// Density and pressure, components of the strain, gradient, ∇C, and what is near, of a block's rows.
 type Outputs<'a, R, const D: usize> =
-    ([&'a mut [R]; 2], [&'a mut [R]; 6], [[&'a mut [R]; D]; D], ([&'a mut [R]; D], &'a mut [Near]));
+    ([&'a mut [R]; 2], Gradients<'a, R, D>, ([&'a mut [R]; D], &'a mut [Near]));
 
 impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
     type Output = ();
@@ -127,8 +129,10 @@ impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
         };
         let outputs = (
             [&mut density[..], &mut pressure[..]],
-            strain.each_mut().map(Vec::as_mut_slice),
-            neighbour_gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice)),
+            (
+                strain.each_mut().map(Vec::as_mut_slice),
+                neighbour_gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice)),
+            ),
             (crowding.each_mut().map(Vec::as_mut_slice), &mut near[..]),
         );
         for_each_block(self.grid, outputs, &work, &|(), ()| ());
@@ -153,10 +157,13 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let grid = self.source.grid;
         let first = grid.rows(self.cells.start).start;
         let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
-        let ([density, pressure], strain, mut whole, (mut crowding, noted)) = self.outputs;
+        let ([density, pressure], mut gradients, (mut crowding, noted)) = self.outputs;
         let crowded = !self.pair.shifting.keeps_drift();
         // ∇W over slope · x_ab/h, 1/m^(D+1).
         let gradient_scale = self.pair.slope_scale() * self.source.inverse_h;
+        let (q, inverse_q) = L::constant(LEAST_Q2).roots();
+        let own_weight = K::slope(q, inverse_q).largest().to_f64();
+        let mut ends = Ends::<D>::new(own_weight, self.source.inverse_h);
         let mut all_slopes = [L::constant(0.0); STRETCH];
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
@@ -167,7 +174,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
                 if !flows(self.zone[row]) {
                     continue;
                 }
-                let RowSums { kernel_sum, gradient, slopes, near } = if crowded {
+                let RowSums { kernel_sum, of_flow, slopes, near } = if crowded {
                     sum::<K, L, D, true>(self.pack, self.source, row, &mut all_slopes)
                 } else {
                     sum::<K, L, D, false>(self.pack, self.source, row, &mut all_slopes)
@@ -178,26 +185,15 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
                 if self.zone[row] == Zone::Fluid {
                     density[row - first] = kernel_sum;
                 }
-                for (columns, components) in whole.iter_mut().zip(gradient) {
-                    for (column, component) in columns.iter_mut().zip(components) {
-                        if let Some(slot) = column.get_mut(row - first) {
-                            *slot = R::from_f64(component);
-                        }
-                    }
-                }
+                ends.take(row - first, &of_flow, &mut gradients);
                 for (column, slope) in crowding.iter_mut().zip(slopes) {
                     if let Some(slot) = column.get_mut(row - first) {
                         *slot = R::from_f64(gradient_scale * slope);
                     }
                 }
-                for i in 0..D {
-                    for j in 0..=i {
-                        let mean = 0.5 * (gradient[i][j] + gradient[j][i]);
-                        strain[component::<D>(i, j)][row - first] = R::from_f64(mean);
-                    }
-                }
             }
         }
+        ends.write(&mut gradients);
         let rows = first..grid.rows(self.cells.end - 1).end;
         finish(self.pair, &self.zone[rows], density, pressure);
     }

@@ -2,7 +2,6 @@
 
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{self, Lanes};
-use crate::math::linear::invert_symmetric;
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
 use crate::pass::pack::{Near, NearNotes, Pack, STRETCH, Source};
@@ -12,12 +11,26 @@ use crate::physics::sps::component;
 pub(super) struct RowSums<R, const D: usize> {
     /// Σ w(q) over all.
     pub kernel_sum: R,
-    /// Gradient of the velocity over the flow, the row itself left out, 1/s.
-    pub gradient: [[f64; D]; D],
+    /// What the gradient of the velocity is made of.
+    pub of_flow: FlowSums<D>,
     /// Σ V_b slope · x_ab/h over all, or 0.
     pub slopes: [f64; D],
     /// Which vectors of the pack have something in the support.
     pub near: Near,
+}
+
+/// Sums over the flow with the weights of the slope, x = x_ab and v = v_ab.
+pub(super) struct FlowSums<const D: usize> {
+    /// Σ w, of the row itself, too.
+    pub weights: f64,
+    /// Σ w x.
+    pub along: [f64; D],
+    /// Σ w v.
+    pub across: [f64; D],
+    /// Σ w x_i x_j, by component: it is symmetric.
+    pub moment: [f64; 6],
+    /// Σ w v_i x_j.
+    pub sum: [[f64; D]; D],
 }
 
 /// Sums over a pack for a row; `CROWDED`: the slopes, too. `all_slopes` is room for f(q) of a stretch.
@@ -45,7 +58,6 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     let mut across_sum = [zero; D];
     let mut slopes = [zero; D];
     let mut sum = [[zero; D]; D];
-    // By component: M is symmetric.
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
     let mut near = Near::ALL;
@@ -95,31 +107,16 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             }
         }
     }
-    // The sums lack the same factor, but for one h: ∇W = scale · slope · x_ab/h. The row itself is in none but the first.
-    let nearest = L::constant(LEAST_Q2);
-    let (q, inverse_q) = nearest.roots();
-    let own_weight = K::slope(q, inverse_q).largest().to_f64();
-    let weights = weight_sum.sum().to_f64() - own_weight;
-    let of_weights = if weights == 0.0 { 0.0 } else { 1.0 / weights };
-    let along = lanes::sums(along_sum);
-    let across = lanes::sums(across_sum);
-    let mut moments = [[0.0; D]; D];
-    let mut plain = [[0.0; D]; D];
-    for i in 0..D {
-        for j in 0..D {
-            // About the mean of the neighbours.
-            moments[i][j] = moment[component::<D>(i, j)].sum().to_f64() - along[i] * along[j] * of_weights;
-            plain[i][j] = source.inverse_h * (sum[i][j].sum().to_f64() - across[i] * along[j] * of_weights);
-        }
+    RowSums {
+        kernel_sum: kernel_sum.sum(),
+        of_flow: FlowSums {
+            weights: weight_sum.sum().to_f64(),
+            along: lanes::sums(along_sum),
+            across: lanes::sums(across_sum),
+            moment: lanes::sums(moment),
+            sum: sum.map(lanes::sums),
+        },
+        slopes: lanes::sums(slopes),
+        near,
     }
-    let mut gradient = [[0.0; D]; D];
-    // Fewer neighbours than dimensions say nothing of a gradient.
-    if let Some(inverse) = invert_symmetric(moments) {
-        for i in 0..D {
-            for j in 0..D {
-                gradient[i][j] = (0..D).map(|k| plain[i][k] * inverse[k][j]).sum();
-            }
-        }
-    }
-    RowSums { kernel_sum: kernel_sum.sum(), gradient, slopes: lanes::sums(slopes), near }
 }
