@@ -92,7 +92,7 @@ pub(super) fn run_f32<T: Vectorised<f32>>(set: InstructionSet, task: T) -> T::Ou
 /// # Safety
 /// The machine must have AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn with_avx2<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
     let line = Line::default();
     std::hint::black_box(&line);
@@ -102,7 +102,7 @@ unsafe fn with_avx2<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Outp
 /// # Safety
 /// The machine must have AVX-512 F and DQ.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn with_avx512<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
     let line = Line::default();
     std::hint::black_box(&line);

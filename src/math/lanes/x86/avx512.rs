@@ -37,10 +37,11 @@ lanes! {
         fn roots(self) -> (Self, Self) {
             // SAFETY: as said above.
             let y = unsafe { Self(_mm512_rsqrt14_pd(self.0)) };
-            let e = (-(self * y)).mul_add(y, Self::splat(1.0));
+            // Both from their estimates, so that neither waits for the other: √x is most often all that is asked for.
+            let root = self * y;
+            let e = (-root).mul_add(y, Self::splat(1.0));
             let series = e.mul_add(Self::splat(0.3125), Self::splat(0.375)).mul_add(e, Self::splat(0.5));
-            let inverse = (y * e).mul_add(series, y);
-            (self * inverse, inverse)
+            ((root * e).mul_add(series, root), (y * e).mul_add(series, y))
         }
         fn less(self, other: Self) -> __mmask8 {
             // SAFETY: as said above.
@@ -106,9 +107,9 @@ lanes! {
         fn roots(self) -> (Self, Self) {
             // SAFETY: as said above.
             let y = unsafe { Self(_mm512_rsqrt14_ps(self.0)) };
-            let e = (-(self * y)).mul_add(y, Self::splat(1.0));
-            let inverse = (y * e).mul_add(Self::splat(0.5), y);
-            (self * inverse, inverse)
+            let (root, half) = (self * y, Self::splat(0.5));
+            let e = (-root).mul_add(y, Self::splat(1.0));
+            ((root * half).mul_add(e, root), (y * half).mul_add(e, y))
         }
         fn less(self, other: Self) -> __mmask16 {
             // SAFETY: as said above.
