@@ -148,18 +148,23 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
         x_a[d] = L::splat(point[d]);
     }
     let mut sum = L::constant(0.0);
-    let mut notes = NearNotes::default();
+    let mut near = Near::ALL;
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
-    for entry in pack.entries::<L>(D) {
-        let mut r2 = L::constant(LEAST_Q2);
-        for d in 0..D {
-            let x = x_a[d] - entry.column(d);
-            r2 = x.mul_add(x, r2);
+    for stretch in pack.stretches::<L, D>(D) {
+        let mut notes = NearNotes::default();
+        for vector in 0..stretch.len() {
+            let entry = stretch.at(vector);
+            let mut r2 = L::constant(LEAST_Q2);
+            for d in 0..D {
+                let x = x_a[d] - entry.column(d);
+                r2 = x.mul_add(x, r2);
+            }
+            notes.take::<L, D>(r2, limit);
+            sum = sum + K::value(r2.roots().0);
         }
-        notes.take::<L, D>(r2, limit);
-        sum = sum + K::value(r2.roots().0);
+        stretch.note(notes, &mut near);
     }
-    (sum.sum(), notes.done::<D>())
+    (sum.sum(), near)
 }
 
 #[cfg(test)]

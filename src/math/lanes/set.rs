@@ -27,9 +27,17 @@ impl InstructionSet {
         #[cfg(target_arch = "x86_64")]
         {
             let mut sets = vec![Self::PORTABLE];
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            let has_bits = is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            if has_bits && is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 sets.push(Self(Kind::Avx2));
-                if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+                if is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512vl")
+                {
                     sets.push(Self(Kind::Avx512));
                 }
             }
@@ -90,7 +98,7 @@ pub(super) fn run_f32<T: Vectorised<f32>>(set: InstructionSet, task: T) -> T::Ou
 }
 
 /// # Safety
-/// The machine must have AVX2 and FMA.
+/// The machine must have AVX2, FMA, BMI1 and 2, LZCNT and POPCNT.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn with_avx2<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
@@ -100,7 +108,7 @@ unsafe fn with_avx2<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Outp
 }
 
 /// # Safety
-/// The machine must have AVX-512 F and DQ.
+/// The machine must have AVX-512 F, DQ, BW and VL beside them.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn with_avx512<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {

@@ -38,11 +38,11 @@ impl<'a, L: Lanes> Entries<'a, L> {
         self.left
     }
 
-    /// One of those that are left.
+    /// The vector that begins at a lane of those that are left: behind the last there are as many numbers as one has.
     #[inline(always)]
-    pub(super) fn at(&self, vector: usize) -> Entry<'a, L> {
-        debug_assert!(vector < self.left);
-        let base = self.base.wrapping_add(vector * L::COUNT);
+    pub(super) fn at(&self, lane: usize) -> Entry<'a, L> {
+        debug_assert!(lane < self.left * L::COUNT);
+        let base = self.base.wrapping_add(lane);
         Entry { base, stride: self.stride, columns: self.columns, pack: PhantomData }
     }
 }

@@ -9,15 +9,19 @@
 mod bounds;
 mod entries;
 mod near;
+#[cfg(test)]
+mod near_tests;
 mod source;
+mod stretch;
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub use bounds::Bounds;
 pub use entries::Entry;
-pub use near::{Near, NearNotes, STRETCH, noted};
+pub use near::{Near, NearNotes, noted};
 pub use source::{Only, Source};
+pub use stretch::Beside;
 
 use crate::math::lanes::{Lanes, MOST_LANES};
 use crate::math::real::Real;
@@ -45,6 +49,9 @@ pub struct Pack<R> {
     len: usize,
     /// Lanes that filled it.
     lanes: usize,
+    /// The bits that notes of what is near have, and lanes that share one.
+    bits: u64,
+    unit: usize,
     /// Centre of the box that it was packed around, m.
     centre: [f64; 3],
     /// Rows that were packed.
@@ -123,7 +130,7 @@ impl<R: Real> Pack<R> {
         assert!(needed.all(|column| column.len() == total), "columns must have all rows");
 
         self.reserve(candidates + L::COUNT, D + columns);
-        (self.columns, self.lanes, self.len) = (D + columns, L::COUNT, 0);
+        (self.columns, self.lanes, self.len, self.bits) = (D + columns, L::COUNT, 0, 0);
         if candidates == 0 {
             return;
         }
@@ -143,6 +150,7 @@ impl<R: Real> Pack<R> {
             }
         }
         self.len = len.next_multiple_of(L::COUNT);
+        (self.bits, self.unit) = near::bits_of::<L>(self.len / L::COUNT);
     }
 
     /// Copies the runs one behind another; returns how many particles they have.

@@ -4,7 +4,7 @@ use crate::math::kernel::KernelShape;
 use crate::math::lanes::{self, Lanes};
 use crate::math::real::Real;
 use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Near, NearNotes, Pack, STRETCH, Source};
+use crate::pass::pack::{Beside, Near, NearNotes, Pack, Source};
 use crate::physics::sps::component;
 
 /// What a row has summed up.
@@ -42,7 +42,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     pack: &Pack<L::Real>,
     source: &Source<L::Real, D>,
     row: usize,
-    all_slopes: &mut [L; STRETCH],
+    all_slopes: &mut Beside<L>,
 ) -> RowSums<L::Real, D> {
     let zero = L::constant(0.0);
     let point = pack.relative(source, row);
@@ -61,7 +61,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
     let mut near = Near::ALL;
-    for stretch in pack.stretches::<L>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
+    for stretch in pack.stretches::<L, D>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
         let mut notes = NearNotes::default();
         for vector in 0..stretch.len() {
             let entry = stretch.at(vector);
@@ -73,17 +73,17 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             notes.take::<L, D>(q2, limit);
             let (q, inverse_q) = q2.roots();
             kernel_sum = kernel_sum + K::value(q);
-            all_slopes[vector % STRETCH] = K::slope(q, inverse_q);
+            all_slopes.set(vector, K::slope(q, inverse_q));
         }
-        let of_stretch = notes.done::<D>();
-        near = stretch.of_pack(of_stretch);
-        for vector in stretch.near(of_stretch) {
-            let entry = stretch.at(vector);
+        all_slopes.end(stretch.len());
+        stretch.note(notes, &mut near);
+        for lane in stretch.near(notes) {
+            let entry = stretch.at_lane(lane);
             let mut x = [zero; D];
             for d in 0..D {
                 x[d] = x_a[d] - entry.column(d);
             }
-            let of_all = all_slopes[vector % STRETCH];
+            let of_all = all_slopes.at_lane(lane);
             let slope = of_all * entry.column(2 * D);
             weight_sum = weight_sum + slope;
             if CROWDED {

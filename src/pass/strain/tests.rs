@@ -5,6 +5,7 @@ use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::pass::samples::{SPACING, Sample, settings};
 use crate::physics::shifting::{Drift, Shifting};
+use crate::physics::sps::component;
 
 const SLOPES: [[f64; 3]; 3] = [[1.0, -2.0, 0.5], [3.0, 0.2, 0.0], [-1.0, 0.7, 2.0]];
 

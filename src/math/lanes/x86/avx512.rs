@@ -122,6 +122,10 @@ lanes! {
         fn bits(mask: __mmask16) -> u32 {
             u32::from(mask)
         }
+        fn pair_bits(mask: __mmask16) -> u32 {
+            // SAFETY: as said above. Beside AVX-512 it is a fast instruction.
+            unsafe { _pext_u32(u32::from(mask | mask >> 1), 0x5555) }
+        }
         fn sum(self) -> f32 {
             // SAFETY: as said above.
             unsafe { _mm512_reduce_add_ps(self.0) }

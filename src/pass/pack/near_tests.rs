@@ -1,0 +1,145 @@
+//! What is near, by walks of packs of many sizes.
+
+use super::near::{BITS, Near, NearNotes, Windows, fewest};
+use super::stretch::Beside;
+use super::{Only, Pack, Source};
+use crate::math::grid::CellGrid;
+use crate::math::lanes::{InstructionSet, Lanes, MOST_LANES, Vectorised};
+use crate::math::real::Real;
+
+/// So many particles in a row of one cell, each 0.001 h from the next.
+struct Walk(usize);
+
+impl Vectorised<f64> for Walk {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = f64>>(self) {
+        let count = self.0;
+        let position = [(0..count).map(|row| 0.001 * row as f64).collect(), vec![0.5; count]];
+        let mut grid = CellGrid::new([0.0; 2], [1.0; 2], [false; 2], 1.0, 1.0);
+        let ids: Vec<u32> = (0..count as u32).collect();
+        grid.build(&position, &ids, |_| true).expect("all are inside");
+        let (inverse_h, support_ratio) = (1.0, 1.0);
+        let source = Source {
+            grid: &grid,
+            position: &position,
+            columns: &[],
+            inverse_h,
+            support_ratio,
+            only: Only::All,
+        };
+        let mut pack = Pack::default();
+        assert!(pack.fill::<L, 2>(&source, 0, |_| true));
+        // The first and the last are in reach of a support of 0.0005 of themselves alone.
+        for row in [0, count / 2, count - 1] {
+            let point = pack.relative(&source, row).map(L::splat);
+            let near_to = |x: L| (x * x, L::constant(0.0005 * 0.0005));
+            // In stretches every vector comes once, and the particle is found however many there are.
+            let (mut near, mut walked, mut found) = (Near::ALL, 0, 0);
+            for stretch in pack.stretches::<L, 2>(2) {
+                let mut notes = NearNotes::default();
+                for vector in 0..stretch.len() {
+                    walked += L::COUNT;
+                    let (q2, limit) = near_to(point[0] - stretch.at(vector).column(0));
+                    notes.take::<L, 2>(q2, limit);
+                }
+                for lane in stretch.near(notes) {
+                    let (q2, limit) = near_to(point[0] - stretch.at_lane(lane).column(0));
+                    found += L::bits(q2.less(limit)).count_ones();
+                }
+                stretch.note(notes, &mut near);
+            }
+            assert_eq!((walked, found), (count.next_multiple_of(L::COUNT), 1), "row {row} of {count}");
+            // From what was noted of the pack, too, and in one vector where there is a bit for it.
+            let vectors = |near: Near| {
+                let entries = pack.entries_near::<L, 2>(2, near);
+                let mut found = 0;
+                let walked = entries
+                    .inspect(|entry| {
+                        let (q2, limit) = near_to(point[0] - entry.column(0));
+                        found += L::bits(q2.less(limit)).count_ones();
+                    })
+                    .count();
+                (walked, found)
+            };
+            let all = count.div_ceil(L::COUNT);
+            assert_eq!(vectors(Near::ALL), (all, 1), "{} lanes, {count} particles", L::COUNT);
+            let beyond = all.saturating_sub(BITS);
+            let of_bits = usize::from(row / L::COUNT < BITS);
+            assert_eq!(vectors(near), (of_bits + beyond, 1), "row {row} of {count}, {} lanes", L::COUNT);
+        }
+    }
+}
+
+/// Every pair of particles of a line that are within the support are in the vectors of each other exactly once, in as few vectors
+/// as begin at every other particle.
+struct Cover;
+
+impl Vectorised<f64> for Cover {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = f64>>(self) {
+        let unit = fewest::<L>();
+        for bits in [0b1u64, 0b1000_0001, 0b1100_1111_0000_0000_1111_0101, u64::MAX, 1 << 63, 0] {
+            let mut covered = [0; 2 * BITS + MOST_LANES];
+            let mut last = None;
+            for lane in Windows::new::<L>(bits, unit) {
+                assert!(bits >> (lane / unit) & 1 != 0, "begins at what is near");
+                assert!(last.is_none_or(|last| lane >= last + L::COUNT), "none twice");
+                for covered in &mut covered[lane..lane + L::COUNT] {
+                    *covered += 1;
+                }
+                last = Some(lane);
+            }
+            for pair in (0..BITS).filter(|pair| bits >> pair & 1 != 0) {
+                assert_eq!(&covered[unit * pair..][..unit], &[1; 2][..unit], "all that is near");
+            }
+        }
+    }
+}
+
+#[test]
+fn vectors_have_all_that_is_near_once() {
+    for set in InstructionSet::available() {
+        <f64 as Real>::dispatch(set, Cover);
+    }
+}
+
+#[test]
+fn numbers_beside_a_stretch_are_read_from_any_lane_on() {
+    struct Task;
+    impl Vectorised<f64> for Task {
+        type Output = ();
+        #[inline(always)]
+        fn run<L: Lanes<Real = f64>>(self) {
+            let mut beside = Beside::<L>::default();
+            for vector in 0..3 {
+                let mut numbers = [0.0; MOST_LANES];
+                for (lane, number) in numbers.iter_mut().enumerate() {
+                    *number = (vector * L::COUNT + lane + 1) as f64;
+                }
+                beside.set(vector, L::first_of(&numbers));
+            }
+            beside.end(2);
+            for lane in 0..2 * L::COUNT {
+                let expected: f64 =
+                    (lane..lane + L::COUNT).filter(|&at| at < 2 * L::COUNT).map(|at| at as f64 + 1.0).sum();
+                assert_eq!(beside.at_lane(lane).sum(), expected, "{} lanes from {lane} on", L::COUNT);
+            }
+        }
+    }
+    for set in InstructionSet::available() {
+        <f64 as Real>::dispatch(set, Task);
+    }
+}
+
+#[test]
+fn a_particle_is_found_and_where_bits_do_not_suffice_all_are_walked() {
+    for set in InstructionSet::available() {
+        for count in [1, 7, 64, 65, 128, 129, 200, 256, 257, 64 * 8, 64 * 8 + 1, 999] {
+            <f64 as Real>::dispatch(set, Walk(count));
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A pack in stretches, to be walked twice each: once for what all vectors need, once for what is near.
+
+use super::entries::{Entries, Entry};
+use super::near::{BITS, Near, NearNotes, Windows, fewest, first_bits};
+use super::{CULLED_DIMENSIONS, Pack};
+use crate::math::lanes::Lanes;
+use crate::math::real::Real;
+
+/// Vectors of a stretch at most.
+const STRETCH: usize = 64;
+
+/// Vectors of a stretch of so many lanes each.
+const fn stretch<L: Lanes, const D: usize>() -> usize {
+    if D < CULLED_DIMENSIONS { BITS * fewest::<L>() / L::COUNT } else { STRETCH }
+}
+
+/// A stretch of a pack, to be walked twice: all of it, then what is near.
+#[derive(Debug)]
+pub struct Stretch<'a, L: Lanes, const D: usize> {
+    all: Entries<'a, L>,
+    from: usize,
+    len: usize,
+}
+
+impl<'a, L: Lanes, const D: usize> Stretch<'a, L, D> {
+    /// Number of its vectors, [`STRETCH`] at most.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// One of its vectors.
+    #[inline(always)]
+    pub fn at(&self, vector: usize) -> Entry<'a, L> {
+        self.at_lane(vector * L::COUNT)
+    }
+
+    /// The vector that begins at one of its lanes.
+    #[inline(always)]
+    pub fn at_lane(&self, lane: usize) -> Entry<'a, L> {
+        self.all.at(self.from * L::COUNT + lane)
+    }
+
+    /// Lanes where vectors begin that have all in them that was noted.
+    #[inline(always)]
+    pub fn near(&self, notes: NearNotes) -> Windows {
+        if D < CULLED_DIMENSIONS {
+            Windows::new::<L>(notes.pairs, fewest::<L>())
+        } else {
+            Windows::new::<L>(first_bits(self.len), L::COUNT)
+        }
+    }
+
+    /// Adds what was noted of it to what is known of its pack.
+    #[inline(always)]
+    pub fn note(&self, notes: NearNotes, of_pack: &mut Near) {
+        if D >= CULLED_DIMENSIONS {
+            return;
+        }
+        if self.all.len() <= stretch::<L, D>() {
+            *of_pack = Near(notes.pairs);
+        } else {
+            self.note_part(notes.pairs, of_pack);
+        }
+    }
+
+    /// The same for a pack of more stretches than one.
+    #[cold]
+    fn note_part(&self, pairs: u64, of_pack: &mut Near) {
+        if self.from == 0 {
+            *of_pack = Near(0);
+        }
+        let unit = Near::unit::<L>(self.all.len());
+        for pair in (0..BITS).filter(|pair| pairs >> pair & 1 != 0) {
+            let bit = (self.from * L::COUNT + pair * fewest::<L>()) / unit;
+            if bit < BITS {
+                of_pack.0 |= 1 << bit;
+            }
+        }
+    }
+}
+
+/// Numbers that a stretch has one vector of for each of its own, to be read from any lane on.
+#[derive(Debug)]
+pub struct Beside<L>([L; STRETCH + 1]);
+
+impl<L: Lanes> Default for Beside<L> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self([L::constant(0.0); STRETCH + 1])
+    }
+}
+
+impl<L: Lanes> Beside<L> {
+    /// Sets the numbers of a vector.
+    #[inline(always)]
+    pub fn set(&mut self, vector: usize, numbers: L) {
+        self.0[vector % STRETCH] = numbers;
+    }
+
+    /// Has zeros follow the last of so many vectors: what begins within them may reach beyond.
+    #[inline(always)]
+    pub fn end(&mut self, vectors: usize) {
+        self.0[vectors.min(STRETCH)] = L::constant(0.0);
+    }
+
+    /// The numbers from a lane on.
+    #[inline(always)]
+    pub fn at_lane(&self, lane: usize) -> L {
+        const { assert!(size_of::<L>() == L::COUNT * size_of::<L::Real>()) };
+        assert!(lane <= STRETCH * L::COUNT);
+        // SAFETY: the vectors are numbers one after another, and as many as lanes follow this one.
+        unsafe { L::load(self.0.as_ptr().cast::<L::Real>().add(lane)) }
+    }
+}
+
+/// The stretches of a pack, one after another.
+#[derive(Debug)]
+pub struct Stretches<'a, L: Lanes, const D: usize> {
+    pack: &'a Pack<L::Real>,
+    columns: usize,
+    from: usize,
+}
+
+impl<'a, L: Lanes, const D: usize> Iterator for Stretches<'a, L, D> {
+    type Item = Stretch<'a, L, D>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Stretch<'a, L, D>> {
+        let all = self.pack.entries::<L>(self.columns);
+        let (from, len) = (self.from, all.len().saturating_sub(self.from).min(stretch::<L, D>()));
+        self.from += stretch::<L, D>();
+        (len > 0).then_some(Stretch { all, from, len })
+    }
+}
+
+impl<R: Real> Pack<R> {
+    /// The packed particles in stretches of [`STRETCH`] vectors at most; `columns` says how many columns will be asked for.
+    #[inline(always)]
+    pub fn stretches<L: Lanes<Real = R>, const D: usize>(&self, columns: usize) -> Stretches<'_, L, D> {
+        Stretches { pack: self, columns, from: 0 }
+    }
+}
