@@ -160,7 +160,7 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
                 r2 = x.mul_add(x, r2);
             }
             notes.take::<L, D>(r2, limit);
-            sum = sum + K::value(r2.roots().0);
+            sum = K::add_value(r2.roots().0, sum);
         }
         stretch.note(notes, &mut near);
     }

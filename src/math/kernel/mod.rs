@@ -44,6 +44,12 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
     /// w(q); zero beyond the support.
     fn value<L: Lanes>(q: L) -> L;
 
+    /// `sum` + w(q), with the last multiplication in the addition where the shape allows it.
+    #[inline(always)]
+    fn add_value<L: Lanes>(q: L, sum: L) -> L {
+        sum + Self::value(q)
+    }
+
     /// f(q) ≥ 0; finite at q = 0, zero beyond the support. `inverse_q` is 1/q, any finite number where q = 0.
     fn slope<L: Lanes>(q: L, inverse_q: L) -> L;
 }
@@ -175,6 +181,24 @@ mod tests {
                     assert!(found <= 0.0);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_value_added_is_that_value() {
+        struct Adding;
+        impl WithShape for Adding {
+            type Output = ();
+            fn run<K: KernelShape>(self) {
+                for step in 0..70 {
+                    let q = Array([0.05 * f64::from(step)]);
+                    let (Array([value]), Array([sum])) = (K::value(q), K::add_value(q, Array([3.0])));
+                    assert!((sum - 3.0 - value).abs() <= 1e-13 * (3.0 + value), "q = {}", q.0[0]);
+                }
+            }
+        }
+        for kernel in Kernel::ALL {
+            kernel.with_shape(Adding);
         }
     }
 

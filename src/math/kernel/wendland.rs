@@ -32,6 +32,13 @@ impl KernelShape for Wendland {
     }
 
     #[inline(always)]
+    fn add_value<L: Lanes>(q: L, sum: L) -> L {
+        let t = compact(q);
+        let t2 = t * t;
+        (t2 * t2).mul_add(q.mul_add(L::constant(2.0), L::constant(1.0)), sum)
+    }
+
+    #[inline(always)]
     fn slope<L: Lanes>(q: L, _inverse_q: L) -> L {
         let t = compact(q);
         t * t * t

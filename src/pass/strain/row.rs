@@ -72,7 +72,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             }
             notes.take::<L, D>(q2, limit);
             let (q, inverse_q) = q2.roots();
-            kernel_sum = kernel_sum + K::value(q);
+            kernel_sum = K::add_value(q, kernel_sum);
             all_slopes.set(vector, K::slope(q, inverse_q));
         }
         all_slopes.end(stretch.len());
