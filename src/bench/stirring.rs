@@ -123,7 +123,12 @@ mod tests {
         let edge = f64::from(tile.edge) * tile.spacing;
         let copies = tiles.pow(dimensions as u32) as usize;
         for seed in paved.iter().filter(|seed| seed.position.max_element() < edge) {
-            assert_eq!(paved.iter().filter(|other| other.velocity == seed.velocity).count(), copies);
+            // What is half a period of the vortices away may have the same velocity to the last bit.
+            let is_copy = |other: &&ParticleSeed| {
+                let tiles_away = (other.position - seed.position) / edge;
+                other.velocity == seed.velocity && (tiles_away - tiles_away.round()).length() < 1e-9
+            };
+            assert_eq!(paved.iter().filter(is_copy).count(), copies);
         }
         // The particles are no longer on their lattice, and none is where another is: the flow goes on.
         let moved =

@@ -22,7 +22,7 @@ pub(super) const fn fewest<L: Lanes>() -> usize {
     if L::COUNT < 2 { 1 } else { 2 }
 }
 
-/// Lanes of a pack, [`Near::unit`] of them a bit, from the lowest on; of a pack of more vectors than there are bits all is near that
+/// Lanes of a pack, some of them a bit (as few as two if that is enough), from the lowest on; of a pack of more vectors than there are bits all is near that
 /// has no bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Near(pub(super) u64);

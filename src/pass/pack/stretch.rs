@@ -23,7 +23,7 @@ pub struct Stretch<'a, L: Lanes, const D: usize> {
 }
 
 impl<'a, L: Lanes, const D: usize> Stretch<'a, L, D> {
-    /// Number of its vectors, [`STRETCH`] at most.
+    /// Number of its vectors.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.len
@@ -135,7 +135,7 @@ impl<'a, L: Lanes, const D: usize> Iterator for Stretches<'a, L, D> {
 }
 
 impl<R: Real> Pack<R> {
-    /// The packed particles in stretches of [`STRETCH`] vectors at most; `columns` says how many columns will be asked for.
+    /// The packed particles in stretches; `columns` says how many columns will be asked for.
     #[inline(always)]
     pub fn stretches<L: Lanes<Real = R>, const D: usize>(&self, columns: usize) -> Stretches<'_, L, D> {
         Stretches { pack: self, columns, from: 0 }
