@@ -7,6 +7,7 @@
 //! boxes, and single precision loses only the last digits of a distance, wherever in the domain it is.
 
 mod bounds;
+mod copy;
 mod entries;
 mod near;
 #[cfg(test)]
@@ -23,7 +24,7 @@ pub use near::{Near, NearNotes, noted};
 pub use source::{Only, Source};
 pub use stretch::Beside;
 
-use crate::math::lanes::{Lanes, MOST_LANES};
+use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
 /// Coordinate of the padding, in units of h: beyond every support, and its square is finite in f32.
@@ -153,86 +154,6 @@ impl<R: Real> Pack<R> {
         (self.bits, self.unit) = near::bits_of::<L>(self.len / L::COUNT);
     }
 
-    /// Copies the runs one behind another; returns how many particles they have.
-    #[inline(always)]
-    fn copy_all<L: Lanes<Real = R>, const D: usize>(&mut self, source: &Source<R, D>) -> usize {
-        let total = source.position[0].len();
-        let base = self.storage[self.begin..].as_mut_ptr();
-        let mut len = 0;
-        for &Run { start, end, shift } in &self.runs {
-            let mut origin = [0.0; D];
-            for d in 0..D {
-                origin[d] = self.centre[d] - shift[d];
-            }
-            // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
-            unsafe {
-                let to = base.add(len);
-                // The last rows of the arrays are copied before they are read.
-                if start + (end - start).next_multiple_of(L::COUNT) <= total {
-                    copy_run::<L, D, true>(source, start..end, origin, to, self.stride);
-                } else {
-                    copy_run::<L, D, false>(source, start..end, origin, to, self.stride);
-                }
-            }
-            len += end - start;
-        }
-        len
-    }
-
-    /// Copies what is asked for of the runs, as far as it is in reach of a box of this `size`, m, about the centre; returns how many
-    /// particles that are.
-    #[inline(always)]
-    fn copy_near<L: Lanes<Real = R>, const D: usize>(
-        &mut self,
-        source: &Source<R, D>,
-        size: [f64; D],
-    ) -> usize {
-        let base = self.storage[self.begin..].as_mut_ptr();
-        let limit = L::constant(source.support_ratio * source.support_ratio);
-        let mut half = [L::constant(0.0); D];
-        for d in 0..D {
-            // The margin covers the rounding of f32 coordinates.
-            half[d] = L::constant(0.5 * size[d] * source.inverse_h + 1e-5);
-        }
-        let zero = L::constant(0.0);
-        let columns = source.columns.len();
-        let mut len = 0;
-        for &Run { start, end, shift } in &self.runs {
-            let mut row = start;
-            while row < end {
-                let count = L::COUNT.min(end - row);
-                let mut x = [zero; D];
-                let mut beyond = zero;
-                for d in 0..D {
-                    let origin = self.centre[d] - shift[d];
-                    x[d] = load_relative_rows(&source.position[d], row, origin, source.inverse_h);
-                    let outside = (x[d].abs() - half[d]).max(zero);
-                    beyond = outside.mul_add(outside, beyond);
-                }
-                let asked_for = match source.only {
-                    Only::All => beyond,
-                    Only::Positive(column, _) => L::select(zero.less(L::read(&column[row..])), beyond, limit),
-                    Only::NotPositive(column, _) => {
-                        L::select(zero.less(L::read(&column[row..])), limit, beyond)
-                    }
-                };
-                let near = asked_for.less(limit);
-                let kept = (L::bits(near) & ((1u32 << count) - 1)).count_ones() as usize;
-                if kept > 0 {
-                    for column in 0..D + columns {
-                        let values =
-                            if column < D { x[column] } else { L::read(&source.columns[column - D][row..]) };
-                        // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
-                        unsafe { values.compress(near, base.add(column * self.stride + len)) };
-                    }
-                }
-                len += kept;
-                row += L::COUNT;
-            }
-        }
-        len
-    }
-
     /// Whether nothing was packed.
     pub fn is_empty(&self) -> bool {
         self.len == 0
@@ -300,66 +221,6 @@ impl<R: Real> Pack<R> {
             self.begin = self.storage.as_ptr().align_offset(64).min(LINE);
         }
     }
-}
-
-/// Copies the rows of a run, all columns `stride` apart, to `to`; `WHOLE`: as many numbers as whole vectors have follow the first row.
-///
-/// # Safety
-/// There must be as many, and room for whole vectors.
-#[inline(always)]
-unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
-    source: &Source<L::Real, D>,
-    rows: Range<usize>,
-    origin: [f64; D],
-    to: *mut L::Real,
-    stride: usize,
-) {
-    for (vector, row) in rows.step_by(L::COUNT).enumerate() {
-        let scale = source.inverse_h;
-        // Columns inside: they are as many each time, so that only the end of a run is guessed wrong.
-        // SAFETY: by the caller's promise.
-        unsafe {
-            let mut to = to.add(vector * L::COUNT);
-            for d in 0..D {
-                let positions = &source.position[d];
-                let x: L = if WHOLE {
-                    L::load_relative(positions.as_ptr().add(row), origin[d], scale)
-                } else {
-                    load_relative_rows(positions, row, origin[d], scale)
-                };
-                x.store(to);
-                to = to.add(stride);
-            }
-            for column in source.columns {
-                let values: L =
-                    if WHOLE { L::load(column.as_ptr().add(row)) } else { L::read(&column[row..]) };
-                values.store(to);
-                to = to.add(stride);
-            }
-        }
-    }
-}
-
-/// The positions from a row on relative to an origin, in units of 1/`scale`.
-#[inline(always)]
-fn load_relative_rows<L: Lanes>(positions: &[f64], row: usize, origin: f64, scale: f64) -> L {
-    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read.
-    unsafe {
-        if row + L::COUNT <= positions.len() {
-            L::load_relative(positions.as_ptr().add(row), origin, scale)
-        } else {
-            L::load_relative(padded(&positions[row..]).as_ptr(), origin, scale)
-        }
-    }
-}
-
-/// The numbers, followed by zeros: for the last rows of the arrays.
-#[inline(always)]
-fn padded(numbers: &[f64]) -> [f64; MOST_LANES] {
-    let mut copy = [0.0; MOST_LANES];
-    let count = numbers.len().min(MOST_LANES);
-    copy[..count].copy_from_slice(&numbers[..count]);
-    copy
 }
 
 /// One pack per thread, kept from pass to pass.
