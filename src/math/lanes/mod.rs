@@ -8,7 +8,7 @@
 //! | set | f64 | f32 |
 //! |---|---|---|
 //! | AVX-512 | 8 | 16 |
-//! | AVX2 with FMA | 4 | 8 |
+//! | AVX2 with FMA and BMI | 4 | 8 |
 //! | portable | 2 | 4 |
 
 mod portable;
@@ -158,7 +158,7 @@ pub trait Lanes:
     /// The mask as bits, the first lane lowest.
     fn bits(mask: Self::Mask) -> u32;
 
-    /// The same of each two lanes, whether one of them is under the mask.
+    /// A bit for each two lanes, the first two lowest: whether one of them is under the mask.
     #[inline(always)]
     fn pair_bits(mask: Self::Mask) -> u32 {
         let [lower, upper, ..] = Self::bits(mask).to_le_bytes();

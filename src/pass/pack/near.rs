@@ -2,7 +2,7 @@
 //!
 //! In 2D a third of them are, and a quarter of the pack's vectors have none. A branch that leaves such a vector out is guessed wrong once
 //! or twice a row, and a wrong guess costs as much as a vector or two. So the pass that sums the density, which needs no branch, notes
-//! which particles are near, a bit each, and those that walk the same packs after it go from one to the next: a vector begins at a
+//! which particles are near, a bit for each two, and those that walk the same packs after it go from one to the next: a vector begins at a
 //! particle that is near, wherever in the pack that is, and the next at the first one that is near behind it. Those are a fifth fewer than
 //! whole vectors of the pack with something near in them. A pass that sums much beside the density walks the pack twice, stretch by
 //! stretch: once for what all vectors need, once for what is near. In a culled pack too few are not near: there nothing is noted, and all
@@ -22,8 +22,8 @@ pub(super) const fn fewest<L: Lanes>() -> usize {
     if L::COUNT < 2 { 1 } else { 2 }
 }
 
-/// Lanes of a pack, some of them a bit (as few as two if that is enough), from the lowest on; of a pack of more vectors than there are bits all is near that
-/// has no bit.
+/// Lanes of a pack, so many of them a bit (two if there are bits enough), from the lowest on; of a pack of more vectors than
+/// there are bits all is near that has no bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Near(pub(super) u64);
 

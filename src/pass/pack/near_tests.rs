@@ -72,8 +72,7 @@ impl Vectorised<f64> for Walk {
     }
 }
 
-/// Every pair of particles of a line that are within the support are in the vectors of each other exactly once, in as few vectors
-/// as begin at every other particle.
+/// Vectors that begin at what was noted have each lane that was noted exactly once.
 struct Cover;
 
 impl Vectorised<f64> for Cover {

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! 1/x  = y (1 + e + e² + e³ + …),          e = 1 − x y
-//! 1/√x = y (1 + e/2 + 3e²/8 + 5e³/16 + …), e = 1 − x y²
+//! 1/√x = y (1 + e/2 + 3e²/8 + 5e³/16 + …), e = 1 − x y²,   √x = x y (1 + …) by the same series
 //! ```
 //!
 //! With 14 bits to start from, e³ leaves 2⁻⁵⁴ in f64, and e alone 2⁻²⁷ in f32.
