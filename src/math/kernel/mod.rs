@@ -38,6 +38,9 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
     /// The norm β < 0 of the slope: (dw/dq)/q = β f(q).
     const SLOPE_NORM: f64;
 
+    /// Whether w(q) takes more operations than finding q.
+    const DEAR_VALUE: bool = false;
+
     /// The norm α_D: W = α_D/h^D w(q).
     fn norm(dimensions: usize) -> f64;
 

@@ -22,6 +22,7 @@ pub struct Quintic;
 impl KernelShape for Quintic {
     const SUPPORT: f64 = 3.0;
     const SLOPE_NORM: f64 = -5.0;
+    const DEAR_VALUE: bool = true;
 
     fn norm(dimensions: usize) -> f64 {
         if dimensions == 2 { 7.0 / (478.0 * PI) } else { 1.0 / (120.0 * PI) }

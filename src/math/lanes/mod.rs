@@ -53,6 +53,8 @@ pub trait Lanes:
     type Mask: Copy;
     /// Number of lanes.
     const COUNT: usize;
+    /// Whether [`roots`](Lanes::roots) are by instructions for which arithmetic would wait, were there one in every vector.
+    const DEAR_ROOTS: bool = false;
 
     /// The same number in every lane.
     fn splat(value: Self::Real) -> Self;

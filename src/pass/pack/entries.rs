@@ -89,4 +89,14 @@ impl<L: Lanes> Entry<'_, L> {
         }
         vector
     }
+
+    /// x_ab: a point less the coordinates of the neighbours, in units of h.
+    #[inline(always)]
+    pub fn seen_from<const D: usize>(&self, point: [L; D]) -> [L; D] {
+        let mut x = point;
+        for d in 0..D {
+            x[d] = point[d] - self.column(d);
+        }
+        x
+    }
 }

@@ -20,9 +20,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub use bounds::Bounds;
 pub use entries::Entry;
-pub use near::{Near, NearNotes, noted};
+pub use near::{Covered, Near, NearNotes, noted};
 pub use source::{Only, Source};
-pub use stretch::Beside;
+pub use stretch::STRETCH;
 
 use crossbeam_utils::CachePadded;
 
@@ -36,7 +36,7 @@ const FAR: f64 = 1e6;
 const LINE: usize = 16;
 
 /// Culling pays where cells reach far beyond the support: in 3D, four tenths of the candidates are out of reach of all that sum.
-const CULLED_DIMENSIONS: usize = 3;
+pub const CULLED_DIMENSIONS: usize = 3;
 
 /// A neighbourhood, column by column.
 #[derive(Debug, Default)]

@@ -4,8 +4,8 @@
 //! or twice a row, and a wrong guess costs as much as a vector or two. So the pass that sums the density, which needs no branch, notes
 //! which particles are near, a bit for each two, and those that walk the same packs after it go from one to the next: a vector begins at a
 //! particle that is near, wherever in the pack that is, and the next at the first one that is near behind it. Those are a fifth fewer than
-//! whole vectors of the pack with something near in them. A pass that sums much beside the density walks the pack twice, stretch by
-//! stretch: once for what all vectors need, once for what is near. In a culled pack too few are not near: there nothing is noted, and all
+//! whole vectors of the pack with something near in them. A pass that sums much beside the density walks the pack stretch by
+//! stretch: once to see what is near, then that. In a culled pack too few are not near: there nothing is noted, and all
 //! are walked.
 
 use super::entries::{Entries, Entry};
@@ -84,8 +84,12 @@ pub(super) fn first_bits(count: usize) -> u64 {
     if count < BITS { !(u64::MAX << count) } else { u64::MAX }
 }
 
+/// Bits of a stretch whose lanes the last of the vectors of the stretch before has in it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Covered(pub(super) u64);
+
 /// Lanes of a pack where vectors begin that have all in them that is near, one after another.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Windows {
     bits: u64,
     /// Bits of a vector.
@@ -98,6 +102,14 @@ impl Windows {
     #[inline(always)]
     pub(super) fn new<L: Lanes>(bits: u64, unit: usize) -> Self {
         Self { bits, vector: first_bits(L::COUNT / unit), unit }
+    }
+
+    /// What the last of these vectors has of the bits that follow.
+    #[cold]
+    pub(super) fn covered_beyond(self) -> Covered {
+        let (vector, unit) = (self.vector, self.unit);
+        let last = self.last().map_or(0, |lane| lane / unit);
+        Covered(u64::try_from((u128::from(vector) << last) >> BITS).unwrap_or(0))
     }
 }
 

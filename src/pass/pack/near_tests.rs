@@ -1,7 +1,6 @@
 //! What is near, by walks of packs of many sizes.
 
-use super::near::{BITS, Near, NearNotes, Windows, fewest};
-use super::stretch::Beside;
+use super::near::{BITS, Covered, Near, NearNotes, Windows, fewest};
 use super::{Only, Pack, Source};
 use crate::math::grid::CellGrid;
 use crate::math::lanes::{InstructionSet, Lanes, MOST_LANES, Vectorised};
@@ -31,12 +30,15 @@ impl Vectorised<f64> for Walk {
         };
         let mut pack = Pack::default();
         assert!(pack.fill::<L, 2>(&source, 0, |_| true));
-        // The first and the last are in reach of a support of 0.0005 of themselves alone.
-        for row in [0, count / 2, count - 1] {
+        // In reach of a support of 0.0005 are they themselves alone, of one of 0.0305 some before and behind: in stretches every vector comes
+        // once, and all are found however many there are.
+        for (row, reach) in [0, count / 2, count - 1].into_iter().flat_map(|row| [(row, 0), (row, 30)]) {
             let point = pack.relative(&source, row).map(L::splat);
-            let near_to = |x: L| (x * x, L::constant(0.0005 * 0.0005));
-            // In stretches every vector comes once, and the particle is found however many there are.
-            let (mut near, mut walked, mut found) = (Near::ALL, 0, 0);
+            let support = 0.001 * reach as f64 + 0.0005;
+            let near_to = |x: L| (x * x, L::constant(support * support));
+            let in_reach = (row.saturating_sub(reach)..count.min(row + reach + 1)).len() as u32;
+            let (mut near, mut covered) = (Near::ALL, Covered::default());
+            let (mut walked, mut found) = (0, 0);
             for stretch in pack.stretches::<L, 2>(2) {
                 let mut notes = NearNotes::default();
                 for vector in 0..stretch.len() {
@@ -44,14 +46,15 @@ impl Vectorised<f64> for Walk {
                     let (q2, limit) = near_to(point[0] - stretch.at(vector).column(0));
                     notes.take::<L, 2>(q2, limit);
                 }
-                for lane in stretch.near(notes) {
+                for lane in stretch.near(notes, &mut covered) {
                     let (q2, limit) = near_to(point[0] - stretch.at_lane(lane).column(0));
                     found += L::bits(q2.less(limit)).count_ones();
                 }
                 stretch.note(notes, &mut near);
             }
-            assert_eq!((walked, found), (count.next_multiple_of(L::COUNT), 1), "row {row} of {count}");
-            // From what was noted of the pack, too, and in one vector where there is a bit for it.
+            let expected = (count.next_multiple_of(L::COUNT), in_reach);
+            assert_eq!((walked, found), expected, "row {row} of {count}, {} lanes", L::COUNT);
+            // From what was noted of the pack, too, and one by itself in one vector where there is a bit for it.
             let vectors = |near: Near| {
                 let entries = pack.entries_near::<L, 2>(2, near);
                 let mut found = 0;
@@ -64,10 +67,13 @@ impl Vectorised<f64> for Walk {
                 (walked, found)
             };
             let all = count.div_ceil(L::COUNT);
-            assert_eq!(vectors(Near::ALL), (all, 1), "{} lanes, {count} particles", L::COUNT);
-            let beyond = all.saturating_sub(BITS);
-            let of_bits = usize::from(row / L::COUNT < BITS);
-            assert_eq!(vectors(near), (of_bits + beyond, 1), "row {row} of {count}, {} lanes", L::COUNT);
+            assert_eq!(vectors(Near::ALL), (all, in_reach), "{} lanes, {count} particles", L::COUNT);
+            assert_eq!(vectors(near).1, in_reach, "row {row} of {count}, {} lanes", L::COUNT);
+            if reach == 0 {
+                let beyond = all.saturating_sub(BITS);
+                let of_bits = usize::from(row / L::COUNT < BITS);
+                assert_eq!(vectors(near).0, of_bits + beyond, "row {row} of {count}, {} lanes", L::COUNT);
+            }
         }
     }
 }
@@ -103,34 +109,6 @@ impl Vectorised<f64> for Cover {
 fn vectors_have_all_that_is_near_once() {
     for set in InstructionSet::available() {
         <f64 as Real>::dispatch(set, Cover);
-    }
-}
-
-#[test]
-fn numbers_beside_a_stretch_are_read_from_any_lane_on() {
-    struct Task;
-    impl Vectorised<f64> for Task {
-        type Output = ();
-        #[inline(always)]
-        fn run<L: Lanes<Real = f64>>(self) {
-            let mut beside = Beside::<L>::default();
-            for vector in 0..3 {
-                let mut numbers = [0.0; MOST_LANES];
-                for (lane, number) in numbers.iter_mut().enumerate() {
-                    *number = (vector * L::COUNT + lane + 1) as f64;
-                }
-                beside.set(vector, L::first_of(&numbers));
-            }
-            beside.end(2);
-            for lane in 0..2 * L::COUNT {
-                let expected: f64 =
-                    (lane..lane + L::COUNT).filter(|&at| at < 2 * L::COUNT).map(|at| at as f64 + 1.0).sum();
-                assert_eq!(beside.at_lane(lane).sum(), expected, "{} lanes from {lane} on", L::COUNT);
-            }
-        }
-    }
-    for set in InstructionSet::available() {
-        <f64 as Real>::dispatch(set, Task);
     }
 }
 

@@ -1,20 +1,20 @@
-//! A pack in stretches, to be walked twice each: once for what all vectors need, once for what is near.
+//! A pack in stretches, to be walked more than once each: to see what is near, and then that.
 
 use super::entries::{Entries, Entry};
-use super::near::{BITS, Near, NearNotes, Windows, fewest, first_bits};
+use super::near::{BITS, Covered, Near, NearNotes, Windows, fewest, first_bits};
 use super::{CULLED_DIMENSIONS, Pack};
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
 /// Vectors of a stretch at most.
-const STRETCH: usize = 64;
+pub const STRETCH: usize = 64;
 
 /// Vectors of a stretch of so many lanes each.
 const fn stretch<L: Lanes, const D: usize>() -> usize {
     if D < CULLED_DIMENSIONS { BITS * fewest::<L>() / L::COUNT } else { STRETCH }
 }
 
-/// A stretch of a pack, to be walked twice: all of it, then what is near.
+/// A stretch of a pack, of which all is walked, and then what is near.
 #[derive(Debug)]
 pub struct Stretch<'a, L: Lanes, const D: usize> {
     all: Entries<'a, L>,
@@ -41,14 +41,33 @@ impl<'a, L: Lanes, const D: usize> Stretch<'a, L, D> {
         self.all.at(self.from * L::COUNT + lane)
     }
 
-    /// Lanes where vectors begin that have all in them that was noted.
+    /// Takes note of what is nearer to a point than the root of `limit`, in a walk without a branch.
     #[inline(always)]
-    pub fn near(&self, notes: NearNotes) -> Windows {
+    pub fn find_near(&self, point: [L; D], limit: L) -> NearNotes {
+        let mut notes = NearNotes::default();
         if D < CULLED_DIMENSIONS {
-            Windows::new::<L>(notes.pairs, fewest::<L>())
-        } else {
-            Windows::new::<L>(first_bits(self.len), L::COUNT)
+            for vector in 0..self.len {
+                let mut square = L::constant(0.0);
+                for x in self.at(vector).seen_from(point) {
+                    square = x.mul_add(x, square);
+                }
+                notes.take::<L, D>(square, limit);
+            }
         }
+        notes
+    }
+
+    /// Lanes where vectors begin that have all in them that was noted, but for what those of the stretch before had of this one.
+    #[inline(always)]
+    pub fn near(&self, notes: NearNotes, covered: &mut Covered) -> Windows {
+        if D >= CULLED_DIMENSIONS {
+            return Windows::new::<L>(first_bits(self.len), L::COUNT);
+        }
+        let windows = Windows::new::<L>(notes.pairs & !covered.0, fewest::<L>());
+        if self.all.len() > stretch::<L, D>() {
+            *covered = windows.clone().covered_beyond();
+        }
+        windows
     }
 
     /// Adds what was noted of it to what is known of its pack.
@@ -77,40 +96,6 @@ impl<'a, L: Lanes, const D: usize> Stretch<'a, L, D> {
                 of_pack.0 |= 1 << bit;
             }
         }
-    }
-}
-
-/// Numbers that a stretch has one vector of for each of its own, to be read from any lane on.
-#[derive(Debug)]
-pub struct Beside<L>([L; STRETCH + 1]);
-
-impl<L: Lanes> Default for Beside<L> {
-    #[inline(always)]
-    fn default() -> Self {
-        Self([L::constant(0.0); STRETCH + 1])
-    }
-}
-
-impl<L: Lanes> Beside<L> {
-    /// Sets the numbers of a vector.
-    #[inline(always)]
-    pub fn set(&mut self, vector: usize, numbers: L) {
-        self.0[vector % STRETCH] = numbers;
-    }
-
-    /// Has zeros follow the last of so many vectors: what begins within them may reach beyond.
-    #[inline(always)]
-    pub fn end(&mut self, vectors: usize) {
-        self.0[vectors.min(STRETCH)] = L::constant(0.0);
-    }
-
-    /// The numbers from a lane on.
-    #[inline(always)]
-    pub fn at_lane(&self, lane: usize) -> L {
-        const { assert!(size_of::<L>() == L::COUNT * size_of::<L::Real>()) };
-        assert!(lane <= STRETCH * L::COUNT);
-        // SAFETY: the vectors are numbers one after another, and as many as lanes follow this one.
-        unsafe { L::load(self.0.as_ptr().cast::<L::Real>().add(lane)) }
     }
 }
 

@@ -28,7 +28,7 @@ use row::{RowSums, sum};
 
 use super::blocks::for_each_block;
 use super::density::{LEAST_Q2, finish};
-use super::pack::{Beside, Near, Only, Pack, Source, noted};
+use super::pack::{Near, Only, Pack, STRETCH, Source, noted};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -164,7 +164,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let (q, inverse_q) = L::constant(LEAST_Q2).roots();
         let own_weight = K::slope(q, inverse_q).largest().to_f64();
         let mut ends = Ends::<D>::new(own_weight, self.source.inverse_h);
-        let mut all_slopes = Beside::default();
+        let mut all_slopes = [L::constant(0.0); STRETCH];
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
             if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.zone[row])) {

@@ -3,8 +3,8 @@
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{self, Lanes};
 use crate::math::real::Real;
-use crate::pass::density::LEAST_Q2;
-use crate::pass::pack::{Beside, Near, NearNotes, Pack, Source};
+use crate::pass::density::squared_distance;
+use crate::pass::pack::{Covered, Near, Pack, STRETCH, Source};
 use crate::physics::sps::component;
 
 /// What a row has summed up.
@@ -35,14 +35,13 @@ pub(super) struct FlowSums<const D: usize> {
 
 /// Sums over a pack for a row; `CROWDED`: the slopes, too. `all_slopes` is room for f(q) of a stretch.
 ///
-/// In two walks: what all need, without a branch, and then the many sums over what is near, which in one would find no registers, and
-/// wait for a wrong guess once or twice a row.
+/// In three walks: what is near, without a branch; roots and kernel of that; and the many sums, which would find no registers beside the kernel.
 #[inline(always)]
 pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>(
     pack: &Pack<L::Real>,
     source: &Source<L::Real, D>,
     row: usize,
-    all_slopes: &mut Beside<L>,
+    all_slopes: &mut [L; STRETCH],
 ) -> RowSums<L::Real, D> {
     let zero = L::constant(0.0);
     let point = pack.relative(source, row);
@@ -61,29 +60,19 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
     let mut near = Near::ALL;
+    let mut covered = Covered::default();
     for stretch in pack.stretches::<L, D>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
-        let mut notes = NearNotes::default();
-        for vector in 0..stretch.len() {
-            let entry = stretch.at(vector);
-            let mut q2 = L::constant(LEAST_Q2);
-            for d in 0..D {
-                let x = x_a[d] - entry.column(d);
-                q2 = x.mul_add(x, q2);
-            }
-            notes.take::<L, D>(q2, limit);
-            let (q, inverse_q) = q2.roots();
-            kernel_sum = K::add_value(q, kernel_sum);
-            all_slopes.set(vector, K::slope(q, inverse_q));
-        }
-        all_slopes.end(stretch.len());
+        let notes = stretch.find_near(x_a, limit);
         stretch.note(notes, &mut near);
-        for lane in stretch.near(notes) {
+        let lanes = stretch.near(notes, &mut covered);
+        for (slope, lane) in all_slopes.iter_mut().zip(lanes.clone()) {
+            let (q, inverse_q) = squared_distance(x_a, stretch.at_lane(lane)).roots();
+            kernel_sum = K::add_value(q, kernel_sum);
+            *slope = K::slope(q, inverse_q);
+        }
+        for (&of_all, lane) in all_slopes.iter().zip(lanes) {
             let entry = stretch.at_lane(lane);
-            let mut x = [zero; D];
-            for d in 0..D {
-                x[d] = x_a[d] - entry.column(d);
-            }
-            let of_all = all_slopes.at_lane(lane);
+            let x = entry.seen_from(x_a);
             let slope = of_all * entry.column(2 * D);
             weight_sum = weight_sum + slope;
             if CROWDED {

@@ -34,7 +34,8 @@ fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
             let Sample { pair, grid, particles, sums, .. } = &mut sample;
             sum_density_and_strain(pair, grid, particles, level, sums);
             for row in (0..particles.len()).filter(|&row| particles.zone[row] == Zone::Fluid) {
-                assert_eq!(particles.density[row], density[row]);
+                // Other vectors of the same neighbours.
+                assert!((particles.density[row] / density[row] - 1.0).abs() < 1e-14);
                 for i in 0..D {
                     for j in 0..=i {
                         let expected = 0.5 * factor * (SLOPES[i][j] + SLOPES[j][i]);

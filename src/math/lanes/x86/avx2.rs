@@ -12,6 +12,7 @@ lanes! {
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd,
     _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_fmadd_pd, _mm256_max_pd, _mm256_min_pd, _mm256_sqrt_pd,
+    DEAR_ROOTS = true,
     {
         unsafe fn load_relative(from: *const f64, origin: f64, scale: f64) -> Self {
             // SAFETY: as said above.

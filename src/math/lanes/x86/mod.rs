@@ -22,6 +22,7 @@ macro_rules! lanes {
         $(#[$doc:meta])* $name:ident: [$real:ty; $count:literal] as $vector:ty, mask $mask:ty,
         $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
         $fma:ident, $max:ident, $min:ident, $sqrt:ident,
+        $($constant:ident = $value:literal,)?
         { $($special:item)* }
     ) => {
         $(#[$doc])*
@@ -48,6 +49,7 @@ macro_rules! lanes {
             type Real = $real;
             type Mask = $mask;
             const COUNT: usize = $count;
+            $(const $constant: bool = $value;)?
             #[inline(always)]
             fn splat(value: $real) -> Self {
                 // SAFETY: as said above.
