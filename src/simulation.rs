@@ -5,15 +5,12 @@ use std::sync::Arc;
 use bevy_ecs::schedule::Schedules;
 use bevy_ecs::world::World;
 use glam::DVec3;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::math::column::{Columns, Misfit};
 use crate::math::grid::CellGrid;
 use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
 pub use crate::particles::sample::Sample;
-use crate::pass::sampling::Sampler;
-use crate::pass::section::{self, Section};
+use crate::pass::section::Section;
 use crate::scene::model::{ParticleSeed, Precision, ProbeSight, Scene, Scheme};
 use crate::scene::spawn;
 use crate::systems::bodies::{Bodies, BodyForcesRow};
@@ -23,15 +20,14 @@ use crate::systems::clock::Clock;
 use crate::systems::core_plugins::{
     BoundaryPlugin, EdacTvfPlugin, NeighboursPlugin, ObservePlugin, WcsphPlugin,
 };
-use crate::systems::edac::sum_volumes;
 use crate::systems::failure::{Failure, Fault};
 use crate::systems::home::{self, FreshHome};
 use crate::systems::ledger::Ledger;
 use crate::systems::monitor::{self, MonitorRow};
-use crate::systems::neighbours::{Grid, scene_grid, sort_particles};
+use crate::systems::neighbours::{Grid, scene_grid};
 use crate::systems::pair::{Pair, pair_settings};
 use crate::systems::plugin::{Parts, Plugin};
-use crate::systems::rates::{sum_density, sum_gradients};
+use crate::systems::readings;
 use crate::systems::schedule::{Step, stage_schedule, step_schedule};
 use crate::systems::setup::{Resolution, SceneInUse, insert_registers, spawn_particles};
 use crate::systems::stopwatch::Stopwatch;
@@ -41,6 +37,9 @@ pub struct Simulation {
     world: World,
     scene: Arc<Scene>,
     typed: Typed,
+    /// Whether the arrays are sorted, and have the density, at the present positions: a row of the monitor, probes and a frame of one time
+    /// are read from the same.
+    is_refreshed: bool,
 }
 
 /// The functions that know precision and dimension, chosen once.
@@ -194,16 +193,17 @@ impl Simulation {
             typed: Typed {
                 scatter: home::scatter::<R, D>,
                 refresh: match scene.scheme {
-                    Scheme::Wcsph(_) => refresh::<R, D>,
-                    Scheme::EdacTvf(_) => refresh_volumes::<R, D>,
+                    Scheme::Wcsph(_) => readings::refresh::<R, D>,
+                    Scheme::EdacTvf(_) => readings::refresh_volumes::<R, D>,
                 },
                 save: particles::save::<R, D>,
                 monitor_row: monitor::monitor_row::<R, D>,
                 gather: home::gather::<R, D>,
-                sample: sample::<R, D>,
-                mass_flows: mass_flows::<R, D>,
+                sample: readings::sample::<R, D>,
+                mass_flows: readings::mass_flows::<R, D>,
             },
             scene,
+            is_refreshed: false,
         })
     }
 
@@ -221,6 +221,7 @@ impl Simulation {
     /// [`Stop`] when the flow blew up or an inlet found no particle; the world keeps the state found.
     pub fn step(&mut self) -> Result<(), Stop> {
         self.world.resource_mut::<Stopwatch>().start();
+        self.is_refreshed = false;
         let world = &mut self.world;
         // On a thread of the pool: from outside, each parallel loop would wake the pool and sleep until it is done.
         rayon::scope(|_| world.run_schedule(Step));
@@ -280,13 +281,21 @@ impl Simulation {
     /// The world, up to date; the next step starts from what the caller leaves in its components.
     pub fn world_mut(&mut self) -> &mut World {
         self.bring_up_to_date();
+        self.is_refreshed = false;
         self.world.insert_resource(FreshHome::Components);
         &mut self.world
     }
 
     fn bring_up_to_date(&mut self) {
-        (self.typed.refresh)(&mut self.world);
+        self.refresh();
         (self.typed.scatter)(&mut self.world);
+    }
+
+    fn refresh(&mut self) {
+        if !self.is_refreshed {
+            (self.typed.refresh)(&mut self.world);
+            self.is_refreshed = true;
+        }
     }
 
     /// Time, step and step size.
@@ -311,7 +320,7 @@ impl Simulation {
 
     /// Integral figures at the present time; the mean mass flows are those since the previous call.
     pub fn monitor_row(&mut self) -> MonitorRow {
-        (self.typed.refresh)(&mut self.world);
+        self.refresh();
         (self.typed.monitor_row)(&mut self.world)
     }
 
@@ -329,7 +338,7 @@ impl Simulation {
 
     /// The same, of what is seen at each point.
     pub fn sample_seeing(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
-        (self.typed.refresh)(&mut self.world);
+        self.refresh();
         (self.typed.sample)(&self.world, points)
     }
 
@@ -344,46 +353,4 @@ impl Simulation {
     pub fn stage_times(&self) -> Vec<(&'static str, f64)> {
         self.world.resource::<Stopwatch>().table()
     }
-}
-
-/// Sorts the particles at their present positions and sums their density, so that what is read belongs to one instant. The next
-/// step does the same from the same positions: reading changes no bit of a run.
-fn refresh<R: Real, const D: usize>(world: &mut World) {
-    home::gather::<R, D>(world);
-    for run in [
-        |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
-        |world: &mut World| world.run_system_cached(sum_density::<R, D>),
-        |world: &mut World| world.run_system_cached(sum_gradients::<R, D>),
-    ] {
-        // A system of this crate with resources that `build` inserts cannot fail to run.
-        run(world).expect("sort and density find their resources");
-    }
-}
-
-/// The same where the pressure evolves: it is what the last step left.
-fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
-    home::gather::<R, D>(world);
-    for run in [
-        |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
-        |world: &mut World| world.run_system_cached(sum_volumes::<R, D>),
-    ] {
-        // As above.
-        run(world).expect("sort and volumes find their resources");
-    }
-}
-
-fn sample<R: Real, const D: usize>(world: &World, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
-    let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<ParticleArrays<R, D>>());
-    let pair = &world.resource::<Pair>().0;
-    let fluid = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Fluid.sees(zone));
-    let flow = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Flow.sees(zone));
-    let of = |&(point, sight): &(DVec3, ProbeSight)| match sight {
-        ProbeSight::Fluid => fluid.sample(point),
-        ProbeSight::Flow => flow.sample(point),
-    };
-    points.par_iter().map(of).collect()
-}
-
-fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
-    section::mass_flows(world.resource::<ParticleArrays<R, D>>(), world.resource::<Pair>().0.mass, sections)
 }

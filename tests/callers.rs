@@ -117,6 +117,21 @@ fn the_next_step_starts_from_the_velocities_that_a_caller_leaves() {
     }
 }
 
+/// Rows, samples and frames of one time are read from one sort and one density: of that time, not of the one read before.
+#[test]
+fn what_is_read_is_of_the_present_step_however_often_it_was_read_before() {
+    let wind = Wind(DVec3::new(0.5, 0.3, 0.0));
+    let (mut read, mut twin) = [(), ()].map(|()| Simulation::with_plugins(scene(&[]), &[&wind])).into();
+    for _ in 0..20 {
+        read.monitor_row();
+        read.step().expect("a step");
+        twin.step().expect("a step");
+    }
+    let points: Vec<DVec3> = of(&census(&mut read), Zone::Fluid).map(|fluid| fluid.position).collect();
+    let (found, expected) = (read.sample(&points), twin.sample(&points));
+    assert!(found == expected && found.iter().flatten().count() > 0);
+}
+
 #[test]
 fn the_next_step_starts_from_the_positions_that_a_caller_leaves() {
     let mut simulation = closed();

@@ -40,6 +40,7 @@ pub mod neighbours;
 pub mod pair;
 pub mod plugin;
 pub mod rates;
+pub mod readings;
 pub mod schedule;
 pub mod setup;
 pub mod shift;
