@@ -173,7 +173,7 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
 }
 
 /// Whether what is near is found before its values are. It spares roots and values of what is not, and costs distances twice and a wrong guess
-/// a row: in single precision, half of whose vectors are left out, never less than it spares.
+/// a row: in single precision, whose vectors are fewer and whose roots are cheap, about as much as it spares, or more.
 const fn of_near_alone<K: KernelShape, L: Lanes, const D: usize>() -> bool {
     let is_double = size_of::<L::Real>() == size_of::<f64>();
     D < CULLED_DIMENSIONS && is_double && (L::DEAR_ROOTS || K::DEAR_VALUE)

@@ -18,13 +18,13 @@ mod stretch;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crossbeam_utils::CachePadded;
+
 pub use bounds::Bounds;
 pub use entries::Entry;
 pub use near::{Covered, Near, NearNotes, noted};
 pub use source::{Only, Source};
 pub use stretch::STRETCH;
-
-use crossbeam_utils::CachePadded;
 
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
