@@ -4,15 +4,14 @@
 //! (20 neighbours), in 3D h = 2.02 Δ (some 256). Those called `quintic` have the quintic spline at h = 1.2 Δ instead (some 40 and
 //! 190 neighbours), those called `edac` that and the scheme `EdacTvf`. Particles lie as a flow leaves them (`bench/stirring.rs`).
 
-use crate::scene;
-use crate::scene::faults::SceneFaults;
-use crate::scene::model::{Precision, Scene};
+use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::model::{Precision, Scene};
 
 /// The channel as shipped, part of the program: an installed one has no scenes beside it.
-const CHANNEL: &str = include_str!("../../scenes/constricted_r2.ron");
+const CHANNEL: &str = include_str!("../../../scenes/constricted_r2.ron");
 /// Flows that other codes have been timed on.
-const CYLINDER: &str = include_str!("../../benches/channel_cylinder.ron");
-const DUCT: &str = include_str!("../../benches/duct.ron");
+const CYLINDER: &str = include_str!("../../../benches/channel_cylinder.ron");
+const DUCT: &str = include_str!("../../../benches/duct.ron");
 
 /// A flow that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,9 +151,9 @@ impl Case {
     pub fn scene(self) -> Result<Scene, SceneFaults> {
         match self {
             Case::Box(stirred) => stirred.scene(),
-            Case::Channel => scene::load_str("constricted_r2", CHANNEL, &[]),
-            Case::Cylinder => scene::load_str("channel_cylinder", CYLINDER, &[]),
-            Case::Duct => scene::load_str("duct", DUCT, &[]),
+            Case::Channel => sphecs_scene::load_str("constricted_r2", CHANNEL, &[]),
+            Case::Cylinder => sphecs_scene::load_str("channel_cylinder", CYLINDER, &[]),
+            Case::Duct => sphecs_scene::load_str("duct", DUCT, &[]),
         }
     }
 }
@@ -195,14 +194,14 @@ impl StirredBox {
             time: (end: 1.0), output: (every: 1.0),
         )"#
         );
-        scene::load_str("stirred_box", &text, &[])
+        sphecs_scene::load_str("stirred_box", &text, &[])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::summary::summary;
+    use sphecs_scene::summary::summary;
 
     #[test]
     fn every_case_has_a_scene_without_faults_and_a_name_of_its_own() {
@@ -227,7 +226,7 @@ mod tests {
     fn boxes_have_the_particles_that_they_say() {
         let stirred = StirredBox { count: 24, ..PLANE };
         let scene = stirred.scene().expect("a scene");
-        let seeds = scene::seeds(&scene);
+        let seeds = sphecs_scene::seeds(&scene);
         assert_eq!(seeds.len(), 24 * 24);
         assert_eq!(summary(&scene, &seeds).by_zone[0], 24 * 24);
     }

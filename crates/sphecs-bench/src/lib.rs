@@ -25,9 +25,9 @@ use cases::Case;
 use peak::Peaks;
 use stirring::{Tile, TileError};
 
-use crate::run::console::Console;
-use crate::scene::faults::SceneFaults;
-use crate::simulation::Stop;
+use sphecs_engine::simulation::Stop;
+use sphecs_run::console::Console;
+use sphecs_scene::faults::SceneFaults;
 
 /// What the user asks of a bench.
 #[derive(Clone, Debug)]

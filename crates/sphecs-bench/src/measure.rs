@@ -13,16 +13,16 @@ use super::memory;
 use super::operations;
 use super::scalar;
 use super::stirring::Tile;
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::neighbours::Neighbours;
-use crate::scene::model::{Precision, Scene};
-use crate::scene::seeds;
-use crate::simulation::{Simulation, Stop};
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_engine::systems::neighbours::Grid;
+use sphecs_engine::systems::pair::Pair;
+use sphecs_scene::model::{Precision, Scene};
+use sphecs_scene::seeds;
 
 /// What was found of a flow.
 #[derive(Clone, Debug)]
@@ -219,7 +219,7 @@ mod tests {
     use rayon::ThreadPoolBuilder;
 
     use super::*;
-    use crate::bench::cases::{BoxTerms, StirredBox};
+    use crate::cases::{BoxTerms, StirredBox};
 
     /// Small boxes on one thread and on two: what must hold on any machine, however busy.
     fn check(stirred: StirredBox) {

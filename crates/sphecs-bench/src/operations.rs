@@ -7,10 +7,10 @@
 //!
 //! The tests run the passes over numbers that count their operations, and find these figures.
 
-use crate::math::kernel::Kernel;
-use crate::physics::sps::components;
-use crate::physics::viscosity::reconstructed::NoiseDamping;
-use crate::scene::model::{Scene, Scheme};
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::sps::components;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
+use sphecs_scene::model::{Scene, Scheme};
 
 /// Of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 2, w(q) 7, the sum 1.
 pub const fn density(dimensions: usize) -> usize {
@@ -131,25 +131,25 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::math::column::{Column, Element};
-    use crate::math::grid::CellGrid;
-    use crate::math::lanes::{Array, InstructionSet, Vectorised};
-    use crate::math::real::Real;
-    use crate::particles::arrays::{ParticleArrays, SpareColumns};
-    use crate::particles::rows::Row;
-    use crate::particles::zone::Zone;
-    use crate::pass::density::sum_density;
-    use crate::pass::edac;
-    use crate::pass::gradients::sum_gradients;
-    use crate::pass::rates::{VelocityLevel, sum_rates};
-    use crate::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
-    use crate::pass::strain::sum_density_and_strain;
-    use crate::pass::stress::find_stress;
-    use crate::pass::sums::PairSums;
-    use crate::physics::edac::Edac;
-    use crate::physics::eos::Tait;
-    use crate::physics::shifting::{Drift, Shifting};
-    use crate::physics::viscosity::Viscosity;
+    use sphecs_core::math::column::{Column, Element};
+    use sphecs_core::math::grid::CellGrid;
+    use sphecs_core::math::lanes::{Array, InstructionSet, Vectorised};
+    use sphecs_core::math::real::Real;
+    use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
+    use sphecs_core::particles::rows::Row;
+    use sphecs_core::particles::zone::Zone;
+    use sphecs_core::pass::density::sum_density;
+    use sphecs_core::pass::edac;
+    use sphecs_core::pass::gradients::sum_gradients;
+    use sphecs_core::pass::rates::{VelocityLevel, sum_rates};
+    use sphecs_core::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
+    use sphecs_core::pass::strain::sum_density_and_strain;
+    use sphecs_core::pass::stress::find_stress;
+    use sphecs_core::pass::sums::PairSums;
+    use sphecs_core::physics::edac::Edac;
+    use sphecs_core::physics::eos::Tait;
+    use sphecs_core::physics::shifting::{Drift, Shifting};
+    use sphecs_core::physics::viscosity::Viscosity;
 
     thread_local! {
         static DONE: Cell<usize> = const { Cell::new(0) };

@@ -5,9 +5,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
-use crate::math::real::Real;
-use crate::scene::model::Precision;
+use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
+use sphecs_core::math::real::Real;
+use sphecs_scene::model::Precision;
 
 /// Chains side by side: as many as fill two pipes of four cycles, and fit into the sixteen registers of AVX2.
 const CHAINS: usize = 12;

@@ -6,12 +6,12 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::neighbours::Neighbours;
-use crate::pass::settings::PairSettings;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_core::pass::settings::PairSettings;
 
 /// Ordered pairs of a repetition: some 0.1 s on one core.
 const PAIRS: usize = 2_000_000;

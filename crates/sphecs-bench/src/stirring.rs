@@ -7,10 +7,10 @@
 use glam::{DVec3, IVec3};
 
 use super::cases::{BoxTerms, StirredBox};
-use crate::particles::components::{ParticleId, Position, Velocity};
-use crate::scene::faults::SceneFaults;
-use crate::scene::model::{ParticleSeed, Precision};
-use crate::simulation::{Simulation, Stop};
+use sphecs_engine::components::{ParticleId, Position, Velocity};
+use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::model::{ParticleSeed, Precision};
 
 /// Edges of a tile, in spacings, from which the largest that divides a box is taken.
 const EDGES: std::ops::RangeInclusive<usize> = 8..=20;
@@ -98,8 +98,8 @@ fn states(simulation: &mut Simulation) -> Vec<(usize, DVec3, DVec3)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::measure::count;
-    use crate::scene::seeds;
+    use crate::measure::count;
+    use sphecs_scene::seeds;
 
     fn check(dimensions: usize, count_along: usize, tiles: i32) {
         let stirred = StirredBox {

@@ -6,13 +6,6 @@ use bevy_ecs::schedule::Schedules;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
-use crate::math::column::{Columns, Misfit};
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-pub use crate::particles::sample::Sample;
-use crate::pass::section::Section;
-use crate::scene::model::{ParticleSeed, Precision, ProbeSight, Scene, Scheme};
-use crate::scene::spawn;
 use crate::systems::bodies::{Bodies, BodyForcesRow};
 use crate::systems::boundaries::watch::OutletWatch;
 use crate::systems::checkpoint::{Kept, particles};
@@ -31,6 +24,13 @@ use crate::systems::readings;
 use crate::systems::schedule::{Step, stage_schedule, step_schedule};
 use crate::systems::setup::{Resolution, SceneInUse, insert_registers, spawn_particles};
 use crate::systems::stopwatch::Stopwatch;
+use sphecs_core::math::column::{Columns, Misfit};
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+pub use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::section::Section;
+use sphecs_scene::model::{ParticleSeed, Precision, ProbeSight, Scene, Scheme};
+use sphecs_scene::spawn;
 
 /// A scene in motion.
 pub struct Simulation {
@@ -118,7 +118,7 @@ impl Simulation {
         Self::from_seeds(scene, seeds, plugins)
     }
 
-    /// Builds the world of a scene with these particles, which are those of [`scene::seeds`](crate::scene::seeds), moved or with other velocities.
+    /// Builds the world of a scene with these particles, which are those of [`scene::seeds`](sphecs_scene::seeds), moved or with other velocities.
     pub fn from_seeds(scene: Scene, seeds: Vec<ParticleSeed>, plugins: &[&dyn Plugin]) -> Self {
         match Self::of_scene(scene, Start::Seeds(seeds), plugins) {
             Ok(simulation) => simulation,

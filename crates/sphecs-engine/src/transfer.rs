@@ -9,14 +9,14 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
-use super::arrays::ParticleArrays;
 use super::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Velocity, Wall,
     WallSurface,
 };
-use super::rows::{Row, real_vector, vector};
-use super::zone::Zone;
-use crate::math::real::Real;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::{Row, real_vector, vector};
+use sphecs_core::particles::zone::Zone;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///

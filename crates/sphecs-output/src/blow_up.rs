@@ -15,10 +15,10 @@ use super::header::Header;
 use super::netcdf::dataset::{Dataset, Variable};
 use super::picture::{Field, RenderOptions, Slice, render_marked};
 use super::results::Results;
-use crate::particles::zone::Zone;
-use crate::systems::clock::Clock;
-use crate::systems::failure::Fault;
-use crate::systems::neighbourhood::{Nearby, Neighbourhood};
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::systems::failure::Fault;
+use sphecs_engine::systems::neighbourhood::{Nearby, Neighbourhood};
 
 /// Name of the NetCDF file in the run folder.
 pub const NETCDF: &str = "blow_up.nc";

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use super::error::OutputError;
 
 /// The name under which a file is written until it is whole.
-pub(crate) fn partial_name(path: &Path) -> PathBuf {
+pub fn partial_name(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".partial");
     path.with_file_name(name)
 }
 
 /// The partial name with nothing under it that leads elsewhere: what is written there stays in its folder.
-pub(crate) fn fresh_partial(path: &Path) -> PathBuf {
+pub fn fresh_partial(path: &Path) -> PathBuf {
     let partial = partial_name(path);
     if is_link(&partial) {
         // One that cannot be removed cannot be renamed either, so that the write is refused.
@@ -23,7 +23,7 @@ pub(crate) fn fresh_partial(path: &Path) -> PathBuf {
 }
 
 /// Whether a path is a symbolic link, wherever it leads.
-pub(crate) fn is_link(path: &Path) -> bool {
+pub fn is_link(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink())
 }
 
@@ -31,7 +31,7 @@ pub(crate) fn is_link(path: &Path) -> bool {
 ///
 /// # Errors
 /// [`OutputError::Io`] when the system refuses; the partial file is removed.
-pub(crate) fn commit(path: &Path) -> Result<(), OutputError> {
+pub fn commit(path: &Path) -> Result<(), OutputError> {
     let partial = partial_name(path);
     let result = File::open(&partial)
         .and_then(|file| file.sync_all())
@@ -47,7 +47,7 @@ pub(crate) fn commit(path: &Path) -> Result<(), OutputError> {
 }
 
 /// Removes what a failed write left under the partial name.
-pub(crate) fn discard(path: &Path) {
+pub fn discard(path: &Path) {
     // The write has failed already and its error is what the user needs: a second one would hide it.
     let _ = fs::remove_file(partial_name(path));
 }
@@ -56,7 +56,7 @@ pub(crate) fn discard(path: &Path) {
 ///
 /// # Errors
 /// [`OutputError::Io`] when the system refuses.
-pub(crate) fn sync_folder(folder: &Path) -> Result<(), OutputError> {
+pub fn sync_folder(folder: &Path) -> Result<(), OutputError> {
     // An empty parent of a relative path means the working folder.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     File::open(folder).and_then(|file| file.sync_all()).map_err(OutputError::io(folder, "write"))
@@ -66,7 +66,7 @@ pub(crate) fn sync_folder(folder: &Path) -> Result<(), OutputError> {
 ///
 /// # Errors
 /// [`OutputError::Io`] when the system refuses; an earlier file of that name is untouched.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     fs::write(fresh_partial(path), bytes).map_err(|cause| {
         discard(path);
         OutputError::io(path, "write")(cause)
@@ -76,7 +76,7 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> 
 
 /// Why nothing can be written to a folder, if that is so: the NetCDF library hides a full disk behind
 /// "HDF error", so that the system is asked once more.
-pub(crate) fn refusal(folder: &Path) -> Option<std::io::Error> {
+pub fn refusal(folder: &Path) -> Option<std::io::Error> {
     let probe = folder.join(format!(".probe-{}", std::process::id()));
     // A page of zeros may still fit where a frame did not: 1 MiB is about what the library buffers.
     let written = fs::write(&probe, vec![0x5a_u8; 1 << 20]).and_then(|()| File::open(&probe)?.sync_all());
@@ -86,7 +86,7 @@ pub(crate) fn refusal(folder: &Path) -> Option<std::io::Error> {
 
 /// Bytes that may still be written to the file system of a folder, or of the nearest one above it that is there; None where the system
 /// does not tell.
-pub(crate) fn free_space(folder: &Path) -> Option<u64> {
+pub fn free_space(folder: &Path) -> Option<u64> {
     let absolute = std::path::absolute(folder).ok()?;
     let place = absolute.ancestors().find(|place| place.exists())?;
     let figures = rustix::fs::statvfs(place).ok()?;

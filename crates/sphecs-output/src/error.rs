@@ -98,7 +98,7 @@ pub enum OutputError {
 
 impl OutputError {
     /// A system fault while doing something with a path.
-    pub(crate) fn io(path: &Path, doing: &'static str) -> impl FnOnce(io::Error) -> Self {
+    pub fn io(path: &Path, doing: &'static str) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
         move |cause| Self::Io { path, doing, cause }
     }

@@ -23,11 +23,11 @@ use super::probes::writer::ProbeWriter;
 use super::results::is_run;
 use super::summary::Summary;
 use super::table::TableWriter;
-use crate::math::column::Columns;
-use crate::math::lanes::InstructionSet;
-use crate::systems::bodies::BodyForcesRow;
-use crate::systems::clock::Clock;
-use crate::systems::monitor::MonitorRow;
+use sphecs_core::math::column::Columns;
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_engine::systems::bodies::BodyForcesRow;
+use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::systems::monitor::MonitorRow;
 
 /// Name of the scene in the run folder.
 pub const SCENE: &str = "scene.ron";
@@ -123,7 +123,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// [`OutputError`] with path and cause; the folder can be gone on from again.
-    pub(crate) fn go_on(
+    pub fn go_on(
         path: &Path,
         header: &Header,
         probes: &ProbeSet,

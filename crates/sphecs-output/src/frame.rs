@@ -3,12 +3,12 @@
 use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 
-use crate::particles::components::{
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::components::{
     Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
-use crate::particles::zone::Zone;
-use crate::systems::clock::Clock;
-use crate::systems::setup::Seats;
+use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::systems::setup::Seats;
 
 /// The number stored in `zone` for a slot that no particle has: the reservoir may grow during a run, and particles be deleted.
 pub const ABSENT: u8 = 255;
@@ -145,8 +145,8 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::particles::components::{Fluid, ParticleBundle};
     use glam::DVec3;
+    use sphecs_engine::components::{Fluid, ParticleBundle};
 
     fn particle(id: u32) -> ParticleBundle {
         let number = f64::from(id);

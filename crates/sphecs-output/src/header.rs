@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::frame::Frame;
-use crate::particles::zone::Zone;
-use crate::scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
+use sphecs_core::particles::zone::Zone;
+use sphecs_scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
 
 /// Facts of a run that stand from its first step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use super::error::OutputError;
 use super::frame::Frame;
 use super::results::Results;
 use super::summary::Status;
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// Describes a run: scene, status, frames, counts, ledger, ranges of the last frame's fields.
 ///

@@ -25,7 +25,7 @@ pub const FOLDER: &str = "journal";
 const QUEUE: usize = 1;
 
 /// Path of the walls in a journal.
-pub(crate) fn walls_path(journal: &Path) -> PathBuf {
+pub fn walls_path(journal: &Path) -> PathBuf {
     journal.join("walls.nc")
 }
 
@@ -38,7 +38,7 @@ fn frame_path(journal: &Path, index: u64) -> PathBuf {
 ///
 /// # Errors
 /// [`OutputError::Io`] when the folder does not read.
-pub(crate) fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
+pub fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(journal).map_err(OutputError::io(journal, "read"))? {
         let path = entry.map_err(OutputError::io(journal, "read"))?.path();
@@ -52,7 +52,7 @@ pub(crate) fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
 }
 
 /// Index of a frame by the name of its file.
-pub(crate) fn frame_index(path: &Path) -> Option<u64> {
+pub fn frame_index(path: &Path) -> Option<u64> {
     let name = path.file_name()?.to_str()?;
     name.strip_prefix("frame-")?.strip_suffix(".nc")?.parse().ok()
 }
@@ -61,7 +61,7 @@ pub(crate) fn frame_index(path: &Path) -> Option<u64> {
 ///
 /// # Errors
 /// [`OutputError`] of a frame, or with path and cause.
-pub(crate) fn write_all(
+pub fn write_all(
     journal: &Path,
     header: &Header,
     count: usize,

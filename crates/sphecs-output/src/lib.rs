@@ -9,7 +9,7 @@
 
 pub mod blow_up;
 pub mod checkpoint;
-pub(crate) mod disk;
+pub mod disk;
 pub mod error;
 pub mod folder;
 pub mod forces;
@@ -17,7 +17,7 @@ pub mod frame;
 pub mod header;
 pub mod info;
 pub mod journal;
-pub(crate) mod lock;
+pub mod lock;
 pub mod monitor;
 mod netcdf;
 pub mod pack;

@@ -10,7 +10,7 @@ use super::{disk, journal};
 
 /// Says to other processes that a run is being written; freed by the system whatever ends the process.
 #[derive(Debug)]
-pub(crate) struct Lock {
+pub struct Lock {
     _file: File,
 }
 
@@ -19,7 +19,7 @@ impl Lock {
     ///
     /// # Errors
     /// [`OutputError::Busy`] when another process has it, [`OutputError::Request`] when it is a link: what that leads to would be emptied.
-    pub(crate) fn take(folder: &Path) -> Result<Self, OutputError> {
+    pub fn take(folder: &Path) -> Result<Self, OutputError> {
         let path = folder.join(".lock");
         if disk::is_link(&path) {
             return Err(OutputError::Request(format!("`{}`: is a link: remove it", path.display())));
@@ -38,7 +38,7 @@ impl Lock {
     /// # Errors
     /// As [`Lock::take`]; [`OutputError::Request`] with a link in it, as what is cut back, removed and written there would be elsewhere;
     /// [`OutputError::Io`] when a folder does not read.
-    pub(crate) fn take_plain(run: &Path) -> Result<Self, OutputError> {
+    pub fn take_plain(run: &Path) -> Result<Self, OutputError> {
         let lock = Self::take(run)?;
         let folders =
             [run.to_path_buf(), run.join(journal::FOLDER), run.join(PACKED_JOURNAL), run.join(store::FOLDER)];

@@ -9,8 +9,8 @@ use super::error::OutputError;
 use super::header::Header;
 use super::netcdf::dataset::Dataset;
 use super::table::{Column, Table, TableWriter, number, safe_names};
-use crate::particles::zone::Zone;
-use crate::systems::monitor::MonitorRow;
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::systems::monitor::MonitorRow;
 
 /// Name of the CSV file in the run folder.
 pub const CSV: &str = "monitor.csv";

@@ -20,7 +20,7 @@ use super::{forces, monitor, probes};
 pub const PARTICLES: &str = "particles.nc";
 
 /// The journal's name between the moment that `particles.nc` stands and its removal.
-pub(crate) const PACKED_JOURNAL: &str = "journal.packed";
+pub const PACKED_JOURNAL: &str = "journal.packed";
 
 /// What packing made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -42,7 +42,7 @@ pub fn pack(folder: &Path) -> Result<Packed, OutputError> {
 }
 
 /// Packs a run whose lock is held.
-pub(crate) fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError> {
+pub fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError> {
     let mut packed = Packed::default();
     let journal = folder.join(journal::FOLDER);
     if journal.exists() {
@@ -104,7 +104,7 @@ fn ensure_room(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
 ///
 /// # Errors
 /// [`OutputError::Io`] when the system refuses.
-pub(crate) fn remove_folder(path: &Path) -> Result<(), OutputError> {
+pub fn remove_folder(path: &Path) -> Result<(), OutputError> {
     match fs::remove_dir_all(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
             Err(OutputError::io(path, "remove")(error))

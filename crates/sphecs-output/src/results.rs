@@ -15,7 +15,7 @@ use super::summary::Summary;
 ///
 /// # Errors
 /// [`OutputError::NotARun`] when the folder is none, or [`OutputError`] with path and cause.
-pub(crate) fn read_header(folder: &Path) -> Result<Header, OutputError> {
+pub fn read_header(folder: &Path) -> Result<Header, OutputError> {
     let path = folder.join(SCENE);
     let mut header = Summary::read(folder)?.run;
     header.text = std::fs::read_to_string(&path).map_err(OutputError::io(&path, "read"))?;
@@ -117,7 +117,7 @@ impl Results {
     }
 
     /// The error of a run without frames.
-    pub(crate) fn no_frames(&self) -> OutputError {
+    pub fn no_frames(&self) -> OutputError {
         OutputError::Request(format!("`{}`: has no frames yet", self.folder.display()))
     }
 
@@ -162,7 +162,7 @@ impl Results {
 }
 
 /// Whether a folder looks like a run of sphecs: only such folders are replaced.
-pub(crate) fn is_run(folder: &Path) -> bool {
+pub fn is_run(folder: &Path) -> bool {
     let has = |name: &str| folder.join(name).exists();
     has(SCENE) && (has(super::summary::FILE) || has(PARTICLES) || has(journal::FOLDER) || has(PACKED_JOURNAL))
 }

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::disk;
 use super::error::OutputError;
 use super::header::Header;
-use crate::particles::zone::Zone;
-use crate::systems::ledger::Ledger;
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::systems::ledger::Ledger;
 
 /// Name of the file in the run folder.
 pub const FILE: &str = "summary.json";

@@ -10,17 +10,17 @@ use super::error::OutputError;
 
 /// A column: its name and its unit as UDUNITS writes it; text columns have none.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Column {
-    pub(crate) name: String,
-    pub(crate) unit: Option<String>,
+pub struct Column {
+    pub name: String,
+    pub unit: Option<String>,
 }
 
 impl Column {
-    pub(crate) fn new(name: impl Into<String>, unit: &str) -> Self {
+    pub fn new(name: impl Into<String>, unit: &str) -> Self {
         Self { name: name.into(), unit: Some(unit.to_owned()) }
     }
 
-    pub(crate) fn of_text(name: &str) -> Self {
+    pub fn of_text(name: &str) -> Self {
         Self { name: name.to_owned(), unit: None }
     }
 
@@ -40,7 +40,7 @@ impl Column {
 }
 
 /// A number as text: the shortest that reads back as the same double, without long rows of zeros.
-pub(crate) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-4..1e15).contains(&size) || !value.is_finite() {
         format!("{value}")
@@ -51,7 +51,7 @@ pub(crate) fn number(value: f64) -> String {
 
 /// Appends rows to a CSV file.
 #[derive(Debug)]
-pub(crate) struct TableWriter {
+pub struct TableWriter {
     path: PathBuf,
     file: File,
     length: u64,
@@ -59,7 +59,7 @@ pub(crate) struct TableWriter {
 
 impl TableWriter {
     /// Starts a file with its header.
-    pub(crate) fn create(path: &Path, columns: &[Column]) -> Result<Self, OutputError> {
+    pub fn create(path: &Path, columns: &[Column]) -> Result<Self, OutputError> {
         let file = File::create(path).map_err(OutputError::io(path, "write"))?;
         let mut writer = Self { path: path.to_path_buf(), file, length: 0 };
         writer.append([columns.iter().map(Column::title).collect::<Vec<_>>()])?;
@@ -67,7 +67,7 @@ impl TableWriter {
     }
 
     /// Goes on behind the first `length` bytes of a file; what stands there beyond is cut off.
-    pub(crate) fn go_on(path: &Path, length: u64) -> Result<Self, OutputError> {
+    pub fn go_on(path: &Path, length: u64) -> Result<Self, OutputError> {
         let refused = || OutputError::io(path, "cut back");
         let mut file = File::options().write(true).open(path).map_err(refused())?;
         file.set_len(length).map_err(refused())?;
@@ -76,23 +76,23 @@ impl TableWriter {
     }
 
     /// Bytes written so far.
-    pub(crate) fn length(&self) -> u64 {
+    pub fn length(&self) -> u64 {
         self.length
     }
 
     /// The file once more, for a thread that makes it durable.
-    pub(crate) fn handle(&self) -> Result<File, OutputError> {
+    pub fn handle(&self) -> Result<File, OutputError> {
         self.file.try_clone().map_err(OutputError::io(&self.path, "open"))
     }
 
     /// Appends rows in one write, so that a kill leaves at most one unfinished line at the end.
-    pub(crate) fn append(&mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
+    pub fn append(&mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
         let lines: String = rows.into_iter().map(|row| line(&row) + "\n").collect();
         self.append_lines(&lines)
     }
 
     /// Appends whole lines in one write.
-    pub(crate) fn append_lines(&mut self, lines: &str) -> Result<(), OutputError> {
+    pub fn append_lines(&mut self, lines: &str) -> Result<(), OutputError> {
         let written = self.file.write_all(lines.as_bytes());
         written.map_err(OutputError::io(&self.path, "write"))?;
         self.length += lines.len() as u64;
@@ -101,7 +101,7 @@ impl TableWriter {
 }
 
 /// The cells of a row as CSV, without an end of line.
-pub(crate) fn line(cells: &[String]) -> String {
+pub fn line(cells: &[String]) -> String {
     let quoted = cells.iter().map(|cell| {
         if cell.contains([',', '"', '\n', '\r']) {
             format!("\"{}\"", cell.replace('"', "\"\""))
@@ -114,31 +114,28 @@ pub(crate) fn line(cells: &[String]) -> String {
 
 /// A CSV file in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Table {
-    pub(crate) columns: Vec<Column>,
-    pub(crate) rows: Vec<Vec<String>>,
+pub struct Table {
+    pub columns: Vec<Column>,
+    pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// Reads a file; a last line that was cut off by a kill is left out.
-    pub(crate) fn read(path: &Path) -> Result<Self, OutputError> {
+    pub fn read(path: &Path) -> Result<Self, OutputError> {
         let mut rows = Vec::new();
         let columns = for_each_row(path, |row| rows.push(row.iter().map(str::to_owned).collect()))?;
         Ok(Self { columns, rows })
     }
 
     /// The numbers of a column; NaN where a cell is empty or text.
-    pub(crate) fn numbers(&self, column: usize) -> Vec<f64> {
+    pub fn numbers(&self, column: usize) -> Vec<f64> {
         self.rows.iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
     }
 }
 
 /// Hands over the rows of a file one by one, which may be more than fit into memory; its columns. A last line that was
 /// cut off by a kill is left out.
-pub(crate) fn for_each_row(
-    path: &Path,
-    mut take: impl FnMut(&StringRecord),
-) -> Result<Vec<Column>, OutputError> {
+pub fn for_each_row(path: &Path, mut take: impl FnMut(&StringRecord)) -> Result<Vec<Column>, OutputError> {
     let open = || {
         let mut file = File::open(path)?;
         let length = whole_lines(&mut file)?;
@@ -174,7 +171,7 @@ fn whole_lines(file: &mut File) -> std::io::Result<u64> {
 }
 
 /// Names of patches and probes as parts of variable names: letters, digits and `_`, no two alike.
-pub(crate) fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+pub fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut safe: Vec<String> = Vec::new();
     for name in names {
         let mut plain: String =

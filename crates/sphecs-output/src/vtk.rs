@@ -15,7 +15,7 @@ use super::disk;
 use super::error::OutputError;
 use super::frame::{ABSENT, Frame};
 use super::results::Results;
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// Writes all frames into a folder; the path of the series, to be opened in ParaView. Calls `done` with the number of
 /// frames written and of all.

@@ -2,9 +2,9 @@
 
 use miette::Diagnostic;
 
-use crate::output::error::OutputError;
-use crate::scene::faults::SceneFaults;
-use crate::simulation::Stop;
+use sphecs_engine::simulation::Stop;
+use sphecs_output::error::OutputError;
+use sphecs_scene::faults::SceneFaults;
 
 /// Why a run ended before its end.
 #[derive(Debug, thiserror::Error, Diagnostic)]

@@ -31,8 +31,8 @@ use signals::{Signal, Signals};
 use threads::on_threads;
 use voyage::Voyage;
 
-use crate::output::folder::check_free;
-use crate::scene::model::Scene;
+use sphecs_output::folder::check_free;
+use sphecs_scene::model::Scene;
 
 /// What the user asks of a run beside the scene.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::due::Due;
-use crate::systems::monitor::MonitorRow;
+use sphecs_engine::systems::monitor::MonitorRow;
 
 /// Name of the log among the columns of a checkpoint.
 pub const NAME: &str = "run.log";

@@ -3,10 +3,10 @@
 use super::RunOptions;
 use super::report;
 use super::words::{columns, figure, grouped};
-use crate::math::lanes::InstructionSet;
-use crate::scene::model::Scene;
-use crate::scene::summary::summary;
-use crate::systems::ledger::Ledger;
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_engine::systems::ledger::Ledger;
+use sphecs_scene::model::Scene;
+use sphecs_scene::summary::summary;
 
 /// The summary of a run to `until`, s.
 pub fn text(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOptions) -> String {

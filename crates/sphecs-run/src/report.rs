@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::words::{columns, duration, figure, grouped};
-use crate::output::disk::bytes;
-use crate::output::pack::Packed;
-use crate::particles::zone::Zone;
-use crate::scene::model::Scene;
-use crate::systems::clock::Clock;
-use crate::systems::ledger::Ledger;
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::systems::ledger::Ledger;
+use sphecs_output::disk::bytes;
+use sphecs_output::pack::Packed;
+use sphecs_scene::model::Scene;
 
 /// Counts of all zones that hold particles: `35 112 fluid, 4 020 wall`.
 pub fn counts(by_zone: [u64; 5]) -> String {

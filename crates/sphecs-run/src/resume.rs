@@ -12,21 +12,20 @@ use super::threads::on_threads;
 use super::voyage::Voyage;
 use super::words::{figure, grouped};
 use super::{Ending, RunOptions, opening};
-use crate::math::lanes::InstructionSet;
-use crate::output::checkpoint::store::{Refused, Store};
-use crate::output::checkpoint::{Checkpoint, Facts, cut};
-use crate::output::error::OutputError;
-use crate::output::folder::RunFolder;
-use crate::output::header::Header;
-use crate::output::lock::Lock;
-use crate::output::pack::pack_locked;
-use crate::output::probes::ProbeSet;
-use crate::output::results::read_header;
-use crate::output::summary::{Status, Summary};
-use crate::scene;
-use crate::scene::model::Scene;
-use crate::simulation::Simulation;
-use crate::systems::checkpoint::value;
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_engine::simulation::Simulation;
+use sphecs_engine::systems::checkpoint::value;
+use sphecs_output::checkpoint::store::{Refused, Store};
+use sphecs_output::checkpoint::{Checkpoint, Facts, cut};
+use sphecs_output::error::OutputError;
+use sphecs_output::folder::RunFolder;
+use sphecs_output::header::Header;
+use sphecs_output::lock::Lock;
+use sphecs_output::pack::pack_locked;
+use sphecs_output::probes::ProbeSet;
+use sphecs_output::results::read_header;
+use sphecs_output::summary::{Status, Summary};
+use sphecs_scene::model::Scene;
 
 /// Paths of a scene that a resumed run may change: they say how long it goes and what is written when, not what flows.
 pub const CHANGEABLE: [&str; 4] =
@@ -129,7 +128,7 @@ fn changed_scene(
         )));
     }
     let changes = [header.changes.clone(), options.sets.clone()].concat();
-    let scene = scene::load_kept(&header.scene, &header.text, &header.tables, &changes)?;
+    let scene = sphecs_scene::load_kept(&header.scene, &header.text, &header.tables, &changes)?;
     Ok((scene, changes))
 }
 

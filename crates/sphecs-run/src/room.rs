@@ -2,10 +2,10 @@
 
 use super::RunOptions;
 use super::words::{figure, grouped};
-use crate::output::disk::free_space;
-use crate::output::error::OutputError;
-use crate::scene::demand::Demand;
-use crate::scene::model::Scene;
+use sphecs_output::disk::free_space;
+use sphecs_output::error::OutputError;
+use sphecs_scene::demand::Demand;
+use sphecs_scene::model::Scene;
 
 /// Whether the results of a run find room.
 ///

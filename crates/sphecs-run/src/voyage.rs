@@ -11,18 +11,18 @@ use super::pace::{Pace, Progress, fraction};
 use super::signals::{Signal, Signals};
 use super::words::{duration, figure, grouped};
 use super::{Ending, RunOptions, opening, report, wreck};
-use crate::math::lanes::InstructionSet;
-use crate::output::error::OutputError;
-use crate::output::folder::RunFolder;
-use crate::output::frame::Frame;
-use crate::output::header::Header;
-use crate::output::pack::Packed;
-use crate::output::probes::ProbeSet;
-use crate::output::summary::{LedgerCounts, StageTime, Status, Summary, this_build};
-use crate::particles::zone::Zone;
-use crate::scene::model::{ForcesEvery, Scene};
-use crate::simulation::{Simulation, Stop};
-use crate::systems::checkpoint::record;
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_engine::systems::checkpoint::record;
+use sphecs_output::error::OutputError;
+use sphecs_output::folder::RunFolder;
+use sphecs_output::frame::Frame;
+use sphecs_output::header::Header;
+use sphecs_output::pack::Packed;
+use sphecs_output::probes::ProbeSet;
+use sphecs_output::summary::{LedgerCounts, StageTime, Status, Summary, this_build};
+use sphecs_scene::model::{ForcesEvery, Scene};
 
 /// A run under way.
 pub struct Voyage {

@@ -5,15 +5,15 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::words::{figure, grouped};
-use crate::output::blow_up;
-use crate::output::error::OutputError;
-use crate::output::header::Header;
-use crate::output::summary::Status;
-use crate::scene::model::{Patch, Scene};
-use crate::simulation::Stop;
-use crate::systems::clock::Clock;
-use crate::systems::failure::Fault;
-use crate::systems::neighbourhood::Nearby;
+use sphecs_engine::simulation::Stop;
+use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::systems::failure::Fault;
+use sphecs_engine::systems::neighbourhood::Nearby;
+use sphecs_output::blow_up;
+use sphecs_output::error::OutputError;
+use sphecs_output::header::Header;
+use sphecs_output::summary::Status;
+use sphecs_scene::model::{Patch, Scene};
 
 /// How the run ended, and what usually helps.
 pub fn cure(stop: &Stop) -> (Status, String) {

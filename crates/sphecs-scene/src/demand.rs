@@ -72,10 +72,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::scene::load;
+    use crate::load;
 
     fn quickstart(sets: &[(&str, &str)]) -> Scene {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/quickstart.ron");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/quickstart.ron");
         let sets: Vec<(String, String)> =
             sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
         load(&path, &sets).expect("a scene")

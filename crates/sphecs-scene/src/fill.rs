@@ -13,7 +13,7 @@ use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
 use super::rings;
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane count as fluid.
 const HAIR: f64 = 1e-9;
@@ -265,7 +265,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::scene::load_smoke;
+    use crate::load_smoke;
 
     /// What a row skips is what each of its points by itself would be.
     #[test]
@@ -273,7 +273,7 @@ mod tests {
         for name in
             ["square_bend", "cylinder_re20", "constricted_r2", "kelvin_helmholtz_periodic", "inclined_plates"]
         {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.ron"));
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.ron"));
             let scene = load_smoke(&path, &[]).unwrap();
             let filler = Filler::new(&scene);
             let (low, high) = scene.layout.confines.bounds();

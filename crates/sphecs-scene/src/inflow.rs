@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::model::{Inlet, InletVelocity, Patch};
-use crate::physics::inlet::poiseuille::startup_velocity;
+use sphecs_core::physics::inlet::poiseuille::startup_velocity;
 
 impl Inlet {
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
@@ -96,9 +96,9 @@ fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: i
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::inlet::{Feed, InletPressure};
-    use crate::scene::expression::{Constants, Expression};
-    use crate::scene::model::Patch;
+    use crate::expression::{Constants, Expression};
+    use crate::model::Patch;
+    use sphecs_core::physics::inlet::{Feed, InletPressure};
 
     fn inlet(velocity: InletVelocity) -> Inlet {
         Inlet {

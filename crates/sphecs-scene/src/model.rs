@@ -12,10 +12,10 @@ use super::lattice::Lattice;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
-use crate::physics::eos::Tait;
-use crate::physics::inlet::{Feed, InletPressure};
-use crate::physics::outlet::OutletCondition;
-use crate::physics::wall::{Slip, WallModel};
+use sphecs_core::physics::eos::Tait;
+use sphecs_core::physics::inlet::{Feed, InletPressure};
+use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// A complete, checked scene.
 #[derive(Clone, Debug)]
@@ -333,7 +333,7 @@ pub struct ParticleSeed {
     /// Position, m.
     pub position: DVec3,
     /// Zone and patch (or wall part) index.
-    pub zone: crate::particles::zone::Zone,
+    pub zone: sphecs_core::particles::zone::Zone,
     /// Index of inlet, outlet or wall part.
     pub patch: u16,
     /// Velocity, m/s.

@@ -95,7 +95,7 @@ mod tests {
     use glam::DVec3;
 
     use super::outline;
-    use crate::scene::load_str;
+    use crate::load_str;
 
     /// A drum of ten spacings in a box, in 2D and as a ball in 3D: the area of each, normals that point away from its middle and cancel.
     #[test]

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// Particles that a probe sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]

@@ -14,7 +14,7 @@ use serde::Deserialize;
 
 use super::fill::{Place, wall_thickness};
 use super::model::Scene;
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// Where the first ring of a cylinder is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -74,9 +74,9 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::particles::zone::Zone;
-    use crate::scene::load_str;
-    use crate::scene::spawn::seeds;
+    use crate::load_str;
+    use crate::spawn::seeds;
+    use sphecs_core::particles::zone::Zone;
 
     const CYLINDER: &str = r#"Scene(
         title: "Cylinder", dimensions: 2, spacing: 0.1, smoke: 0.2,

@@ -1,11 +1,11 @@
 //! Numerical schemes of a checked scene.
 
-use crate::math::kernel::Kernel;
-use crate::physics::edac::Edac;
-use crate::physics::integrator::Integrator;
-use crate::physics::shifting::Shifting;
-use crate::physics::viscosity::Viscosity;
-use crate::physics::viscosity::reconstructed::NoiseDamping;
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::edac::Edac;
+use sphecs_core::physics::integrator::Integrator;
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_core::physics::viscosity::Viscosity;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 
 /// The numerical scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use super::expression::Expression;
 use super::fill::{Place, places};
 use super::model::{ParticleSeed, Scene};
 use super::walls;
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// All particles at t = 0: fluid, wall, inflow, outflow, reservoir, each zone in the order of its lattice.
 /// The same scene gives the same list, bit for bit.

@@ -110,7 +110,7 @@ fn part(scene: &Scene, surface: DVec3) -> u16 {
 mod tests {
     use glam::DVec3;
 
-    use crate::scene::load_str;
+    use crate::load_str;
 
     /// A drum that turns with 2/s and, later, faster: ω² R to its axis whatever it does along itself.
     #[test]

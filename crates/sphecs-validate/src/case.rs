@@ -6,16 +6,16 @@ use include_dir::{Dir, include_dir};
 
 use super::check;
 use super::schema::{CaseFile, RunFile, Tier};
-use crate::scene::expression::Constants;
-use crate::scene::faults::{Fault, SceneFaults, advice};
-use crate::scene::model::Scene;
-use crate::scene::notation::{reader, typed};
-use crate::scene::{self, constants};
+use sphecs_scene::constants;
+use sphecs_scene::expression::Constants;
+use sphecs_scene::faults::{Fault, SceneFaults, advice};
+use sphecs_scene::model::Scene;
+use sphecs_scene::notation::{reader, typed};
 
 /// The cases with their tables, part of the program.
-static CASES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/assets/validation");
+static CASES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/validation");
 /// The scenes that they run.
-static SCENES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/scenes");
+static SCENES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../scenes");
 
 /// A checked case.
 #[derive(Clone, Debug)]
@@ -96,11 +96,11 @@ impl Case {
     pub fn member_scene(&self, run: &RunFile, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
         let name = &run.scene.value;
         if let Some(folder) = self.folder.as_ref().filter(|_| name.ends_with(".ron")) {
-            return scene::load(&folder.join(name), sets);
+            return sphecs_scene::load(&folder.join(name), sets);
         }
         let file = SCENES.get_file(format!("{name}.ron"));
         match file.and_then(|file| file.contents_utf8()) {
-            Some(text) => scene::load_str(name, text, sets),
+            Some(text) => sphecs_scene::load_str(name, text, sets),
             None => {
                 let known = SCENES.files().filter_map(|file| file.path().file_stem()?.to_str());
                 let fault = Fault::placeless(format!("there is no scene `{name}`"))

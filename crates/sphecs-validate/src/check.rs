@@ -9,10 +9,10 @@ use super::schema::{
 };
 use super::value::reading::error_of;
 use super::value::{FORCES, MONITOR, fields};
-use crate::scene::expression::Constants;
-use crate::scene::faults::{Fault, advice};
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{FormulaText, Text};
+use sphecs_scene::expression::Constants;
+use sphecs_scene::faults::{Fault, advice};
+use sphecs_scene::notation::typed::Spanned;
+use sphecs_scene::schema::{FormulaText, Text};
 
 /// A direction may be longer or shorter than 1 by this.
 const UNIT: f64 = 1e-3;

@@ -12,15 +12,15 @@ use super::report::RunLine;
 use super::schema::{RunFile, Tier};
 use super::value::RunResults;
 use super::{ValidateError, ValidateOptions};
-use crate::output::error::OutputError;
-use crate::output::summary::{Status, Summary, this_build};
-use crate::run::console::Console;
-use crate::run::error::RunError;
-use crate::run::resume::{self, ResumeOptions};
-use crate::run::signals::{Signal, Signals};
-use crate::run::threads::on_threads;
-use crate::run::{self, Ending, RunOptions};
-use crate::scene::model::Scene;
+use sphecs_output::error::OutputError;
+use sphecs_output::summary::{Status, Summary, this_build};
+use sphecs_run::console::Console;
+use sphecs_run::error::RunError;
+use sphecs_run::resume::{self, ResumeOptions};
+use sphecs_run::signals::{Signal, Signals};
+use sphecs_run::threads::on_threads;
+use sphecs_run::{Ending, RunOptions};
+use sphecs_scene::model::Scene;
 
 /// A run to be made: a member of one of a case's.
 #[derive(Clone, Debug)]
@@ -141,7 +141,7 @@ fn sail(
     let ending = match earlier {
         Earlier::Whole => Ok(Ending::Completed),
         Earlier::Begun => go_on(scene, folder, signals),
-        Earlier::Nothing => run::run_here(scene, &run_options(folder), beside(signals)?),
+        Earlier::Nothing => sphecs_run::run_here(scene, &run_options(folder), beside(signals)?),
     };
     let failure = match ending {
         Ok(Ending::Completed | Ending::OutOfTime) => None,
@@ -180,7 +180,7 @@ fn go_on(scene: Scene, folder: &Path, signals: &Signals) -> Result<Ending, RunEr
         // Nothing to go on from: its checkpoints are damaged, of another layout or of another machine. What else may
         // fail, a full disk say, would fail again, and leaves what was begun.
         Err(RunError::Output(OutputError::Request(_) | OutputError::Damaged { .. })) => {
-            run::run_here(scene, &options.run, beside(signals)?)
+            sphecs_run::run_here(scene, &options.run, beside(signals)?)
         }
         ending => ending,
     }

@@ -35,13 +35,13 @@ use value::reading::{Reading, error_of, names};
 use value::{Context, RunResults, evaluate, runs_of};
 use verdict::Verdict;
 
-use crate::output::disk::write_whole;
-use crate::output::error::OutputError;
-use crate::run::console::Console;
-use crate::run::error::RunError;
-use crate::run::signals::Signal;
-use crate::run::words::duration;
-use crate::scene::faults::SceneFaults;
+use sphecs_output::disk::write_whole;
+use sphecs_output::error::OutputError;
+use sphecs_run::console::Console;
+use sphecs_run::error::RunError;
+use sphecs_run::signals::Signal;
+use sphecs_run::words::duration;
+use sphecs_scene::faults::SceneFaults;
 
 /// Name of the report for programs.
 const REPORT: &str = "report.json";

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::schema::{AxisFile, PictureFile};
 use super::verdict::number;
-use crate::output::error::OutputError;
-use crate::output::picture::{RenderOptions, Slice, render};
-use crate::output::results::Results;
-use crate::scene::schema::Number;
+use sphecs_output::error::OutputError;
+use sphecs_output::picture::{RenderOptions, Slice, render};
+use sphecs_output::results::Results;
+use sphecs_scene::schema::Number;
 
 /// Width of a picture where the case gives none, pixels: half a page, and some tens of kilobytes.
 const WIDTH: u32 = 900;

@@ -6,7 +6,7 @@ use super::case::Case;
 use super::schema::{CaseFile, FigureFile};
 use super::value::reading::Reading;
 use super::verdict::{Verdict, figures, number, signs};
-use crate::run::words::{duration, grouped};
+use sphecs_run::words::{duration, grouped};
 
 /// A figure with its value.
 #[derive(Clone, Debug)]

@@ -84,8 +84,8 @@ pub fn figures(value: f64, digits: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::notation::tree::Span;
-    use crate::scene::notation::typed::Spanned;
+    use sphecs_scene::notation::tree::Span;
+    use sphecs_scene::notation::typed::Spanned;
 
     fn placed(value: f64) -> Spanned<f64> {
         Spanned { value, span: Span::PLACEHOLDER, head: Span::PLACEHOLDER }

@@ -10,15 +10,15 @@ use super::pair::Pair;
 use super::rates::{StepsSincePlain, Sums, level};
 use super::setup::SceneInUse;
 use super::surface_shear::SurfaceShear;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::pass::body::{Body, BodySum};
-use crate::pass::edac::body::sum_body_force as sum_evolved;
-use crate::pass::rates::body::sum_body_force;
-use crate::pass::settings::{PairSettings, PressureLaw};
-use crate::pass::wall_friction::add_friction_on;
-use crate::physics::edac::Edac;
-use crate::scene::model::Scene;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::pass::body::{Body, BodySum};
+use sphecs_core::pass::edac::body::sum_body_force as sum_evolved;
+use sphecs_core::pass::rates::body::sum_body_force;
+use sphecs_core::pass::settings::{PairSettings, PressureLaw};
+use sphecs_core::pass::wall_friction::add_friction_on;
+use sphecs_core::physics::edac::Edac;
+use sphecs_scene::model::Scene;
 
 /// The forces on all bodies at the beginning of a step, of which they are part.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -29,10 +29,10 @@ use super::shift::shift;
 use super::stopwatch::Stopwatch;
 use super::transitions::stock::FreeNumbers;
 use super::transitions::{TransitionLists, transition};
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::physics::shifting::Shifting;
-use crate::scene::model::ProbeKind;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_scene::model::ProbeKind;
 
 /// The arrays, their sort and the two homes of the state.
 pub struct NeighboursPlugin<R, const D: usize>(pub std::marker::PhantomData<R>);

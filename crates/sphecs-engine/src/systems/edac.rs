@@ -14,17 +14,17 @@ use super::neighbours::Grid;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
 use super::setup::{Resolution, SceneInUse};
-use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::{GROUP, for_each_part};
-use crate::pass::density;
-use crate::pass::edac;
-use crate::physics::edac::Edac;
-use crate::physics::integrator::kick_drift::{self, KickDrift};
-use crate::physics::timestep::TimeStepLimits;
-use crate::scene::model::{BodyForce, Patch, Scene, Scheme};
+use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::{GROUP, for_each_part};
+use sphecs_core::pass::density;
+use sphecs_core::pass::edac;
+use sphecs_core::physics::edac::Edac;
+use sphecs_core::physics::integrator::kick_drift::{self, KickDrift};
+use sphecs_core::physics::timestep::TimeStepLimits;
+use sphecs_scene::model::{BodyForce, Patch, Scene, Scheme};
 
 /// The terms of the scheme.
 fn terms(scene: &Scene) -> Option<&Edac> {

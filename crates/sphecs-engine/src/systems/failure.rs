@@ -10,13 +10,13 @@ use super::clock::Clock;
 use super::neighbourhood::Neighbourhood;
 use super::pair::Pair;
 use super::setup::SceneInUse;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::join_parts;
-use crate::physics::integrator::friction;
-use crate::physics::timestep::TimeStepLimits;
-use crate::scene::model::{Scene, Scheme};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::join_parts;
+use sphecs_core::physics::integrator::friction;
+use sphecs_core::physics::timestep::TimeStepLimits;
+use sphecs_scene::model::{Scene, Scheme};
 
 /// The first reason to stop that a step found.
 #[derive(Resource, Clone, Debug, Default)]

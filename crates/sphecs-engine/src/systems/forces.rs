@@ -8,11 +8,11 @@ use glam::DVec3;
 
 use super::clock::Clock;
 use super::setup::SceneInUse;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::for_each_part;
-use crate::scene::model::BodyForce;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::for_each_part;
+use sphecs_scene::model::BodyForce;
 
 /// Forces per mass that plugins add: each is called for every fluid particle in every stage.
 ///

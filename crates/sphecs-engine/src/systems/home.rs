@@ -5,9 +5,9 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 
 use super::rates::Sums;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::transfer;
+use crate::transfer;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
 
 /// Which home of the state is fresh.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]

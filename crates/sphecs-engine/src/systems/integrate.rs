@@ -15,15 +15,15 @@ use super::clock::Clock;
 use super::pair::Pair;
 use super::rates::{RatesFound, StepsSincePlain, Sums};
 use super::setup::{Resolution, SceneInUse};
-use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::{GROUP, for_each_part, join_parts};
-use crate::physics::integrator::kick_drift::KickDrift;
-use crate::physics::integrator::verlet::Verlet;
-use crate::physics::integrator::{Advance, Integrator, friction};
-use crate::physics::timestep::TimeStepLimits;
+use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::{GROUP, for_each_part, join_parts};
+use sphecs_core::physics::integrator::kick_drift::KickDrift;
+use sphecs_core::physics::integrator::verlet::Verlet;
+use sphecs_core::physics::integrator::{Advance, Integrator, friction};
+use sphecs_core::physics::timestep::TimeStepLimits;
 
 /// Rows that a thread takes at a time.
 const CHUNK: usize = 4096;

@@ -3,7 +3,7 @@
 use bevy_ecs::resource::Resource;
 use serde::{Deserialize, Serialize};
 
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// Counts since the start.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -12,12 +12,12 @@ use super::ledger::Ledger;
 use super::neighbours::Grid;
 use super::rates::RatesFound;
 use super::setup::{Resolution, SceneInUse};
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::neighbours::Neighbours;
-use crate::scene::model::Scene;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_scene::model::Scene;
 
 /// One row of `monitor.nc`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

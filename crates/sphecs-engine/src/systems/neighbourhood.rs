@@ -3,10 +3,10 @@
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::rows::real_vector;
-use crate::particles::zone::Zone;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::real_vector;
+use sphecs_core::particles::zone::Zone;
 
 /// How far a neighbourhood reaches, in supports of the kernel: the particle's neighbours and theirs.
 const REACH_IN_SUPPORTS: f64 = 2.5;
@@ -109,7 +109,7 @@ fn place<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::particles::rows::Row;
+    use sphecs_core::particles::rows::Row;
 
     fn arrays() -> ParticleArrays<f64, 2> {
         let mut arrays = ParticleArrays::default();

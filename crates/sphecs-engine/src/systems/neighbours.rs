@@ -8,13 +8,13 @@ use super::failure::Failure;
 use super::pair::Pair;
 use super::rates::Sums;
 use super::setup::SceneInUse;
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-use crate::particles::arrays::{ParticleArrays, SpareColumns};
-use crate::particles::zone::Zone;
-use crate::pass::settings::PairSettings;
-use crate::pass::wall_distance::find_wall_distance;
-use crate::scene::model::{ParticleSeed, Scene};
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::settings::PairSettings;
+use sphecs_core::pass::wall_distance::find_wall_distance;
+use sphecs_scene::model::{ParticleSeed, Scene};
 
 /// The grid of the scene: its box and cells never change.
 #[derive(Resource, Debug)]

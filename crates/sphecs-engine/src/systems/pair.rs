@@ -2,10 +2,10 @@
 
 use bevy_ecs::resource::Resource;
 
-use crate::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
-use crate::physics::shifting::Shifting;
-use crate::physics::wall::Slip;
-use crate::scene::model::{BodyForce, Scene, Scheme};
+use sphecs_core::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_core::physics::wall::Slip;
+use sphecs_scene::model::{BodyForce, Scene, Scheme};
 
 /// Settings of the pair sums in use.
 #[derive(Resource, Clone, Debug)]

@@ -7,15 +7,15 @@ use serde::{Deserialize, Serialize};
 use super::neighbours::Grid;
 use super::pair::Pair;
 use super::setup::SceneInUse;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::pass::density;
-use crate::pass::gradients;
-use crate::pass::rates::{self, VelocityLevel};
-use crate::pass::sums::PairSums;
-use crate::pass::{strain, stress, wall_friction};
-use crate::physics::viscosity::reconstructed::NoiseDamping;
-use crate::scene::model::Wcsph;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::pass::density;
+use sphecs_core::pass::gradients;
+use sphecs_core::pass::rates::{self, VelocityLevel};
+use sphecs_core::pass::sums::PairSums;
+use sphecs_core::pass::{strain, stress, wall_friction};
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
+use sphecs_scene::model::Wcsph;
 
 /// Sums of the pair pass that are not part of the state.
 #[derive(Resource, Default)]

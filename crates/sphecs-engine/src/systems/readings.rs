@@ -9,12 +9,12 @@ use super::home;
 use super::neighbours::{Grid, sort_particles};
 use super::pair::Pair;
 use super::rates::{sum_density, sum_gradients};
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::sample::Sample;
-use crate::pass::sampling::Sampler;
-use crate::pass::section::{self, Section};
-use crate::scene::model::ProbeSight;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::sampling::Sampler;
+use sphecs_core::pass::section::{self, Section};
+use sphecs_scene::model::ProbeSight;
 
 /// Sorts the particles at their present positions and sums their density, so that what is read belongs to one instant. The next
 /// step does the same from the same positions: reading changes no bit of a run.

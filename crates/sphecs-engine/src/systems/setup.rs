@@ -4,18 +4,18 @@ use std::sync::Arc;
 
 use super::ledger::Ledger;
 use super::plugin::Parts;
-use crate::particles::components::{
+use crate::components::{
     Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, Returned, SpsStress,
     Thermodynamics, Tracer, Velocity, Wall, WallSurface,
 };
-use crate::particles::zone::Zone;
-use crate::physics::eos::Tait;
-use crate::scene::model::{ParticleSeed, Scene};
 use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use serde::{Deserialize, Serialize};
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::eos::Tait;
+use sphecs_scene::model::{ParticleSeed, Scene};
 
 /// The scene that runs.
 #[derive(Resource, Clone, Debug)]

@@ -8,13 +8,13 @@ use super::clock::Clock;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
 use super::setup::{Resolution, SceneInUse};
-use crate::math::lanes::{Lanes, Vectorised};
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::{GROUP, for_each_part};
-use crate::pass::sums::PairSums;
-use crate::physics::shifting::{ShiftStep, Shifting, add_carried};
+use sphecs_core::math::lanes::{Lanes, Vectorised};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::{GROUP, for_each_part};
+use sphecs_core::pass::sums::PairSums;
+use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 
 /// Moves fluid and outflow particles by the shifting vector that the pair sums found. Fluid particles take the velocity of
 /// the place they are moved to, at both time levels, if the shifting says so; those of an outflow have theirs from

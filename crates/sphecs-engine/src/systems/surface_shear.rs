@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use crate::pass::body::BodySum;
-use crate::physics::wall::Slip;
-use crate::physics::wall::transposed::transposed_traction;
-use crate::scene::model::{Scene, WallPart};
-use crate::scene::outline::{OutlinePoint, outline};
+use sphecs_core::pass::body::BodySum;
+use sphecs_core::physics::wall::Slip;
+use sphecs_core::physics::wall::transposed::transposed_traction;
+use sphecs_scene::model::{Scene, WallPart};
+use sphecs_scene::outline::{OutlinePoint, outline};
 
 /// The surface of a body, with what its own motion adds to force and torque.
 #[derive(Clone, Debug, Default)]
@@ -69,7 +69,7 @@ mod tests {
     use glam::DVec3;
 
     use super::SurfaceShear;
-    use crate::scene::load_str;
+    use sphecs_scene::load_str;
 
     /// A ball that turns about z faster and faster: −2 μ ω V of torque about any point, and no force. One that slips, or moves as a whole, has none.
     #[test]

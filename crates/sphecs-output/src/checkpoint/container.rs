@@ -19,8 +19,8 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::{Checkpoint, Facts};
-use crate::math::column::{Column, Columns};
-use crate::systems::checkpoint::{record, value};
+use sphecs_core::math::column::{Column, Columns};
+use sphecs_engine::systems::checkpoint::{record, value};
 
 /// Version of the layout, and of what a state consists of: raised with every change of either.
 pub const VERSION: u32 = 4;

@@ -8,19 +8,19 @@ use std::fs;
 use std::path::Path;
 
 use super::Facts;
-use crate::output::error::OutputError;
-use crate::output::frame::{ABSENT, Frame};
-use crate::output::header::Header;
-use crate::output::netcdf::particles::ParticleFile;
-use crate::output::pack::{PACKED_JOURNAL, PARTICLES, remove_folder};
-use crate::output::probes::{results as probe_results, writer as probes};
-use crate::output::{disk, forces, journal, monitor};
+use crate::error::OutputError;
+use crate::frame::{ABSENT, Frame};
+use crate::header::Header;
+use crate::netcdf::particles::ParticleFile;
+use crate::pack::{PACKED_JOURNAL, PARTICLES, remove_folder};
+use crate::probes::{results as probe_results, writer as probes};
+use crate::{disk, forces, journal, monitor};
 
 /// Whether the output that a checkpoint counts is there.
 ///
 /// # Errors
 /// What is missing.
-pub(crate) fn has_output(run: &Path, facts: &Facts) -> Result<(), String> {
+pub fn has_output(run: &Path, facts: &Facts) -> Result<(), String> {
     let frames = frames(run).map_err(|error| error.to_string())?;
     if frames < facts.frames {
         return Err(format!("counts {} frames, the run has {frames}", facts.frames));
@@ -55,7 +55,7 @@ fn frames(run: &Path) -> Result<u64, OutputError> {
 ///
 /// # Errors
 /// [`OutputError`] with path and cause; it can be tried again.
-pub(crate) fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), OutputError> {
+pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), OutputError> {
     let journal = run.join(journal::FOLDER);
     if !journal.exists() {
         unpack(run, &journal, header, facts.frames)?;

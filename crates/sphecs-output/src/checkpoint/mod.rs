@@ -8,12 +8,12 @@
 //! before it: what it says of the output is on the disk when it has its name.
 
 pub mod container;
-pub(crate) mod cut;
+pub mod cut;
 pub mod store;
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::column::Columns;
+use sphecs_core::math::column::Columns;
 
 /// What a checkpoint says of itself and of the output at its step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::Checkpoint;
 use super::container::{self, Unfit};
-use crate::output::disk;
-use crate::output::error::OutputError;
+use crate::disk;
+use crate::error::OutputError;
 
 /// Name of the folder in the run folder.
 pub const FOLDER: &str = "checkpoints";

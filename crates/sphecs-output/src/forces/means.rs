@@ -9,9 +9,9 @@
 use std::path::{Path, PathBuf};
 
 use super::spectrum::dominant_frequency;
-use crate::output::error::OutputError;
-use crate::output::header::Header;
-use crate::output::table::{Column, Table, TableWriter, number, safe_names};
+use crate::error::OutputError;
+use crate::header::Header;
+use crate::table::{Column, Table, TableWriter, number, safe_names};
 
 /// Name of the CSV file in the run folder.
 pub const CSV: &str = "forces_mean.csv";

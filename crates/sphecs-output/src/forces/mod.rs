@@ -22,8 +22,8 @@ use super::error::OutputError;
 use super::header::{BodyHeader, Header};
 use super::netcdf::dataset::{Dataset, Variable};
 use super::table::{Column, Table, TableWriter, number, safe_names};
-use crate::pass::body::BodySum;
-use crate::systems::bodies::BodyForcesRow;
+use sphecs_core::pass::body::BodySum;
+use sphecs_engine::systems::bodies::BodyForcesRow;
 
 /// Name of the CSV file in the run folder.
 pub const CSV: &str = "forces.csv";

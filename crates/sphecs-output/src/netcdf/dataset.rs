@@ -5,9 +5,9 @@ use std::path::Path;
 use ::netcdf::AttributeValue;
 
 use super::{add_variable, write_file};
-use crate::output::error::OutputError;
-use crate::output::header::Header;
-use crate::output::table::{Column, Table};
+use crate::error::OutputError;
+use crate::header::Header;
+use crate::table::{Column, Table};
 
 /// A variable of doubles.
 #[derive(Clone, Debug, Default)]

@@ -19,9 +19,9 @@ use ::netcdf::{AttributeValue, FileMut};
 
 use super::add_variable;
 use super::particles::{Slots, pick};
-use crate::output::frame::{ABSENT, Frame};
-use crate::output::header::Header;
-use crate::particles::zone::Zone;
+use crate::frame::{ABSENT, Frame};
+use crate::header::Header;
+use sphecs_core::particles::zone::Zone;
 
 /// Slots per chunk at most: 2 MiB of doubles.
 const CHUNK: usize = 1 << 18;

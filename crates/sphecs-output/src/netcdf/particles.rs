@@ -6,10 +6,10 @@ use ::netcdf::{File, FileMut};
 
 use super::layout::{AXES, VELOCITIES, define, put_walls};
 use super::{Fault, Stored, damaged, open_file, write_file};
-use crate::output::error::OutputError;
-use crate::output::frame::Frame;
-use crate::output::header::Header;
-use crate::particles::zone::Zone;
+use crate::error::OutputError;
+use crate::frame::Frame;
+use crate::header::Header;
+use sphecs_core::particles::zone::Zone;
 
 /// Which particles are which slots of a file.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use image::{ImageFormat, Rgb, RgbImage};
 
-use crate::output::error::OutputError;
+use crate::error::OutputError;
 
 /// Colour of axes and text: softer than black on white.
 pub(super) const INK: [u8; 3] = [0x22, 0x26, 0x2b];
@@ -137,7 +137,7 @@ impl Canvas {
             doing: "write",
             cause: std::io::Error::other(error),
         })?;
-        crate::output::disk::write_whole(path, bytes.get_ref())
+        crate::disk::write_whole(path, bytes.get_ref())
     }
 }
 

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use super::scale::Colours;
 use super::view::View;
 use super::vorticity::vorticity;
-use crate::output::frame::Frame;
+use crate::frame::Frame;
 
 /// A field to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,7 +25,7 @@ use super::error::OutputError;
 use super::frame::Frame;
 use super::header::Header;
 use super::results::Results;
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// How to draw.
 #[derive(Clone, Debug, PartialEq)]

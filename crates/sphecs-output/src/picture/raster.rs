@@ -11,8 +11,8 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::canvas::PAPER;
 use super::view::{Cells, View};
-use crate::output::frame::{ABSENT, Frame};
-use crate::particles::zone::Zone;
+use crate::frame::{ABSENT, Frame};
+use sphecs_core::particles::zone::Zone;
 
 /// Colour of walls.
 pub(super) const WALL: [u8; 3] = [0x9a, 0x9f, 0xa6];
@@ -138,8 +138,8 @@ impl Particles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::header::Header;
-    use crate::output::picture::view::Slice;
+    use crate::header::Header;
+    use crate::picture::view::Slice;
 
     /// A block of 20 × 20 particles on three layers of wall, with a hole where nine particles are missing.
     fn block() -> (Frame, View) {

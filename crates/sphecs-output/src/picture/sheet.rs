@@ -5,7 +5,7 @@ use super::field::Field;
 use super::raster::WALL;
 use super::scale::{Colours, labels, ticks, with_power};
 use super::view::View;
-use crate::particles::zone::Zone;
+use sphecs_core::particles::zone::Zone;
 
 /// What the colours mean.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! What of space a picture shows: the plane of a 2D flow, or a slice through a 3D one.
 
-use crate::output::error::OutputError;
-use crate::output::frame::Frame;
-use crate::output::header::Header;
+use crate::error::OutputError;
+use crate::frame::Frame;
+use crate::header::Header;
 
 /// A plane across an axis of a 3D flow.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,8 +13,8 @@ use glam::{DMat3, DVec3};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::view::{Cells, View};
-use crate::output::frame::Frame;
-use crate::particles::zone::Zone;
+use crate::frame::Frame;
+use sphecs_core::particles::zone::Zone;
 
 /// Vorticity by slot, 1/s: ω_z in 2D, |ω| in 3D; NaN for slots away from the view, walls and particles without neighbours.
 pub(super) fn vorticity(frame: &Frame, view: &View) -> Vec<f32> {
@@ -75,8 +75,8 @@ fn curl(slope: DMat3, mut moment: DMat3, view: &View) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::header::Header;
-    use crate::output::picture::view::Slice;
+    use crate::header::Header;
+    use crate::picture::view::Slice;
 
     /// A disordered block in solid rotation about an axis with a shear on top, so that ω is uniform.
     fn rotating(dimensions: usize, omega: DVec3) -> (Frame, View) {

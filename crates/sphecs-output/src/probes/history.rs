@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::series::{read, time_mean};
 use super::writer::{CSV, quantities};
-use crate::output::error::OutputError;
-use crate::output::header::Header;
+use crate::error::OutputError;
+use crate::header::Header;
 
 /// What one probe measured over a run.
 #[derive(Clone, Debug, Default, PartialEq)]

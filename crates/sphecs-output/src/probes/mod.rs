@@ -1,7 +1,7 @@
 //! Probes of a scene: where they sample, and what becomes of the samples.
 //!
 //! [`ProbeSet::points`] are handed to the engine; [`ProbeSet::reduce`] turns its samples into a [`ProbeSample`].
-//! The mass flow of a section is what its particles carry ([`crate::pass::section`]), its pressure that of the sample points k with the
+//! The mass flow of a section is what its particles carry ([`sphecs_core::pass::section`]), its pressure that of the sample points k with the
 //! areas A_k: mean pressure = Σ_k A_k p_k / Σ_k A_k, Pa. A point without fluid near it has no pressure.
 
 pub mod history;
@@ -13,9 +13,9 @@ pub mod writer;
 use glam::DVec3;
 
 use super::header::ProbeShape;
-use crate::particles::sample::Sample;
-use crate::pass::section::Section;
-use crate::scene::model::{Probe, ProbeKind, ProbeSight, Scene};
+use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::section::Section;
+use sphecs_scene::model::{Probe, ProbeKind, ProbeSight, Scene};
 
 /// The points of one probe.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use super::series::{Series, read, time_mean};
 use super::writer::{CSV, MEAN_CSV, PLACE, columns, quantities};
-use crate::output::error::OutputError;
-use crate::output::header::{Header, ProbeShape};
-use crate::output::netcdf::dataset::{Dataset, Variable};
-use crate::output::table::{Column, TableWriter, number};
+use crate::error::OutputError;
+use crate::header::{Header, ProbeShape};
+use crate::netcdf::dataset::{Dataset, Variable};
+use crate::table::{Column, TableWriter, number};
 
 /// Name of the NetCDF file in the run folder.
 pub const NETCDF: &str = "probes.nc";
@@ -162,12 +162,12 @@ mod tests {
 
     use super::super::writer::ProbeWriter;
     use super::super::{ProbePoints, ProbeSample, ProbeSet};
-    use crate::output::header::ProbeHeader;
-    use crate::output::table::Table;
-    use crate::particles::sample::Sample;
-    use crate::pass::section::Section;
-    use crate::scene::model::ProbeSight;
+    use crate::header::ProbeHeader;
+    use crate::table::Table;
     use glam::DVec3;
+    use sphecs_core::particles::sample::Sample;
+    use sphecs_core::pass::section::Section;
+    use sphecs_scene::model::ProbeSight;
 
     const MEAN: Option<(f64, f64)> = Some((1.0, 3.0));
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::writer::PLACE;
-use crate::output::error::OutputError;
-use crate::output::header::{Header, ProbeHeader, ProbeShape};
-use crate::output::table::{for_each_row, safe_names};
+use crate::error::OutputError;
+use crate::header::{Header, ProbeHeader, ProbeShape};
+use crate::table::{for_each_row, safe_names};
 
 /// What one probe measured over the run: the table's rows regrouped.
 pub(super) struct Series<'a> {
@@ -98,7 +98,7 @@ pub(super) fn time_mean(times: &[f64], values: &[f64], begin: f64, end: f64) -> 
 mod tests {
     use super::super::writer::columns;
     use super::*;
-    use crate::output::table::TableWriter;
+    use crate::table::TableWriter;
 
     #[test]
     fn time_without_all_probes_is_dropped() {

@@ -6,10 +6,10 @@ use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::{ProbePoints, ProbeSample, ProbeSet, ProbeValues};
-use crate::output::error::OutputError;
-use crate::output::header::{Header, ProbeShape};
-use crate::output::table::{Column, TableWriter, line, number};
-use crate::particles::sample::Sample;
+use crate::error::OutputError;
+use crate::header::{Header, ProbeShape};
+use crate::table::{Column, TableWriter, line, number};
+use sphecs_core::particles::sample::Sample;
 
 /// Name of the CSV file in the run folder.
 pub const CSV: &str = "probes.csv";

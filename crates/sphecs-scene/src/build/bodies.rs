@@ -1,13 +1,13 @@
 //! Bodies of the file → parts of the wall with their references.
 
 use super::checker::Checker;
-use crate::particles::zone::Zone;
-use crate::scene::faults::{Fault, advice};
-use crate::scene::fill::Place;
-use crate::scene::geometry::Shape;
-use crate::scene::model::{Body, BodyReference, Scene, Walls};
-use crate::scene::schema::{BodyFile, SceneFile};
-use crate::scene::walls::surface;
+use crate::faults::{Fault, advice};
+use crate::fill::Place;
+use crate::geometry::Shape;
+use crate::model::{Body, BodyReference, Scene, Walls};
+use crate::schema::{BodyFile, SceneFile};
+use crate::walls::surface;
+use sphecs_core::particles::zone::Zone;
 
 /// All bodies that are sound; `end` is that of the run, s.
 pub fn bodies(

@@ -5,14 +5,14 @@ use std::path::Path;
 use super::checker::Checker;
 use super::patches::{PatchFile, Site, patch};
 use super::tables;
-use crate::physics::inlet::InletPressure;
-use crate::physics::outlet::{OutletCondition, OutletPressure};
-use crate::scene::expression::Expression;
-use crate::scene::faults::Fault;
-use crate::scene::model::{Inlet, InletVelocity, Outlet};
-use crate::scene::notation::tree::Span;
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::model::{Inlet, InletVelocity, Outlet};
+use crate::notation::tree::Span;
+use crate::notation::typed::Spanned;
+use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
+use sphecs_core::physics::inlet::InletPressure;
+use sphecs_core::physics::outlet::{OutletCondition, OutletPressure};
 
 /// Layers of an inlet's zone: Alvarado-Rodríguez et al. (2017) take five.
 const INLET_LAYERS: f64 = 5.0;

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use crate::scene::expression::{Constants, Expression};
-use crate::scene::faults::Fault;
-use crate::scene::notation::tree::Span;
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{Formula, FormulaText, Number, Vector};
+use crate::expression::{Constants, Expression};
+use crate::faults::Fault;
+use crate::notation::tree::Span;
+use crate::notation::typed::Spanned;
+use crate::schema::{Formula, FormulaText, Number, Vector};
 
 /// Collects faults; what it returns for a faulty value is harmless.
 pub struct Checker<'a> {

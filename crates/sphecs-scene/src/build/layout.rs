@@ -2,12 +2,12 @@
 
 use super::checker::Checker;
 use super::patches::Site;
-use crate::scene::faults::{Fault, advice};
-use crate::scene::geometry::Shape;
-use crate::scene::lattice::Lattice;
-use crate::scene::model::{Fill, Patch};
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{FillFile, Text};
+use crate::faults::{Fault, advice};
+use crate::geometry::Shape;
+use crate::lattice::Lattice;
+use crate::model::{Fill, Patch};
+use crate::notation::typed::Spanned;
+use crate::schema::{FillFile, Text};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 

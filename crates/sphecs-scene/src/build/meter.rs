@@ -14,12 +14,12 @@
 use glam::DVec3;
 
 use super::checker::Checker;
-use crate::particles::zone::Zone;
-use crate::scene::expression::Expression;
-use crate::scene::faults::Fault;
-use crate::scene::fill;
-use crate::scene::model::{InletVelocity, Patch, Scene};
-use crate::scene::schema::{InletVelocityFile, SceneFile};
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::fill;
+use crate::model::{InletVelocity, Patch, Scene};
+use crate::schema::{InletVelocityFile, SceneFile};
+use sphecs_core::particles::zone::Zone;
 
 /// Sets the scale of every inlet that is given by its mass.
 pub fn meter(scene: &mut Scene, file: &SceneFile, check: &mut Checker<'_>) {
@@ -106,10 +106,10 @@ fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
 
 #[cfg(test)]
 mod tests {
-    use crate::particles::zone::Zone;
-    use crate::scene::load_str;
-    use crate::scene::model::Scene;
-    use crate::scene::spawn::seeds;
+    use crate::load_str;
+    use crate::model::Scene;
+    use crate::spawn::seeds;
+    use sphecs_core::particles::zone::Zone;
 
     fn scene(text: &str, velocity: &str) -> Scene {
         let set = [("inlets.0.velocity".to_owned(), velocity.to_owned())];

@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::checker::Checker;
 use super::section::{across, exit, measure};
-use crate::scene::faults::Fault;
-use crate::scene::geometry::Shape;
-use crate::scene::model::Patch;
-use crate::scene::schema::{Number, Text, Vector};
+use crate::faults::Fault;
+use crate::geometry::Shape;
+use crate::model::Patch;
+use crate::schema::{Number, Text, Vector};
 
 /// Longer zones than any flow needs; it bounds the particles in them.
 const MOST_LAYERS: f64 = 1e4;

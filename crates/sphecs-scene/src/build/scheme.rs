@@ -1,14 +1,14 @@
 //! The numerical scheme of a scene file, defaults put in.
 
 use super::checker::Checker;
-use crate::math::kernel::Kernel;
-use crate::physics::edac::Edac;
-use crate::physics::integrator::Integrator;
-use crate::physics::shifting::Shifting;
-use crate::physics::viscosity::reconstructed::NoiseDamping;
-use crate::scene::faults::Fault;
-use crate::scene::model::{EdacTvf, Scheme, Wcsph};
-use crate::scene::schema::{Number, SchemeFile};
+use crate::faults::Fault;
+use crate::model::{EdacTvf, Scheme, Wcsph};
+use crate::schema::{Number, SchemeFile};
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::edac::Edac;
+use sphecs_core::physics::integrator::Integrator;
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 
 /// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
 fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::patches::Site;
-use crate::scene::geometry::Shape;
-use crate::scene::model::Patch;
+use crate::geometry::Shape;
+use crate::model::Patch;
 
 /// Unit vectors that span the plane; the second is zero in 2D. For a flow along x they are y and z.
 pub fn across(towards: DVec3, dimensions: usize) -> [DVec3; 2] {

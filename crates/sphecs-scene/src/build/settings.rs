@@ -3,15 +3,15 @@
 use glam::DVec3;
 
 use super::checker::Checker;
-use crate::physics::inlet::Feed;
-use crate::scene::expression::Expression;
-use crate::scene::faults::Fault;
-use crate::scene::fill;
-use crate::scene::model::{
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::fill;
+use crate::model::{
     BodyForce, OutputSettings, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
 };
-use crate::scene::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
-use crate::scene::summary;
+use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
+use crate::summary;
+use sphecs_core::physics::inlet::Feed;
 
 /// 2 or 3.
 pub fn dimensions(file: &SceneFile, check: &mut Checker<'_>) -> usize {

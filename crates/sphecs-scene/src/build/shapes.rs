@@ -3,13 +3,13 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::checker::Checker;
-use crate::scene::faults::Fault;
-use crate::scene::geometry::Shape;
-use crate::scene::geometry::bend::{Bend, Section};
-use crate::scene::geometry::polygon;
-use crate::scene::notation::tree::Span;
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{Number, SectionFile, ShapeFile, Vector};
+use crate::faults::Fault;
+use crate::geometry::Shape;
+use crate::geometry::bend::{Bend, Section};
+use crate::geometry::polygon;
+use crate::notation::tree::Span;
+use crate::notation::typed::Spanned;
+use crate::schema::{Number, SectionFile, ShapeFile, Vector};
 
 /// A shape, None if a fault leaves nothing to be built.
 pub fn shape(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {

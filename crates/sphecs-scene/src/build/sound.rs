@@ -1,10 +1,10 @@
 //! What is out of reach of a fluid of little compressibility.
 
-use crate::physics::edac::Edac;
-use crate::scene::faults::Fault;
-use crate::scene::model::{Scene, Scheme};
-use crate::scene::schema::SceneFile;
-use crate::scene::summary;
+use crate::faults::Fault;
+use crate::model::{Scene, Scheme};
+use crate::schema::SceneFile;
+use crate::summary;
+use sphecs_core::physics::edac::Edac;
 
 /// Adds the faults of streams as fast as sound, of pressures that would double the density and of a background pressure that the time step cannot
 /// follow.

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::checker::Checker;
-use crate::scene::faults::Fault;
-use crate::scene::model::InletVelocity;
-use crate::scene::notation::tree::Span;
-use crate::scene::schema::Text;
+use crate::faults::Fault;
+use crate::model::InletVelocity;
+use crate::notation::tree::Span;
+use crate::schema::Text;
 
 /// A number of a table and its place.
 struct Cell {

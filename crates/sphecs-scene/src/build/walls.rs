@@ -2,14 +2,14 @@
 
 use super::checker::Checker;
 use super::shapes;
-use crate::physics::wall::{Slip, WallModel};
-use crate::scene::expression::Expression;
-use crate::scene::faults::Fault;
-use crate::scene::geometry::Shape;
-use crate::scene::model::{Rings, WallPart, Walls};
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{WallFillFile, WallsFile};
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::geometry::Shape;
+use crate::model::{Rings, WallPart, Walls};
+use crate::notation::typed::Spanned;
+use crate::schema::{WallFillFile, WallsFile};
 use glam::DVec3;
+use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// The wall parts, and the regions of those after the first.
 pub fn walls(

@@ -3,16 +3,16 @@
 use glam::DVec3;
 
 use super::{bodies, sound};
-use crate::particles::zone::Zone;
-use crate::physics::wall::Slip;
-use crate::scene::expression::Expression;
-use crate::scene::faults::Fault;
-use crate::scene::fill::{self, Place};
-use crate::scene::geometry::Shape;
-use crate::scene::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
-use crate::scene::notation::tree::Span;
-use crate::scene::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
-use crate::scene::summary::{self, BYTES_PER_PARTICLE};
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::fill::{self, Place};
+use crate::geometry::Shape;
+use crate::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
+use crate::notation::tree::Span;
+use crate::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
+use crate::summary::{self, BYTES_PER_PARTICLE};
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::wall::Slip;
 
 /// More than any machine has, B: what `--allow-oversize` does not reach.
 const MOST_MEMORY: f64 = 1e15;

@@ -5,7 +5,7 @@
 use super::constants::Constants;
 use super::operators::{FUNCTIONS, OPERATORS, PAIR_FUNCTIONS, binary, unary};
 use super::syntax::{Syntax, SyntaxFault, VARIABLES};
-use crate::scene::faults::advice;
+use crate::faults::advice;
 
 /// Deeper nesting than any formula needs; it bounds the recursion.
 const DEEPEST: usize = 48;

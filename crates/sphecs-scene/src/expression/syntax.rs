@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::operators::{binary, unary};
-use crate::scene::faults::Fault;
-use crate::scene::notation::tree::Span;
+use crate::faults::Fault;
+use crate::notation::tree::Span;
 
 /// What a field may depend on.
 pub const VARIABLES: [&str; 4] = ["x", "y", "z", "t"];

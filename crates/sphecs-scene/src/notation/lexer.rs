@@ -1,7 +1,7 @@
 //! Blanks, comments, numbers, names and strings of RON.
 
 use super::tree::Span;
-use crate::scene::faults::Fault;
+use crate::faults::Fault;
 
 /// A place in a text, moving forwards.
 #[derive(Clone, Debug)]

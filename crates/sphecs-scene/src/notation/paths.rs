@@ -6,7 +6,7 @@
 
 use super::reader;
 use super::tree::{Node, Span, Value};
-use crate::scene::faults::{Fault, nearest};
+use crate::faults::{Fault, nearest};
 
 /// A scene's text with values put in.
 #[derive(Clone, Debug)]

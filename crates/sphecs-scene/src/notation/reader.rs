@@ -5,7 +5,7 @@
 
 use super::lexer::Cursor;
 use super::tree::{Field, Name, Node, Span, Value};
-use crate::scene::faults::Fault;
+use crate::faults::Fault;
 
 /// Deeper nesting than any scene needs; it bounds the recursion.
 const DEEPEST: usize = 48;

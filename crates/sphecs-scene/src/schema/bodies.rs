@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::{Number, Text, Vector};
-use crate::scene::notation::typed::Spanned;
+use crate::notation::typed::Spanned;
 
 /// A part of the walls whose force and torque are written into `forces.nc`.
 #[derive(Clone, Debug, Deserialize)]

@@ -3,12 +3,12 @@
 use serde::Deserialize;
 
 use super::{Formula, Number, ShapeFile, Text, Vector};
-use crate::physics::inlet::{Feed, InletPressure};
-use crate::physics::outlet::OutletCondition;
-use crate::physics::wall::{Slip, WallModel};
-use crate::scene::notation::tree::Span;
-use crate::scene::notation::typed::Spanned;
-use crate::scene::rings::FirstRing;
+use crate::notation::tree::Span;
+use crate::notation::typed::Spanned;
+use crate::rings::FirstRing;
+use sphecs_core::physics::inlet::{Feed, InletPressure};
+use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// The walls.
 #[derive(Clone, Debug, Default, Deserialize)]

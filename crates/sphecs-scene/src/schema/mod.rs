@@ -8,11 +8,11 @@ use serde::de::{self, Deserializer, IgnoredAny, Visitor};
 
 use super::model::{Precision, WhenEmpty};
 use super::notation::typed::Spanned;
-use crate::math::kernel::Kernel;
-use crate::physics::integrator::Integrator;
-use crate::physics::shifting::Shifting;
-use crate::physics::viscosity::Viscosity;
-use crate::physics::viscosity::reconstructed::NoiseDamping;
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::integrator::Integrator;
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_core::physics::viscosity::Viscosity;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 
 mod bodies;
 mod boundaries;

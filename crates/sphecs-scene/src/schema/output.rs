@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::{Number, Text, Vector};
-use crate::scene::model::{ForcesEvery, ProbeSight};
-use crate::scene::notation::typed::Spanned;
+use crate::model::{ForcesEvery, ProbeSight};
+use crate::notation::typed::Spanned;
 
 /// What is written and when.
 #[derive(Clone, Debug, Deserialize)]

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::{Number, Vector};
-use crate::scene::notation::typed::Spanned;
+use crate::notation::typed::Spanned;
 
 /// A region of space.
 #[derive(Clone, Debug, Deserialize)]

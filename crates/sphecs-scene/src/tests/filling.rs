@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::shipped::{scene, smoke};
-use crate::particles::zone::Zone;
-use crate::scene::fill::beyond;
-use crate::scene::model::{ParticleSeed, Scene};
-use crate::scene::{load_str, seeds, summary};
+use crate::fill::beyond;
+use crate::model::{ParticleSeed, Scene};
+use crate::{load_str, seeds, summary};
+use sphecs_core::particles::zone::Zone;
 
 fn of(seeds: &[ParticleSeed], zone: Zone) -> Vec<ParticleSeed> {
     seeds.iter().filter(|s| s.zone == zone).copied().collect()
@@ -219,7 +219,7 @@ fn round_pipes_have_round_sections() {
 
 #[test]
 fn wall_fitted_rows_give_every_particle_the_same_area() {
-    let scene = match crate::scene::load(
+    let scene = match crate::load(
         &super::shipped::path("inclined_plates.ron"),
         &[("fill".to_owned(), "WallFitted(lower: \"-l1 - x*s\", upper: \"l1 + x*s\")".to_owned())],
     ) {
@@ -365,7 +365,7 @@ fn volumes_are_estimated_to_two_per_cent_in_thin_shapes_too() {
     for name in ["square_bend.ron", "quickstart.ron", "duct3d.ron", "cylinder_re20.ron"] {
         let scene = smoke(name);
         let cell = scene.spacing.powi(scene.dimensions as i32);
-        let places = crate::scene::fill::places(&scene);
+        let places = crate::fill::places(&scene);
         let fluid = places.iter().filter(|place| place.zone != Zone::Wall).count() as f64 * cell;
         let estimate = summary::estimated_volume(&scene.container, 0.0, scene.dimensions);
         assert!((estimate / fluid - 1.0).abs() < 0.02, "{name}: {estimate} for {fluid}");

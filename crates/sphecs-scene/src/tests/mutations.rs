@@ -9,8 +9,8 @@ use proptest::test_runner::TestRunner;
 use rustix::time::{ClockId, clock_gettime};
 
 use super::shipped::shipped;
-use crate::scene::build::Origin;
-use crate::scene::{load_smoke, load_str, read, seeds};
+use crate::build::Origin;
+use crate::{load_smoke, load_str, read, seeds};
 
 /// A change of a text.
 #[derive(Clone, Debug)]

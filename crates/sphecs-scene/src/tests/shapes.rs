@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec2, DVec3};
 use proptest::prelude::{ProptestConfig, Strategy, proptest};
 
-use crate::scene::geometry::Shape;
-use crate::scene::geometry::bend::{Bend, Section};
+use crate::geometry::Shape;
+use crate::geometry::bend::{Bend, Section};
 
 fn cuboid(min: [f64; 3], max: [f64; 3]) -> Shape {
     Shape::Box { min: DVec3::from(min), max: DVec3::from(max) }

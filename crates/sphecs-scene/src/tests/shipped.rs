@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::particles::zone::Zone;
-use crate::scene::faults::SceneFaults;
-use crate::scene::model::{BodyForce, Scene};
-use crate::scene::{load, load_smoke, seeds, summary};
+use crate::faults::SceneFaults;
+use crate::model::{BodyForce, Scene};
+use crate::{load, load_smoke, seeds, summary};
+use sphecs_core::particles::zone::Zone;
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
 }
 
 /// Paths of all shipped scenes.

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::value::{AxisFile, FieldFile, NormFile, ReferenceFile, WhenFile};
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{Number, Text};
+use sphecs_scene::notation::typed::Spanned;
+use sphecs_scene::schema::{Number, Text};
 
 /// Curves in a plane.
 #[derive(Clone, Debug, Deserialize)]

@@ -8,7 +8,7 @@
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::scene::schema::{Number, Text};
+use sphecs_scene::schema::{Number, Text};
 
 pub mod drawing;
 pub mod value;

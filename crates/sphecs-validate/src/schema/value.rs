@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::scene::notation::typed::Spanned;
-use crate::scene::schema::{Formula, Number, Text};
+use sphecs_scene::notation::typed::Spanned;
+use sphecs_scene::schema::{Formula, Number, Text};
 
 /// How a figure is measured.
 #[derive(Clone, Debug, Deserialize)]
@@ -182,7 +182,7 @@ pub enum WhenFile {
 pub enum ReferenceFile {
     /// A formula of x, y, z, t.
     Formula(Formula),
-    /// The series of plane Poiseuille flow from rest between y = ± `half_width`: see [`exact`](crate::validate::exact).
+    /// The series of plane Poiseuille flow from rest between y = ± `half_width`: see [`exact`](crate::exact).
     PoiseuilleStartup {
         /// Half the gap, m.
         half_width: Number,

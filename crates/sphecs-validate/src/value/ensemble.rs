@@ -12,7 +12,7 @@
 use super::profile::{norm, profiles};
 use super::reading::{Reading, mean_and_deviation};
 use super::{RunResults, fields};
-use crate::validate::schema::{FieldFile, NormFile, WhenFile};
+use crate::schema::{FieldFile, NormFile, WhenFile};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug)]
@@ -85,9 +85,9 @@ impl Comparison<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::probes::history::ProbeHistory;
-    use crate::scene::notation::tree::Span;
-    use crate::scene::notation::typed::Spanned;
+    use sphecs_output::probes::history::ProbeHistory;
+    use sphecs_scene::notation::tree::Span;
+    use sphecs_scene::notation::typed::Spanned;
 
     /// A run with u at two points at 0 s.
     fn run(u: [f64; 2]) -> RunResults {

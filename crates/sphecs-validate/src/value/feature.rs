@@ -3,7 +3,7 @@
 //! Places are distances from the line's first point, m; between points the profile is straight.
 
 use super::profile::Profile;
-use crate::validate::schema::FeatureFile;
+use crate::schema::FeatureFile;
 
 /// What was found of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,8 +95,8 @@ fn reattachment(along: &[f64], values: &[f64]) -> Feature {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::notation::tree::Span;
-    use crate::scene::notation::typed::Spanned;
+    use sphecs_scene::notation::tree::Span;
+    use sphecs_scene::notation::typed::Spanned;
 
     /// A line of points 0.5 m apart that begins at (1, 2) m and runs along y.
     fn of(values: &[f64], take: &FeatureFile) -> Feature {

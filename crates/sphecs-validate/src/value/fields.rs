@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::output::probes::history::ProbeHistory;
-use crate::validate::schema::FieldFile;
+use crate::schema::FieldFile;
+use sphecs_output::probes::history::ProbeHistory;
 
 /// Stands for any letters in the name of a probe.
 const ANY: char = '*';

@@ -22,15 +22,15 @@ use std::path::Path;
 
 use super::case::Case;
 use super::schema::{ReferenceFile, ValueFile};
-use crate::output::error::OutputError;
-use crate::output::forces::{self, ForcesHistory};
-use crate::output::monitor;
-use crate::output::probes::history::ProbeHistory;
-use crate::output::summary::Summary;
-use crate::scene::expression::Constants;
-use crate::scene::schema::Number;
 use ensemble::Comparison;
 use reading::Reading;
+use sphecs_output::error::OutputError;
+use sphecs_output::forces::{self, ForcesHistory};
+use sphecs_output::monitor;
+use sphecs_output::probes::history::ProbeHistory;
+use sphecs_output::summary::Summary;
+use sphecs_scene::expression::Constants;
+use sphecs_scene::schema::Number;
 
 /// The name under which the monitor is asked for.
 pub const MONITOR: &str = "monitor";

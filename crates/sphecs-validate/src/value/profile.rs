@@ -2,8 +2,8 @@
 
 use super::fields;
 use super::reference::Reference;
-use crate::output::probes::history::ProbeHistory;
-use crate::validate::schema::{FieldFile, NormFile, WhenFile};
+use crate::schema::{FieldFile, NormFile, WhenFile};
+use sphecs_output::probes::history::ProbeHistory;
 
 /// What a probe measured at a time, or on the mean over an interval: a value for each of its points.
 #[derive(Clone, Debug, PartialEq)]

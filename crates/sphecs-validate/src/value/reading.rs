@@ -9,7 +9,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::scene::expression::Constants;
+use sphecs_scene::expression::Constants;
 
 /// What a figure came to.
 #[derive(Clone, Debug, Default, PartialEq)]

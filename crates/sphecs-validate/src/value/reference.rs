@@ -1,9 +1,9 @@
 //! What a profile should be, point by point.
 
-use crate::scene::schema::FormulaText;
-use crate::validate::case::Case;
-use crate::validate::exact::{couette, duct, poiseuille_startup};
-use crate::validate::schema::{AxisFile, ReferenceFile};
+use crate::case::Case;
+use crate::exact::{couette, duct, poiseuille_startup};
+use crate::schema::{AxisFile, ReferenceFile};
+use sphecs_scene::schema::FormulaText;
 
 /// A reference as a function of place (m) and time (s).
 pub type Reference = Box<dyn Fn([f64; 3], f64) -> f64>;

@@ -1,7 +1,7 @@
 //! Columns over time, and what is taken of them.
 
 use super::{FORCES, MONITOR, RunResults, slope};
-use crate::validate::schema::{CoefficientFile, TakeFile};
+use crate::schema::{CoefficientFile, TakeFile};
 
 /// Times, s, and values of a column of the monitor, of the forces on bodies or of a probe with one point.
 ///

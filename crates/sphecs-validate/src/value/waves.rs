@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use super::fields::column;
 use super::slope;
-use crate::output::probes::history::ProbeHistory;
-use crate::validate::schema::FieldFile;
+use crate::schema::FieldFile;
+use sphecs_output::probes::history::ProbeHistory;
 
 /// Fewest samples that a growth rate is fitted to.
 const FEWEST: usize = 4;

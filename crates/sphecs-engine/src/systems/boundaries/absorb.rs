@@ -4,13 +4,13 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::section::SectionPoints;
-use crate::pass::fits::PointFlow;
-use crate::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
-use crate::physics::outlet::continuation::Continuation;
-use crate::physics::outlet::convection::convective_velocity;
-use crate::physics::outlet::oblique::{Oblique, ObliqueSetting};
-use crate::physics::outlet::{OutletPressure, Waves};
-use crate::scene::model::{Outlet, Scene};
+use sphecs_core::pass::fits::PointFlow;
+use sphecs_core::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
+use sphecs_core::physics::outlet::continuation::Continuation;
+use sphecs_core::physics::outlet::convection::convective_velocity;
+use sphecs_core::physics::outlet::oblique::{Oblique, ObliqueSetting};
+use sphecs_core::physics::outlet::{OutletPressure, Waves};
+use sphecs_scene::model::{Outlet, Scene};
 
 /// Passages of sound through the domain in which an absorbing pressure follows the mean flow, where a scene says nothing. Shorter, and
 /// the resonance of an inlet with a throat is hardly damped; longer, and the start takes longer to settle.

@@ -15,7 +15,7 @@
 
 use glam::DVec3;
 
-use crate::scene::model::{Patch, Scene};
+use sphecs_scene::model::{Patch, Scene};
 
 /// Whether a patch lies slantwise to the lattice.
 pub fn is_slantwise(patch: &Patch) -> bool {

@@ -14,12 +14,12 @@ use bevy_ecs::system::{Res, ResMut};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::for_each_part;
 use crate::systems::neighbours::Grid;
 use crate::systems::setup::SceneInUse;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::for_each_part;
 
 /// How often a fluid particle was set back onto a wall since the start.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::outlets::{OutletStage, OutletState};
-use crate::math::real::Real;
-use crate::physics::outlet::hybrid::{Average, is_sound, share};
+use sphecs_core::math::real::Real;
+use sphecs_core::physics::outlet::hybrid::{Average, is_sound, share};
 
 /// What a hybrid outlet remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -65,7 +65,7 @@ pub fn apply_hybrid<R: Real, const D: usize>(
     let mut hybrid = std::mem::take(&mut state.hybrid);
     let followed = threshold_speed(stage, share, &mut hybrid);
     let threshold = velocity.unwrap_or(followed);
-    let normal_flow = |row: usize, arrays: &crate::particles::arrays::ParticleArrays<R, D>| {
+    let normal_flow = |row: usize, arrays: &sphecs_core::particles::arrays::ParticleArrays<R, D>| {
         (arrays.velocity_of(row).dot(normal), arrays.pressure[row].to_f64())
     };
 

@@ -21,19 +21,19 @@ use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::rows::PatchRows;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::rows::set_real_vector;
-use crate::pass::fits::PointFit;
-use crate::pass::points::PointFlows;
-use crate::physics::inlet::InletPressure;
-use crate::scene::model::{Inlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::forces::body_force;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::rates::Sums;
 use crate::systems::setup::SceneInUse;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::set_real_vector;
+use sphecs_core::pass::fits::PointFit;
+use sphecs_core::pass::points::PointFlows;
+use sphecs_core::physics::inlet::InletPressure;
+use sphecs_scene::model::{Inlet, Scene};
 
 /// Time over which an extrapolated pressure is followed, in passages of sound over Δ.
 const LAG: f64 = 2.0;

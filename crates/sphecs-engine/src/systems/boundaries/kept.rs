@@ -5,12 +5,12 @@
 use std::iter::empty;
 
 use super::outlets::{OutletStage, OutletState};
-use crate::math::real::Real;
-use crate::pass::fits::PointFit;
-use crate::physics::outlet::characteristic::References;
-use crate::physics::outlet::do_nothing::kept;
-use crate::physics::outlet::mirror::MirrorVariant;
-use crate::physics::outlet::modified_do_nothing::{ShownVelocity, carried};
+use sphecs_core::math::real::Real;
+use sphecs_core::pass::fits::PointFit;
+use sphecs_core::physics::outlet::characteristic::References;
+use sphecs_core::physics::outlet::do_nothing::kept;
+use sphecs_core::physics::outlet::mirror::MirrorVariant;
+use sphecs_core::physics::outlet::modified_do_nothing::{ShownVelocity, carried};
 
 /// `DoNothing`.
 pub fn apply_do_nothing<R: Real, const D: usize>(stage: &mut OutletStage<'_, R, D>, state: &mut OutletState) {

@@ -5,11 +5,11 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use super::inlets::inlet_velocity;
 use super::outlets::OutletState;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::rows::{real_vector, set_real_vector};
-use crate::physics::outlet::Frame;
-use crate::scene::model::{Inlet, Outlet};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::{real_vector, set_real_vector};
+use sphecs_core::physics::outlet::Frame;
+use sphecs_scene::model::{Inlet, Outlet};
 
 /// Inflow particles that a thread takes at least: a profile may be an expression.
 const CHUNK: usize = 32;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::math::grid::CellGrid;
-use crate::scene::model::{Patch, Scene};
+use sphecs_core::math::grid::CellGrid;
+use sphecs_scene::model::{Patch, Scene};
 
 /// Layers beyond the support of the zone's first particles from which a hybrid outlet knows the fluid: so long its mean has time
 /// to settle. No condition asks for fluid farther before its plane.

@@ -13,22 +13,22 @@ use super::hybrid::{HybridZone, apply_hybrid};
 use super::kept::{apply_characteristic, apply_do_nothing, apply_mirror, apply_modified_do_nothing};
 use super::rows::PatchRows;
 use super::wave_zone::{ZoneMove, apply_wave};
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::rows::set_real_vector;
-use crate::pass::fits::{PointFit, PointFlow};
-use crate::pass::points::PointFlows;
-use crate::pass::settings::PairSettings;
-use crate::pass::sums::PairSums;
-use crate::physics::outlet::characteristic::References;
-use crate::physics::outlet::{Outflow, OutletCondition};
-use crate::scene::model::{Outlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::rates::Sums;
 use crate::systems::setup::SceneInUse;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::set_real_vector;
+use sphecs_core::pass::fits::{PointFit, PointFlow};
+use sphecs_core::pass::points::PointFlows;
+use sphecs_core::pass::settings::PairSettings;
+use sphecs_core::pass::sums::PairSums;
+use sphecs_core::physics::outlet::characteristic::References;
+use sphecs_core::physics::outlet::{Outflow, OutletCondition};
+use sphecs_scene::model::{Outlet, Scene};
 
 /// What each outlet remembers from step to step.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -4,13 +4,13 @@ use bevy_ecs::resource::Resource;
 use glam::DVec3;
 
 use super::near::{LAYERS_BEYOND_REACH, NearRows};
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::with_lists;
-use crate::physics::outlet::OutletCondition;
-use crate::scene::model::Scene;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::with_lists;
+use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_scene::model::Scene;
 
 /// Layers of fluid next to an outlet whose mean stands for the flow there.
 const ADJACENT_LAYERS: f64 = 3.0;

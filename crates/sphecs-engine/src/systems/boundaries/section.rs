@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::scene::model::{Patch, Scene};
+use sphecs_scene::model::{Patch, Scene};
 
 /// Points of a section.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -130,7 +130,7 @@ impl PlaceAmongPoints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load_str;
+    use sphecs_scene::load_str;
 
     fn points(extra: &str) -> (SectionPoints, Patch) {
         let text = format!(

@@ -5,16 +5,6 @@
 
 use std::ops::Range;
 
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::rows::{real_vector, vector};
-use crate::particles::zone::Zone;
-use crate::pass::blocks::for_each_part;
-use crate::pass::rates::VelocityLevel;
-use crate::pass::wall_velocity::find_velocity_seen;
-use crate::pass::walls::extrapolate_wall_pressure;
-use crate::physics::wall::{Slip, WallModel, WallPressure};
-use crate::scene::model::{BodyForce, Scene, WallPart};
 use crate::systems::clock::Clock;
 use crate::systems::forces::body_force;
 use crate::systems::neighbours::Grid;
@@ -22,6 +12,16 @@ use crate::systems::pair::Pair;
 use crate::systems::rates::{StepsSincePlain, Sums, level};
 use crate::systems::setup::SceneInUse;
 use bevy_ecs::system::{Res, ResMut};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::{real_vector, vector};
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::for_each_part;
+use sphecs_core::pass::rates::VelocityLevel;
+use sphecs_core::pass::wall_velocity::find_velocity_seen;
+use sphecs_core::pass::walls::extrapolate_wall_pressure;
+use sphecs_core::physics::wall::{Slip, WallModel, WallPressure};
+use sphecs_scene::model::{BodyForce, Scene, WallPart};
 
 /// Sets the velocity of walls whose surface moves, and pressure and velocity of wall particles from the flow next to them, as
 /// the wall model asks.

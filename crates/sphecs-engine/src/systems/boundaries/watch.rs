@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 
 use super::absorb::settling_time;
 use super::outlets::OutletStates;
-use crate::particles::zone::Zone;
-use crate::physics::outlet::OutletCondition;
-use crate::scene::model::{Outlet, Scene};
 use crate::systems::clock::Clock;
 use crate::systems::ledger::Ledger;
 use crate::systems::setup::SceneInUse;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_scene::model::{Outlet, Scene};
 
 /// Share of the fluid that may be gained or lost: the density of what stays is as far off, and the scheme is made for 1 %.
 const CONTENT: f64 = 0.05;

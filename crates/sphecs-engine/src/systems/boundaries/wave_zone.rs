@@ -6,19 +6,19 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use super::outlets::{OutletStage, OutletState};
 use super::rows::PatchRows;
-use crate::math::lattice::ETA_SQUARED;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::rows::set_real_vector;
-use crate::pass::fits::PointFit;
-use crate::pass::waves::{WaveFound, sum_waves};
-use crate::physics::outlet::convection::{backflow_pressure, convective_velocity};
-use crate::physics::outlet::wave::WaveSetting;
-use crate::physics::outlet::{Frame, OutletPressure};
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::rates::Sums;
 use crate::systems::setup::SceneInUse;
+use sphecs_core::math::lattice::ETA_SQUARED;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::set_real_vector;
+use sphecs_core::pass::fits::PointFit;
+use sphecs_core::pass::waves::{WaveFound, sum_waves};
+use sphecs_core::physics::outlet::convection::{backflow_pressure, convective_velocity};
+use sphecs_core::physics::outlet::wave::WaveSetting;
+use sphecs_core::physics::outlet::{Frame, OutletPressure};
 
 /// Particles of the zone that a thread takes at least.
 const CHUNK: usize = 64;

@@ -19,7 +19,7 @@ use bevy_ecs::world::World;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::math::column::{Columns, Misfit};
+use sphecs_core::math::column::{Columns, Misfit};
 
 /// Names of records begin so.
 const RECORD: &str = "record.";

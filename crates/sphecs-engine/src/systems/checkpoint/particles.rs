@@ -17,23 +17,23 @@ use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
-use crate::math::column::{Columns, Misfit};
-use crate::math::grid::CellGrid;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::components::{
+use crate::components::{
     ParticleBundle, ParticleId, Position, Returned, Thermodynamics, Tracer, Velocity, WallSurface,
 };
-use crate::particles::saved::{self, Order};
-use crate::particles::transfer::count_roles;
-use crate::particles::zone::Zone;
-use crate::scene::model::Scene;
 use crate::systems::home::{self, FreshHome};
 use crate::systems::ledger::Ledger;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::setup::{InflowCapacity, SavedParticle, SceneInUse, Seats, Stored, spawn_saved};
 use crate::systems::transitions::stock::FreeNumbers;
+use crate::transfer::count_roles;
+use sphecs_core::math::column::{Columns, Misfit};
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::saved::{self, Order};
+use sphecs_core::particles::zone::Zone;
+use sphecs_scene::model::Scene;
 
 /// Puts the particles of a world.
 pub fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {

@@ -5,18 +5,18 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 
 use super::stock::take;
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::components::{Inflow, Outflow, Position, Reservoir, Returned, Tracer, Velocity};
-use crate::particles::rows::Row;
-use crate::particles::zone::Zone;
-use crate::pass::neighbours::Neighbours;
-use crate::scene::model::Scene;
+use crate::components::{Inflow, Outflow, Position, Reservoir, Returned, Tracer, Velocity};
 use crate::systems::boundaries::inlets::inlet_velocity;
 use crate::systems::clock::Clock;
 use crate::systems::ledger::Ledger;
 use crate::systems::neighbours::Grid;
 use crate::systems::setup::{InflowCapacity, Seats};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::Row;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_scene::model::Scene;
 
 /// Two particles nearer than this over the spacing would clump: nothing is put there.
 const ROOM: f64 = 0.5;

@@ -32,15 +32,15 @@ use super::boundaries::rows::PatchRows;
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::setup::{SceneInUse, Seats};
-use crate::math::real::Real;
-use crate::particles::arrays::ParticleArrays;
-use crate::particles::components::{Fluid, Inflow, Outflow, Returned};
-use crate::particles::rows::set_real_vector;
-use crate::particles::zone::Zone;
-use crate::pass::blocks::{GROUP, for_each_part, with_lists};
-use crate::physics::inlet::Feed;
-use crate::scene::model::{Inlet, Patch, Scene};
+use crate::components::{Fluid, Inflow, Outflow, Returned};
 use entry::{Entry, enter};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::set_real_vector;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
+use sphecs_core::physics::inlet::Feed;
+use sphecs_scene::model::{Inlet, Patch, Scene};
 use stock::leave;
 
 /// A change of zone that a row is due for.

@@ -14,14 +14,12 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::particles::components::{
-    ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Tracer, Velocity,
-};
-use crate::particles::zone::Zone;
-use crate::scene::model::{Scene, WhenEmpty};
+use crate::components::{ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Tracer, Velocity};
 use crate::systems::failure::Failure;
 use crate::systems::ledger::Ledger;
 use crate::systems::setup::{Seats, Stored};
+use sphecs_core::particles::zone::Zone;
+use sphecs_scene::model::{Scene, WhenEmpty};
 
 /// Numbers of deleted particles, to be given anew; the last is taken first.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

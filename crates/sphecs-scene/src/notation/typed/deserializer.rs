@@ -5,7 +5,7 @@ use serde::de::{self, IntoDeserializer, Visitor};
 use super::parts::{Entries, Items};
 use super::value::Typed;
 use super::{Abort, spanned};
-use crate::scene::notation::tree::{Node, Value};
+use crate::notation::tree::{Node, Value};
 
 macro_rules! whole {
     ($($method:ident $visit:ident $type:ty),* $(,)?) => {

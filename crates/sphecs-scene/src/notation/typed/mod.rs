@@ -11,8 +11,8 @@ use std::collections::{HashMap, HashSet};
 use serde::de::{self, DeserializeOwned, DeserializeSeed};
 
 use super::tree::{Node, Span};
-use crate::scene::expression::Constants;
-use crate::scene::faults::Fault;
+use crate::expression::Constants;
+use crate::faults::Fault;
 
 mod deserializer;
 mod parts;

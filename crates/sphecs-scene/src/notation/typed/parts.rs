@@ -3,7 +3,7 @@
 use serde::de::{self, DeserializeSeed, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
 use super::{Abort, Context, Typed, seed};
-use crate::scene::notation::tree::{Node, Value};
+use crate::notation::tree::{Node, Value};
 
 /// Items of a list or tuple.
 pub(super) struct Items<'a> {

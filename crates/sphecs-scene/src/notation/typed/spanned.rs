@@ -6,7 +6,7 @@ use serde::de::{self, DeserializeSeed, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::{Abort, Context, Typed};
-use crate::scene::notation::tree::{Node, Span};
+use crate::notation::tree::{Node, Span};
 
 /// The name under which the place is asked for: no scene can write it.
 pub(super) const NAME: &str = "$spanned";

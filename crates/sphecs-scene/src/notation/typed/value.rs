@@ -2,8 +2,8 @@
 
 use super::Context;
 use super::parts::{Entries, Variant};
-use crate::scene::faults::{Fault, advice, nearest};
-use crate::scene::notation::tree::{Field, Node, Value};
+use crate::faults::{Fault, advice, nearest};
+use crate::notation::tree::{Field, Node, Value};
 
 /// A value about to be read; `node` is None for a placeholder.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Faults of shapes, openings, periods and particle counts.
 
 use super::{SOUND, check, faults_of};
-use crate::scene::load_str;
+use crate::load_str;
 
 #[test]
 fn shapes_without_sense_are_faults() {

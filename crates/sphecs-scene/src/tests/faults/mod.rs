@@ -4,8 +4,8 @@ mod geometry;
 mod notation;
 mod values;
 
-use crate::scene::faults::SceneFaults;
-use crate::scene::load_str;
+use crate::faults::SceneFaults;
+use crate::load_str;
 
 /// A sound scene; tests replace one piece of it.
 const SOUND: &str = r#"Scene(

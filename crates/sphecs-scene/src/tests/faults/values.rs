@@ -1,9 +1,9 @@
 //! Faults of numbers, expressions, tables and probes.
 
 use super::{SOUND, check, faults_of};
-use crate::physics::outlet::{Frame, OutletCondition, OutletPressure, TransverseOperator, Waves};
-use crate::physics::wall::Slip;
-use crate::scene::load_str;
+use crate::load_str;
+use sphecs_core::physics::outlet::{Frame, OutletCondition, OutletPressure, TransverseOperator, Waves};
+use sphecs_core::physics::wall::Slip;
 
 #[test]
 fn numbers_out_of_bounds_are_faults() {
@@ -211,7 +211,7 @@ fn tables_are_checked_in_their_own_text() {
     let run = |velocity: &str| {
         let path = folder.path().join("scene.ron");
         std::fs::write(&path, SOUND.replace("Normal(\"v0 * y\")", velocity)).unwrap();
-        match crate::scene::load(&path, &[]) {
+        match crate::load(&path, &[]) {
             Ok(_) => panic!("{velocity} was taken"),
             Err(faults) => faults,
         }
@@ -230,7 +230,7 @@ fn tables_are_checked_in_their_own_text() {
 
 #[test]
 fn a_file_that_is_not_there_is_a_fault() {
-    let faults = crate::scene::load(std::path::Path::new("no/such/scene.ron"), &[]);
+    let faults = crate::load(std::path::Path::new("no/such/scene.ron"), &[]);
     assert!(faults.is_err_and(|f| f.faults()[0].title.contains("no/such/scene.ron")));
 }
 
