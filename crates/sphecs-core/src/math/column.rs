@@ -163,7 +163,7 @@ pub struct Columns(Vec<(String, Column)>);
 /// Difference between the saved columns and those that the reader expects.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Misfit(pub String);
+pub struct ColumnMismatch(pub String);
 
 impl Columns {
     /// Adds values under a name.
@@ -187,26 +187,27 @@ impl Columns {
     /// Removes the column of a name and returns its values.
     ///
     /// # Errors
-    /// [`Misfit`] if there is no such column, or its type differs.
-    pub fn take<T: Element>(&mut self, name: &str) -> Result<Vec<T>, Misfit> {
+    /// [`ColumnMismatch`] if there is no such column, or its type differs.
+    pub fn take<T: Element>(&mut self, name: &str) -> Result<Vec<T>, ColumnMismatch> {
         let at = self.0.iter().position(|(known, _)| known == name);
-        let at = at.ok_or_else(|| Misfit(format!("it has no column `{name}`")))?;
+        let at = at.ok_or_else(|| ColumnMismatch(format!("column `{name}` is missing")))?;
         let (_, column) = self.0.remove(at);
         let found = column.type_name();
         let expected = T::into_column(Vec::new()).type_name();
-        let mismatch = || Misfit(format!("its column `{name}` is of type {found}, must be {expected}"));
+        let mismatch =
+            || ColumnMismatch(format!("column `{name}` has the type {found}, must have {expected}"));
         T::from_column(column).ok_or_else(mismatch)
     }
 
     /// Removes the column of a name, which must have `count` values, and returns them.
     ///
     /// # Errors
-    /// [`Misfit`] as for [`Self::take`], or if the number of values differs.
-    pub fn take_exactly<T: Element>(&mut self, name: &str, count: usize) -> Result<Vec<T>, Misfit> {
+    /// [`ColumnMismatch`] as for [`Self::take`], or if the number of values differs.
+    pub fn take_exactly<T: Element>(&mut self, name: &str, count: usize) -> Result<Vec<T>, ColumnMismatch> {
         let values = self.take::<T>(name)?;
         match values.len() {
             found if found == count => Ok(values),
-            found => Err(Misfit(format!("its column `{name}` has {found} values, must have {count}"))),
+            found => Err(ColumnMismatch(format!("column `{name}` has {found} values, must have {count}"))),
         }
     }
 
