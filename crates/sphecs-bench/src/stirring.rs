@@ -8,7 +8,7 @@ use glam::{DVec3, IVec3};
 
 use super::cases::{BoxTerms, StirredBox};
 use sphecs_engine::components::{ParticleId, Position, Velocity};
-use sphecs_engine::simulation::{BuildError, Simulation, Stop};
+use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::faults::SceneFaults;
 use sphecs_scene::model::{ParticleSeed, Precision};
 
@@ -21,9 +21,6 @@ const STEPS: usize = 100;
 /// Why there is no tile.
 #[derive(Debug, thiserror::Error)]
 pub enum TileError {
-    /// The simulation could not be built.
-    #[error(transparent)]
-    Build(#[from] BuildError),
     /// Its scene has faults.
     #[error(transparent)]
     Scene(#[from] SceneFaults),
@@ -51,7 +48,8 @@ impl Tile {
     pub fn of(stirred: StirredBox) -> Result<Self, TileError> {
         let edge = EDGES.rev().find(|edge| stirred.count.is_multiple_of(*edge)).unwrap_or(stirred.count);
         let tile = StirredBox { count: edge, precision: Precision::F32, terms: BoxTerms::Laminar, ..stirred };
-        let mut simulation = Simulation::builder(tile.scene()?).build()?;
+        let mut simulation =
+            Simulation::builder(tile.scene()?).build().expect("a scene without plugins can be built");
         let mut this = Self { spacing: simulation.scene().spacing, edge: edge as i32, particles: Vec::new() };
         let mut places = vec![0; edge.pow(stirred.dimensions as u32)];
         for (id, position, _) in states(&mut simulation) {
