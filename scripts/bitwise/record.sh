@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Records what a build of sphecs computes, as a manifest of SHA-256 sums, so that two builds can be compared bit by bit.
+#
+# What it is for
+#   A change that moves code, renames things or makes the program faster must not change a result. Record a manifest
+#   with the program from before the change and one with the program from after it, both on the same machine, and
+#   compare them:
+#
+#       scripts/bitwise/record.sh path/to/old/sphecs before.tsv
+#       scripts/bitwise/record.sh target/release/sphecs after.tsv
+#       python3 scripts/bitwise/compare.py before.tsv after.tsv
+#
+#   compare.py names every result that differs and ends with code 1 if there is one.
+#
+# What is run
+#   Everything: every scene of scenes/ and the cases of `sphecs bench` at a coarse spacing, for 300 steps (the 3D boxes
+#   and ducts for fewer: see cases.py), with both schemes, in F32 and F64, with every instruction set that the
+#   machine has, on two threads. About 280 runs with two instruction sets: 45 minutes on two cores.
+#   `--quick`: small flows that reach every part of the engine once: schemes, kernels, viscosities, noise damping,
+#   shiftings, integrators, wall models and slip conditions, inlets, outlet conditions, reservoir, bodies, 2D and 3D,
+#   F32 and F64, and a run that is resumed. About 2 minutes on one core.
+#
+# How to run it
+#   scripts/bitwise/record.sh BINARY MANIFEST [--quick] [--root DIR] [--only TEXT] [--threads N] [--rename OLD=NEW]
+#     BINARY     a release build of sphecs
+#     MANIFEST   file to write
+#     --root     checkout that the scenes are taken from, default the one that this script lies in
+#     --only     only the runs whose key contains the text
+#     --threads  threads of each run, default 2; the results must not depend on it
+#     --rename   an option, a field or a value of a scene that this build spells in another way; repeatable. Renames
+#                that stay belong into RENAMED in cases.py.
+#
+# What is compared
+#   Data, not names. Of a checkpoint: the bytes of each particle column, and the numbers of each stored resource in
+#   their order. Of each NetCDF file: type, shape and bytes of each numeric variable. Of each CSV file: the rows
+#   below the header. Of summary.json: the numbers. The sums of the columns of a file are sorted before they are
+#   added up, so that a renamed column changes nothing. Wall-clock times, versions, paths and texts are left out.
+#   A run that the program refuses is recorded by its exit code.
+#
+# Needs python3 with venv; numpy and netCDF4 are installed into .venv of the repository. Set PYTHON to use an
+# interpreter that has both.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+
+python=${PYTHON:-$root/.venv/bin/python}
+if ! "$python" -c 'import netCDF4, numpy' 2>/dev/null; then
+    [ -x "$root/.venv/bin/pip" ] || python3 -m venv "$root/.venv" || {
+        echo "no python3 with venv: install python3-venv, or set PYTHON to one with numpy and netCDF4" >&2
+        exit 1
+    }
+    # The versions of python/requirements.txt.
+    grep -E '^(netCDF4|numpy)' "$root/python/requirements.txt" |
+        "$root/.venv/bin/pip" install --quiet --disable-pip-version-check -r /dev/stdin
+    python=$root/.venv/bin/python
+fi
+exec "$python" "$here/record.py" "$@"
