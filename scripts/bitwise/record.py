@@ -38,6 +38,15 @@ def instruction_sets() -> list[str]:
     return sets
 
 
+def copied(binary: Path, folder: Path) -> Path:
+    """A copy of the program without line tables: it reads its own file at each start, and a build may replace the original."""
+    copy = folder / "sphecs"
+    shutil.copy2(binary, copy)
+    if shutil.which("strip"):
+        subprocess.run(["strip", str(copy)], check=False, capture_output=True)
+    return copy
+
+
 class Recorder:
     """Runs one case after the other and writes the manifest."""
 
@@ -132,8 +141,9 @@ def main():
 
     begun = time.monotonic()
     partial = arguments.manifest.with_name(arguments.manifest.name + ".partial")
-    with partial.open("w", encoding="utf-8") as manifest:
-        manifest.write(f"# sphecs results by {arguments.binary.name}, {platform.machine()}, {', '.join(sets)}\n")
+    with partial.open("w", encoding="utf-8") as manifest, tempfile.TemporaryDirectory(prefix="sphecs-bitwise-") as folder:
+        manifest.write(f"# {platform.machine()}, {', '.join(sets)}\n")
+        arguments.binary = copied(arguments.binary, Path(folder))
         recorder = Recorder(arguments, renames, manifest)
         for case, precision, lanes, key in runs:
             recorder.record(case, precision, lanes, key)

@@ -13,12 +13,13 @@
 #   compare.py names every result that differs and ends with code 1 if there is one.
 #
 # What is run
-#   Everything: every scene of scenes/ and the cases of `sphecs bench` at a coarse spacing, for 300 steps (the 3D boxes
-#   and ducts for fewer: see cases.py), with both schemes, in F32 and F64, with every instruction set that the
-#   machine has, on two threads. About 280 runs with two instruction sets: 45 minutes on two cores.
-#   `--quick`: small flows that reach every part of the engine once: schemes, kernels, viscosities, noise damping,
-#   shiftings, integrators, wall models and slip conditions, inlets, outlet conditions, reservoir, bodies, 2D and 3D,
-#   F32 and F64, and a run that is resumed. About 2 minutes on one core.
+#   Without --quick: every scene of scenes/ and the cases of `sphecs bench` at the smoke spacing for 300 steps (boxes
+#   with fewer particles; the ducts in 3D and the 3D boxes for 60 to 150 steps: see cases.py), with both schemes, in
+#   F32 and F64, with every instruction set of the machine, on two threads; and all small flows of --quick in both
+#   precisions with every set.
+#   --quick: 375 runs of few steps that reach every part of the engine: schemes, kernels, viscosities, noise damping,
+#   shiftings, integrators, wall models and slip conditions, inlets, outlet conditions, reservoir, bodies, probes, 2D
+#   and 3D, F32 and F64, every scene, a flow that blows up, and runs that are resumed. About 2.5 minutes of one core.
 #
 # How to run it
 #   scripts/bitwise/record.sh BINARY MANIFEST [--quick] [--root DIR] [--only TEXT] [--threads N] [--rename OLD=NEW]
