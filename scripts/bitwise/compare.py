@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Compares two manifests of record.sh: prints each result that differs and a verdict; ends with code 1 on a difference."""
+"""Compares two manifests of record.sh: prints each result that differs, and a verdict.
+
+Ends with code 1 if there is a difference.
+"""
 
 import argparse
 import sys
@@ -12,7 +15,8 @@ def read(path):
             if line.startswith("#") or not line.strip():
                 continue
             key, total, *columns = line.rstrip("\n").split("\t")
-            pairs = (pair.rsplit("=", 1) for pair in (columns[0].split("; ") if columns and columns[0] else []))
+            listed = columns[0].split("; ") if columns and columns[0] else []
+            pairs = (pair.rsplit("=", 1) for pair in listed)
             manifest[key] = (total, dict(pairs))
     return manifest
 

@@ -66,9 +66,7 @@ class MessagePack:
         elif tag in self.SIZES:
             (number,) = struct.unpack(self.SIZES[tag], self.take(struct.calcsize(self.SIZES[tag])))
             # MessagePack chooses the width by the value.
-            self.leaf(b"i", number.to_bytes(9, "big", signed=True), keep) if number >= 2**63 else self.leaf(
-                b"i", struct.pack(">q", number), keep
-            )
+            self.leaf(b"i", number.to_bytes(8 if number < 2**63 else 9, "big", signed=True), keep)
         elif 0xA0 <= tag <= 0xBF or tag in (0xD9, 0xDA, 0xDB):
             self.text(tag)
             self.leaf(b"s", b"", keep)
@@ -213,7 +211,7 @@ def run_folder(folder: Path) -> dict[str, dict[str, str]]:
         found[path.name] = csv(path)
     for path in sorted(folder.glob("summary.json")):
         found[path.name] = summary(path)
-    # The last one is the state at the last step; the other may be of a moment that the wall clock chose.
+    # The last one is of the last step; wall-clock time may have chosen the step of another.
     for path in sorted(folder.glob("checkpoints/*.checkpoint"))[-1:]:
         found["checkpoint"] = checkpoint(path)
     return found

@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Runs the cases of cases.py with a build of sphecs and writes the manifest of their results. Start it by record.sh."""
+"""Runs the cases of cases.py with a build of sphecs and writes the manifest of their results.
+
+Started by record.sh.
+"""
 
 import argparse
 import os
@@ -16,7 +19,7 @@ import cases
 import digest
 
 ROOT = Path(__file__).resolve().parents[2]
-# Exit codes of the program that say something about a flow: done, refused, blown up, failed.
+# Exit codes of the program that say something about a flow: done, refused, diverged, failed.
 EXPECTED_CODES = (0, 2, 3, 4)
 # Longest time of one run, s.
 LONGEST = 3600
@@ -27,7 +30,8 @@ def instruction_sets() -> list[str]:
     sets = ["portable"]
     flags = set()
     try:
-        flags = set(re.search(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE).group(1).split())
+        processor = Path("/proc/cpuinfo").read_text()
+        flags = set(re.search(r"^flags\s*:(.*)$", processor, re.MULTILINE).group(1).split())
     except (OSError, AttributeError):
         print("this machine does not tell its instruction sets: portable alone is recorded", file=sys.stderr)
     # As the program looks for them; the kernel calls lzcnt `abm`.
@@ -39,7 +43,10 @@ def instruction_sets() -> list[str]:
 
 
 def copied(binary: Path, folder: Path) -> Path:
-    """A copy of the program without line tables: it reads its own file at each start, and a build may replace the original."""
+    """Copies the program without line tables.
+
+    It reads its own file at each start, and a build may replace the original.
+    """
     copy = folder / "sphecs"
     shutil.copy2(binary, copy)
     if shutil.which("strip"):
@@ -72,7 +79,10 @@ class Recorder:
         environment = os.environ | {"SPHECS_LANES": lanes, "LC_ALL": "C"}
         words = [self.spelled(word) for word in words]
         command = [str(self.arguments.binary), *words]
-        return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=LONGEST, cwd=self.arguments.root)
+        root = self.arguments.root
+        return subprocess.run(
+            command, env=environment, capture_output=True, text=True, timeout=LONGEST, cwd=root
+        )
 
     def run(self, case, precision, lanes, scratch: Path):
         """Runs a case; its folder and exit code."""
@@ -83,9 +93,8 @@ class Recorder:
         threads = ["--threads", str(self.arguments.threads), "--quiet"]
         scene = str(self.scene(case, scratch))
         first = case.resumed_at or case.steps
-        done = self.start(
-            ["run", scene, "--smoke", "--steps", str(first), "--out", str(folder), "--allow-oversize", *threads, *sets], lanes
-        )
+        where = ["--smoke", "--steps", str(first), "--out", str(folder), "--allow-oversize"]
+        done = self.start(["run", scene, *where, *threads, *sets], lanes)
         if case.resumed_at and done.returncode == 0:
             done = self.start(["resume", str(folder), "--steps", str(case.steps), *threads], lanes)
         return folder, done
@@ -100,7 +109,8 @@ class Recorder:
                 print(f"{key}: ended with {code}\n{done.stdout}{done.stderr}", file=sys.stderr)
             self.line(f"{key} exit", digest.sha256(str(code).encode()), {"code": str(code)})
             for name, sums in digest.run_folder(folder).items():
-                self.line(f"{key} {name}", digest.combined(sums), {column: part[:12] for column, part in sums.items()})
+                short = {column: part[:12] for column, part in sums.items()}
+                self.line(f"{key} {name}", digest.combined(sums), short)
         said = "" if code == 0 else f"  exit {code}: {' '.join((done.stderr or done.stdout).split())[:160]}"
         print(f"{time.monotonic() - begun:7.2f} s  {key}{said}", flush=True)
 
@@ -114,16 +124,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("binary", type=Path, help="release build of sphecs")
     parser.add_argument("manifest", type=Path, help="file to write")
-    parser.add_argument("--quick", action="store_true", help="small flows that reach every part of the engine")
+    parser.add_argument("--quick", action="store_true", help="small flows through every part of the engine")
     parser.add_argument("--root", type=Path, default=ROOT, help="checkout that the scenes are taken from")
     parser.add_argument("--only", default="", help="only the runs whose key contains this text")
     parser.add_argument("--threads", type=int, default=2, help="threads of each run")
-    parser.add_argument("--rename", action="append", default=[], metavar="OLD=NEW", help="another spelling of a name")
+    rename = {"action": "append", "default": [], "metavar": "NAME=SPELLING"}
+    parser.add_argument("--rename", **rename, help="another spelling of a name")
     arguments = parser.parse_args()
     arguments.binary, arguments.root = arguments.binary.resolve(), arguments.root.resolve()
     if not os.access(arguments.binary, os.X_OK):
         sys.exit(f"{arguments.binary}: is no program that can be run, must be a build of sphecs")
-    renames = cases.RENAMED | dict(rename.split("=", 1) for rename in arguments.rename)
+    renames = dict(rename.split("=", 1) for rename in arguments.rename)
 
     table = cases.quick(arguments.root) if arguments.quick else cases.full(arguments.root)
     sets = instruction_sets()
@@ -141,7 +152,8 @@ def main():
 
     begun = time.monotonic()
     partial = arguments.manifest.with_name(arguments.manifest.name + ".partial")
-    with partial.open("w", encoding="utf-8") as manifest, tempfile.TemporaryDirectory(prefix="sphecs-bitwise-") as folder:
+    temporary = tempfile.TemporaryDirectory(prefix="sphecs-bitwise-")
+    with partial.open("w", encoding="utf-8") as manifest, temporary as folder:
         manifest.write(f"# {platform.machine()}, {', '.join(sets)}\n")
         arguments.binary = copied(arguments.binary, Path(folder))
         recorder = Recorder(arguments, renames, manifest)
