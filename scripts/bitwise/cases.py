@@ -197,7 +197,6 @@ FLOW = {
     "inlet_table": {"inlets.0.velocity": "TimeTable(rows: [(0.0, 0.05), (0.01, 0.1), (0.5, 0.2)])"},
     "inlet_mass_flow": {"inlets.0.velocity": 'MassFlow(rate: 4.0, profile: "1 - 4*y^2/D^2")'},
     "inlet_mass_flux": {"inlets.0.velocity": 'MassFlux(flux: "100*(1 + t)")'},
-    "inlet_poiseuille": {"inlets.0.velocity": "PoiseuilleStartup(body_force: 0.5)"},
     "jitter": {"fill": "Lattice(jitter: 0.15)"},
     "body_force": {"body_force": '("0.5*sin(30*x)", "0.2*cos(10*t)*y")'},
     "bodies": {"bodies": '[(part: "walls", velocity: 0.1, area: "d", mean: (0.01, 0.02))]'},

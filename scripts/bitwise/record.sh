@@ -18,7 +18,7 @@
 #   for 300 steps (boxes with fewer particles; the ducts in 3D and the 3D boxes for 60 to 150
 #   steps: see cases.py), with both schemes, in F32 and F64, with every instruction set of the
 #   machine, on two threads; and all small flows of --quick in both precisions with every set.
-#   --quick: 375 runs of few steps that reach every part of the engine: schemes, kernels,
+#   --quick: 373 runs of few steps that reach every part of the engine: schemes, kernels,
 #   viscosities, noise damping, shiftings, integrators, wall models and slip conditions, inlets,
 #   outlet conditions, reservoir, bodies, probes, 2D and 3D, F32 and F64, every scene, a flow that
 #   diverges, and runs that are resumed. About 2.5 minutes of one core.
