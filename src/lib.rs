@@ -73,18 +73,15 @@
 pub use bevy_ecs;
 pub use glam;
 
-pub mod bench;
+pub use sphecs_bench as bench;
+pub use sphecs_core::{math, particles, pass, physics};
+pub use sphecs_engine::{components, simulation, systems, transfer};
+pub use sphecs_output as output;
+pub use sphecs_run as run;
+pub use sphecs_scene as scene;
+pub use sphecs_validate as validate;
+
 pub mod cli;
-pub mod math;
-pub mod output;
-pub mod particles;
-pub mod pass;
-pub mod physics;
-pub mod run;
-pub mod scene;
-pub mod simulation;
-pub mod systems;
-pub mod validate;
 
 /// The examples of the README compile.
 #[cfg(doctest)]

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use sphecs::bevy_ecs::query::With;
+use sphecs::components::{Fluid, Inflow, Outflow, Position, Thermodynamics, Velocity, Wall};
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{Fluid, Inflow, Outflow, Position, Thermodynamics, Velocity, Wall};
 use sphecs::particles::zone::Zone;
 use sphecs::scene::load_smoke;
 use sphecs::simulation::{Simulation, Stop};

@@ -5,9 +5,9 @@ mod census;
 mod plug;
 
 use census::{census, of};
+use sphecs::components::ParticleId;
 use sphecs::glam::DVec3;
 use sphecs::particles::arrays::ParticleArrays;
-use sphecs::particles::components::ParticleId;
 use sphecs::particles::zone::Zone;
 use sphecs::scene::load_str;
 use sphecs::simulation::Simulation;

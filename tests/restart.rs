@@ -10,13 +10,13 @@ use shipped::shipped;
 use sphecs::bevy_ecs::resource::Resource;
 use sphecs::bevy_ecs::schedule::{IntoScheduleConfigs, Schedule, Schedules};
 use sphecs::bevy_ecs::world::World;
-use sphecs::glam::DVec3;
-use sphecs::math::column::Columns;
-use sphecs::particles::arrays::ParticleArrays;
-use sphecs::particles::components::{
+use sphecs::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Returned, SpsStress, Thermodynamics, Tracer,
     Velocity, Wall, WallSurface,
 };
+use sphecs::glam::DVec3;
+use sphecs::math::column::Columns;
+use sphecs::particles::arrays::ParticleArrays;
 use sphecs::scene::model::Scene;
 use sphecs::scene::{load_smoke, load_str};
 use sphecs::simulation::Simulation;

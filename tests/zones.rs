@@ -5,8 +5,8 @@ mod plug;
 
 use census::{Particle, census, of};
 use plug::scene;
+use sphecs::components::{ParticleId, Position, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{ParticleId, Position, Velocity};
 use sphecs::particles::zone::Zone;
 use sphecs::scene::model::ProbeSight;
 use sphecs::simulation::{Simulation, Stop};

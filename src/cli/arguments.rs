@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use super::runs::{ResumeArguments, RunArguments};
 use super::trials::{BenchArguments, ValidateArguments};
-use crate::output::picture::{Colours, Field, Slice};
+use sphecs_output::picture::{Colours, Field, Slice};
 
 /// The whole command line.
 #[derive(Debug, Parser)]

@@ -10,21 +10,21 @@ use super::arguments::{
 use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
 use super::runs::{ResumeArguments, RunArguments, WordArguments};
 use super::trials::{BenchArguments, ValidateArguments};
-use crate::bench::cases::Case;
-use crate::bench::{self, BenchOptions};
-use crate::output::disk::bytes;
-use crate::output::error::OutputError;
-use crate::output::picture::{self, RenderOptions};
-use crate::output::results::Results;
-use crate::output::{info as run_info, pack as packing, vtk};
-use crate::run::console::Console;
-use crate::run::resume::{self, ResumeOptions};
-use crate::run::words::{columns, figure, grouped};
-use crate::run::{Ending, RunOptions, report};
-use crate::scene::model::Scene;
-use crate::scene::{self, summary};
-use crate::validate::schema::Tier;
-use crate::validate::{self, Judgement, ValidateError, ValidateOptions, case};
+use sphecs_bench::BenchOptions;
+use sphecs_bench::cases::Case;
+use sphecs_output::disk::bytes;
+use sphecs_output::error::OutputError;
+use sphecs_output::picture::{self, RenderOptions};
+use sphecs_output::results::Results;
+use sphecs_output::{info as run_info, pack as packing, vtk};
+use sphecs_run::console::Console;
+use sphecs_run::resume::{self, ResumeOptions};
+use sphecs_run::words::{columns, figure, grouped};
+use sphecs_run::{Ending, RunOptions, report};
+use sphecs_scene::model::Scene;
+use sphecs_scene::summary;
+use sphecs_validate::schema::Tier;
+use sphecs_validate::{Judgement, ValidateError, ValidateOptions, case};
 
 /// Runs a scene.
 ///
@@ -47,7 +47,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         allow_oversize: arguments.allow_oversize,
         console: console(&arguments.words),
     };
-    Ok(code_of(crate::run::run(scene, &options)?))
+    Ok(code_of(sphecs_run::run(scene, &options)?))
 }
 
 /// Goes on with a run.
@@ -106,7 +106,7 @@ fn code_of(ending: Ending) -> u8 {
 /// [`Failure::Scene`] with every fault of the scene.
 pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let scene = load(&arguments.input)?;
-    let seeds = scene::seeds(&scene);
+    let seeds = sphecs_scene::seeds(&scene);
     let summary = summary::summary(&scene, &seeds);
     let step = summary.courant_step.min(summary.viscous_step);
     let limit = if summary.viscous_step < summary.courant_step { "viscosity" } else { "sound speed" };
@@ -217,10 +217,10 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     threads.dedup();
     let options = BenchOptions {
         cases: Case::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
-        threads: if threads.is_empty() { bench::usual_threads() } else { threads },
+        threads: if threads.is_empty() { sphecs_bench::usual_threads() } else { threads },
         console: Console::Normal,
     };
-    bench::run(&options)?;
+    sphecs_bench::run(&options)?;
     Ok(DONE)
 }
 
@@ -248,7 +248,7 @@ pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
         threads: arguments.threads.map(NonZeroUsize::get),
         console: Console::Normal,
     };
-    Ok(match validate::validate(&options)? {
+    Ok(match sphecs_validate::validate(&options)? {
         Judgement::Met => DONE,
         Judgement::Missed => MISSED,
         Judgement::Stopped(signal) => signal.exit_code(),
@@ -260,7 +260,7 @@ fn load(input: &SceneArguments) -> Result<Scene, Failure> {
 }
 
 fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Failure> {
-    let read = if input.smoke { scene::load_smoke_within } else { scene::load_within };
+    let read = if input.smoke { sphecs_scene::load_smoke_within } else { sphecs_scene::load_within };
     Ok(read(&input.scene, &input.sets, memory)?)
 }
 

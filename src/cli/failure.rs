@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use miette::{Diagnostic, MietteHandlerOpts, Report};
 
-use crate::bench::BenchError;
-use crate::output::error::OutputError;
-use crate::run::error::RunError;
-use crate::scene::faults::SceneFaults;
-use crate::validate::ValidateError;
+use sphecs_bench::BenchError;
+use sphecs_output::error::OutputError;
+use sphecs_run::error::RunError;
+use sphecs_scene::faults::SceneFaults;
+use sphecs_validate::ValidateError;
 
 /// Done.
 pub const DONE: u8 = 0;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::bench::cases::Case;
+use sphecs_bench::cases::Case;
 
 /// `sphecs bench`.
 #[derive(Args, Debug)]

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use sphecs::bevy_ecs::world::{EntityRef, World};
+use sphecs::components::{
+    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
+};
 use sphecs::glam::DVec3;
 use sphecs::math::real::Real;
 use sphecs::particles::arrays::ParticleArrays;
-use sphecs::particles::components::{
-    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
-};
 use sphecs::particles::zone::Zone;
 use sphecs::simulation::Simulation;
 

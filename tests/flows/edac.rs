@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use sphecs::bevy_ecs::query::With;
+use sphecs::components::{Fluid, Position, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{Fluid, Position, Thermodynamics, Velocity};
 use sphecs::physics::inlet::poiseuille::startup_velocity;
 use sphecs::simulation::Simulation;
 

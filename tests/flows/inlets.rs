@@ -1,8 +1,8 @@
 //! The pressure that an inlet takes from the fluid.
 
 use sphecs::bevy_ecs::query::With;
+use sphecs::components::{Inflow, Position, Thermodynamics};
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{Inflow, Position, Thermodynamics};
 
 use crate::flow;
 

@@ -27,8 +27,8 @@ mod walls;
 use std::path::{Path, PathBuf};
 
 use sphecs::bevy_ecs::query::With;
+use sphecs::components::{Fluid, ParticleId, Position, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::particles::components::{Fluid, ParticleId, Position, Thermodynamics, Velocity};
 use sphecs::scene::{load, load_smoke, load_str};
 use sphecs::simulation::Simulation;
 

@@ -2,9 +2,9 @@
 
 use sphecs::bevy_ecs::entity::Entity;
 use sphecs::bevy_ecs::query::{With, Without};
+use sphecs::components::{Fluid, ParticleId, Position, Reservoir, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
 use sphecs::particles::arrays::ParticleArrays;
-use sphecs::particles::components::{Fluid, ParticleId, Position, Reservoir, Thermodynamics, Velocity};
 use sphecs::simulation::Simulation;
 
 use crate::{advance, flow, smoke};

@@ -1,0 +1,371 @@
+//! Floating-point operations of an ordered pair in one step, counted from the loops as they are written.
+//!
+//! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and choices nothing. √x with 1/√x is a root and a
+//! division, however many instructions a set takes for both or for the one that is used. Figures of a loop are those with Wendland's kernel. Work on candidates beyond the support,
+//! packing, the ends of the rows, and distances found a first time only to see what is near, are left out: the share of the peak that follows is
+//! that of useful work.
+//!
+//! The tests run the passes over numbers that count their operations, and find these figures.
+
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::sps::components;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
+use sphecs_scene::model::{Scene, Scheme};
+
+/// Of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 2, w(q) 7, the sum 1.
+pub const fn density(dimensions: usize) -> usize {
+    3 * dimensions + 10
+}
+
+/// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division with what it
+/// yields 10, x·v and the signal 2 D, divergence 3, pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
+pub const fn rates(dimensions: usize) -> usize {
+    12 * dimensions + 23
+}
+
+/// What walls add to the rates of rows that have one in their support, and to those of all rows where the loop is no plain one: the image factor 2,
+/// its use in the divergence and in the viscous term 2.
+pub const WALLS: usize = 4;
+
+/// What walls add to the gradients: the image factor.
+pub const WALLS_IN_GRADIENTS: usize = 2;
+
+/// What the damping of noise adds to the rates: S_a + S_b by component, x·S·x 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7.
+pub const fn damping(dimensions: usize) -> usize {
+    components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 9
+}
+
+/// What a shift less its drift adds to the sums of `pass/strain/row.rs`: the volume 1, ∇C 2 D.
+pub const fn crowding(dimensions: usize) -> usize {
+    2 * dimensions + 1
+}
+
+/// What it adds to the rates: w(q) 7, weight and sum of the weights 2; the sum itself takes the place of shifting.
+pub const NET_SHIFT: usize = 9;
+
+/// What sub-particle stress adds to the rates: T_a + T_b by component, T·x 2 D², its scale 1, acceleration 2 D.
+pub const fn stress(dimensions: usize) -> usize {
+    components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
+}
+
+/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, volume 2, the factors of the sums 3 D,
+/// gradient and moments 2 D² each.
+pub const fn gradients(dimensions: usize) -> usize {
+    4 * dimensions * dimensions + 7 * dimensions + 8
+}
+
+/// Of the loop in `pass/strain/row.rs`, which sums the density as well: that of the density 3 D + 10, F 5, x_ab once more, v_ab and the factors
+/// of the sums 4 D, the sums themselves 2 D + 1, gradient 2 D², moments D² + D.
+pub const fn density_and_strain(dimensions: usize) -> usize {
+    3 * dimensions * dimensions + 10 * dimensions + 16
+}
+
+/// Of the plain loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division with what it yields 5, weight
+/// 4, x·v and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and damping 4, pressure 1, the neighbour's
+/// stress 3, acceleration 6 D, background 2 D.
+pub const fn evolved_rates(dimensions: usize) -> usize {
+    16 * dimensions + 27
+}
+
+/// What walls add to them: the image factor 2, its use in the viscous term 1.
+pub const WALLS_IN_EVOLVED: usize = 3;
+
+/// What a value of a kernel takes more than one of Wendland's: 7.
+pub const fn value_beyond_wendland(kernel: Kernel) -> usize {
+    match kernel {
+        Kernel::WendlandC2 => 0,
+        Kernel::QuinticSpline => 9,
+    }
+}
+
+/// What a slope of a kernel takes more than one of Wendland's: 4.
+pub const fn slope_beyond_wendland(kernel: Kernel) -> usize {
+    match kernel {
+        Kernel::WendlandC2 => 0,
+        Kernel::QuinticSpline => 10,
+    }
+}
+
+/// All of a step of a scene with Fickian or local shifting, or an evolved pressure, and no artificial viscosity.
+pub fn per_pair(scene: &Scene) -> usize {
+    let dimensions = scene.dimensions;
+    let kernel = scene.scheme.kernel();
+    let slope = slope_beyond_wendland(kernel);
+    let of_kernel = value_beyond_wendland(kernel) + slope;
+    if let Scheme::EdacTvf(_) = scene.scheme {
+        let walls = if scene.layout.walled { WALLS_IN_EVOLVED } else { 0 };
+        return density(dimensions) + evolved_rates(dimensions) + of_kernel + walls;
+    }
+    let is_damped = scene.scheme.wcsph().is_some_and(|scheme| scheme.noise_damping != NoiseDamping::Off);
+    let carries = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting.carries_velocity());
+    let is_net = scene.scheme.wcsph().is_some_and(|scheme| !scheme.shifting.keeps_drift());
+    let has_stress = scene.scheme.has_stress();
+    let has_walls = scene.layout.walled;
+    // Under a plain loop few rows ask for walls.
+    let asks_for_walls = has_walls && (has_stress || is_net);
+    let mut operations = of_kernel + rates(dimensions) + if asks_for_walls { WALLS } else { 0 };
+    operations += if is_damped || carries || is_net {
+        density_and_strain(dimensions) + slope
+    } else {
+        density(dimensions)
+    };
+    if is_net {
+        operations += crowding(dimensions) + NET_SHIFT + value_beyond_wendland(kernel);
+    }
+    if has_stress {
+        operations += gradients(dimensions) + stress(dimensions) + slope;
+        operations += if has_walls { WALLS_IN_GRADIENTS } else { 0 };
+    }
+    if is_damped {
+        operations += damping(dimensions);
+    }
+    operations
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::fmt::{Display, Formatter};
+    use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+    use glam::DVec3;
+
+    use super::*;
+    use sphecs_core::math::column::{Column, Element};
+    use sphecs_core::math::grid::CellGrid;
+    use sphecs_core::math::lanes::{Array, InstructionSet, Vectorised};
+    use sphecs_core::math::real::Real;
+    use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
+    use sphecs_core::particles::rows::Row;
+    use sphecs_core::particles::zone::Zone;
+    use sphecs_core::pass::density::sum_density;
+    use sphecs_core::pass::edac;
+    use sphecs_core::pass::gradients::sum_gradients;
+    use sphecs_core::pass::rates::{VelocityLevel, sum_rates};
+    use sphecs_core::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
+    use sphecs_core::pass::strain::sum_density_and_strain;
+    use sphecs_core::pass::stress::find_stress;
+    use sphecs_core::pass::sums::PairSums;
+    use sphecs_core::physics::edac::Edac;
+    use sphecs_core::physics::eos::Tait;
+    use sphecs_core::physics::shifting::{Drift, Shifting};
+    use sphecs_core::physics::viscosity::Viscosity;
+
+    thread_local! {
+        static DONE: Cell<usize> = const { Cell::new(0) };
+    }
+
+    /// A number that counts what is done with it.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+    struct Counted(f64);
+
+    impl Counted {
+        fn done(value: f64) -> Self {
+            DONE.set(DONE.get() + 1);
+            Self(value)
+        }
+    }
+
+    macro_rules! operators {
+        ($($operator:ident $function:ident $sign:tt),*) => { $(
+            impl $operator for Counted {
+                type Output = Self;
+                fn $function(self, other: Self) -> Self {
+                    Self::done(self.0 $sign other.0)
+                }
+            }
+        )* };
+    }
+    operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+    impl AddAssign for Counted {
+        fn add_assign(&mut self, other: Self) {
+            *self = *self + other;
+        }
+    }
+
+    impl SubAssign for Counted {
+        fn sub_assign(&mut self, other: Self) {
+            *self = *self - other;
+        }
+    }
+
+    impl Neg for Counted {
+        type Output = Self;
+        fn neg(self) -> Self {
+            Self(-self.0)
+        }
+    }
+
+    impl Display for Counted {
+        fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+            self.0.fmt(f)
+        }
+    }
+
+    impl Element for Counted {
+        fn into_column(values: Vec<Self>) -> Column {
+            Column::F64(values.into_iter().map(|value| value.0).collect())
+        }
+
+        fn from_column(column: Column) -> Option<Vec<Self>> {
+            f64::from_column(column).map(|values| values.into_iter().map(Counted).collect())
+        }
+    }
+
+    impl Real for Counted {
+        fn from_f64(value: f64) -> Self {
+            Self(value)
+        }
+        fn to_f64(self) -> f64 {
+            self.0
+        }
+        fn abs(self) -> Self {
+            Self(self.0.abs())
+        }
+        fn sqrt(self) -> Self {
+            Self::done(self.0.sqrt())
+        }
+        fn dispatch<T: Vectorised<Self>>(_: InstructionSet, task: T) -> T::Output {
+            task.run::<Array<Self, 1>>()
+        }
+    }
+
+    /// Passes over some particles.
+    type Passes<const D: usize> =
+        fn(&PairSettings, &CellGrid<D>, &mut ParticleArrays<Counted, D>, &mut PairSums<Counted, D>);
+
+    /// Operations of finding what is near before what is summed of it, in 2D: x_ab and r².
+    fn finding(dimensions: usize) -> usize {
+        if dimensions < 3 { 3 * dimensions } else { 0 }
+    }
+
+    /// Operations that passes do for each ordered pair. With all particles in one cell the count is a parabola of their
+    /// number, and its curvature is that of the pairs alone.
+    fn of_pair<const D: usize>(settings: &PairSettings, passes: Passes<D>) -> usize {
+        let counts = [8, 9, 10].map(|particles| of_all(settings, particles, passes));
+        let curvature = counts[2] + counts[0] - 2 * counts[1];
+        assert_eq!(curvature % 2, 0);
+        curvature / 2
+    }
+
+    /// Operations of passes over so many particles in one cell, and a wall particle if the settings know a wall.
+    fn of_all<const D: usize>(pair: &PairSettings, particles: usize, passes: Passes<D>) -> usize {
+        let upper = [0.9 * pair.cell_size(); D];
+        let mut grid = CellGrid::new([0.0; D], upper, [false; D], pair.support(), pair.cell_size());
+        let mut arrays = ParticleArrays::<Counted, D> {
+            evolves_pressure: matches!(pair.pressure, PressureLaw::Evolved(_)),
+            drifts: matches!(pair.pressure, PressureLaw::Evolved(_)),
+            ..Default::default()
+        };
+        let wall_distance = if pair.wall_parts.is_empty() { f64::INFINITY } else { 0.005 };
+        for id in 0..particles as u32 {
+            let mut row = Row { id, density: 1000.0, wall_distance, ..Default::default() };
+            for d in 0..D {
+                let noise = (0.37 + 0.618 * f64::from(id) + 0.271 * f64::from(id).powi(2 + d as i32)).fract();
+                row.position[d] = noise * upper[d];
+                row.velocity[d] = noise - 0.5;
+            }
+            arrays.push(&row);
+        }
+        if !pair.wall_parts.is_empty() {
+            let position = DVec3::splat(0.3 * upper[0]);
+            let zone = Zone::Wall;
+            arrays.push(&Row {
+                id: 100,
+                zone,
+                density: 1000.0,
+                wall_distance: 0.005,
+                position,
+                ..Default::default()
+            });
+        }
+        let order = grid.build(&arrays.position, &arrays.id, |_| true).expect("inside");
+        arrays.reorder(order, &mut SpareColumns::default());
+        let mut sums = PairSums::default();
+        // Columns that a pass reads and the one before it in a step has written.
+        sum_density_and_strain(pair, &grid, &mut arrays, VelocityLevel::Present, &mut sums);
+        sum_gradients(pair, &grid, &arrays, VelocityLevel::Present, &mut sums);
+        find_stress(pair, &grid, &arrays, &mut sums);
+        DONE.set(0);
+        passes(pair, &grid, &mut arrays, &mut sums);
+        DONE.get()
+    }
+
+    fn check<const D: usize>() {
+        let tait = Tait { reference_density: 1000.0, sound_speed: 10.0 };
+        let plain = PairSettings::new(Kernel::WendlandC2, D, 0.01, 2.0, tait);
+        let damped = PairSettings { noise_damping: 0.4, ..plain.clone() };
+        let sps = ron::from_str::<Viscosity>("Sps()").expect("the usual constants");
+        let stressed = PairSettings { viscous_term: sps, ..plain.clone() };
+        let walled = |pair: &PairSettings| PairSettings {
+            wall_parts: vec![WallPartSettings::default()],
+            ..pair.clone()
+        };
+        let rates_of = |pair: &PairSettings| {
+            of_pair::<D>(pair, |pair, grid, arrays, sums| {
+                sum_rates(pair, grid, arrays, VelocityLevel::Present, sums);
+            })
+        };
+        assert_eq!(of_pair::<D>(&plain, sum_density), density(D), "density in {D}D");
+        assert_eq!(rates_of(&plain), rates(D), "rates in {D}D");
+        assert_eq!(rates_of(&damped), rates(D) + damping(D), "damped rates in {D}D");
+        assert_eq!(rates_of(&stressed), rates(D) + stress(D), "rates with stress in {D}D");
+        assert_eq!(
+            rates_of(&walled(&damped)),
+            rates(D) + damping(D) + WALLS,
+            "damped rates with walls in {D}D"
+        );
+        assert_eq!(
+            rates_of(&walled(&stressed)),
+            rates(D) + stress(D) + WALLS,
+            "rates with stress and walls in {D}D"
+        );
+        let gradients_of = |pair: &PairSettings| {
+            of_pair::<D>(pair, |pair, grid, arrays, sums| {
+                sum_gradients(pair, grid, arrays, VelocityLevel::Present, sums);
+            })
+        };
+        assert_eq!(gradients_of(&stressed), gradients(D), "gradients in {D}D");
+        let with_walls = gradients(D) + WALLS_IN_GRADIENTS;
+        assert_eq!(gradients_of(&walled(&stressed)), with_walls, "gradients with walls in {D}D");
+        let of_strain = of_pair::<D>(&damped, |pair, grid, arrays, sums| {
+            sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
+        });
+        assert_eq!(of_strain, density_and_strain(D) + finding(D), "density with strain in {D}D");
+        let shifting = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
+        let net = walled(&PairSettings { shifting, ..damped.clone() });
+        assert_eq!(rates_of(&net), rates(D) + damping(D) + WALLS + NET_SHIFT, "net rates in {D}D");
+        let of_crowding = of_pair::<D>(&net, |pair, grid, arrays, sums| {
+            sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
+        });
+        let expected = density_and_strain(D) + crowding(D) + finding(D);
+        assert_eq!(of_crowding, expected, "density with strain and ∇C in {D}D");
+        let evolved = PairSettings { pressure: PressureLaw::Evolved(Edac::default()), ..plain.clone() };
+        let evolved_of = |pair: &PairSettings| {
+            of_pair::<D>(pair, |pair, grid, arrays, sums| {
+                edac::sum_rates(pair, &Edac::default(), grid, arrays, sums);
+            })
+        };
+        assert_eq!(of_pair::<D>(&evolved, sum_density), density(D), "volumes in {D}D");
+        assert_eq!(evolved_of(&evolved), evolved_rates(D), "evolved rates in {D}D");
+        let with_walls = evolved_rates(D) + WALLS_IN_EVOLVED;
+        assert_eq!(evolved_of(&walled(&evolved)), with_walls, "evolved rates with walls in {D}D");
+        let quintic = |pair: &PairSettings| PairSettings { kernel: Kernel::QuinticSpline, ..pair.clone() };
+        let value = value_beyond_wendland(Kernel::QuinticSpline);
+        let slope = slope_beyond_wendland(Kernel::QuinticSpline);
+        assert_eq!(of_pair::<D>(&quintic(&plain), sum_density), density(D) + value + finding(D));
+        assert_eq!(rates_of(&quintic(&plain)), rates(D) + slope);
+        assert_eq!(evolved_of(&quintic(&evolved)), evolved_rates(D) + slope);
+    }
+
+    #[test]
+    fn figures_are_what_the_loops_do() {
+        // One thread, so that all is counted where it is asked for.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        pool.install(|| {
+            check::<2>();
+            check::<3>();
+        });
+    }
+}

@@ -1,0 +1,276 @@
+//! The scheme of Negi et al. (2020) in the sets of a step: density, rates, kick; the evenness of outflow zones.
+
+use std::ops::Range;
+
+use bevy_ecs::system::{Local, Res, ResMut};
+use glam::DVec3;
+
+use super::boundaries::motion::{move_inflow, move_outflow};
+use super::boundaries::outlets::OutletStates;
+use super::boundaries::rows::PatchRows;
+use super::clock::Clock;
+use super::integrate::{are_plain, largest_acceleration};
+use super::neighbours::Grid;
+use super::pair::Pair;
+use super::rates::{RatesFound, Sums};
+use super::setup::{Resolution, SceneInUse};
+use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::{GROUP, for_each_part};
+use sphecs_core::pass::density;
+use sphecs_core::pass::edac;
+use sphecs_core::physics::edac::Edac;
+use sphecs_core::physics::integrator::kick_drift::{self, KickDrift};
+use sphecs_core::physics::timestep::TimeStepLimits;
+use sphecs_scene::model::{BodyForce, Patch, Scene, Scheme};
+
+/// The terms of the scheme.
+fn terms(scene: &Scene) -> Option<&Edac> {
+    match &scene.scheme {
+        Scheme::EdacTvf(scheme) => Some(&scheme.terms),
+        Scheme::Wcsph(_) => None,
+    }
+}
+
+/// Density of all that flows by summation.
+///
+/// The far end of a zone cuts the support, and with it the sum: particles there have the reference density, or the
+/// volumes of a zone would grow to twice their size and push the next into the fluid.
+pub fn sum_volumes<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    rows: Res<PatchRows>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+    let scene = &*scene.0;
+    let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, -1.0)).zip(&rows.inflow);
+    let outlets = scene.outlets.iter().map(|outlet| (&outlet.patch, 1.0)).zip(&rows.outflow);
+    let whole = |patch: &Patch| patch.depth - pair.0.support();
+    for ((patch, outwards), rows) in inlets.chain(outlets) {
+        for &row in rows {
+            if outwards * patch.along(arrays.position_of(row as usize)) > whole(patch) {
+                arrays.density[row as usize] = R::from_f64(scene.fluid.density);
+            }
+        }
+    }
+}
+
+/// Pair forces, rate of pressure, acceleration by the background pressure, and the extremes that limit the step.
+pub fn sum_edac_rates<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut found: ResMut<RatesFound>,
+) {
+    let Some(terms) = terms(&scene.0) else { return };
+    let summary = edac::sum_rates(&pair.0, terms, &grid.0, &mut arrays, &mut sums.0);
+    *found = RatesFound {
+        largest_signal: scene.0.fluid.sound_speed + summary.speed,
+        largest_speed: summary.speed,
+        largest_divergence: summary.divergence,
+        largest_damping: summary.damping,
+        largest_damping_at_walls: 0.0,
+        largest_viscosity: scene.0.fluid.viscosity,
+    };
+}
+
+/// Chooses the time step and advances velocity, pressure and position.
+pub fn kick_and_drift<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    resolution: Res<Resolution>,
+    found: Res<RatesFound>,
+    (pair, rows): (Res<Pair>, Res<PatchRows>),
+    outlets: Res<OutletStates>,
+    sums: Res<Sums<R, D>>,
+    mut clock: ResMut<Clock>,
+    mut velocities: Local<Vec<DVec3>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let scene = &*scene.0;
+    let limits = TimeStepLimits {
+        cfl: scene.time.cfl,
+        viscous: scene.time.viscous,
+        damping: kick_drift::DAMPING,
+        smoothing_length: resolution.smoothing_length,
+        viscosity: found.largest_viscosity,
+    };
+    let gravity = match &scene.body_force {
+        BodyForce::Constant(force) => force.length(),
+        // It is in the accelerations.
+        BodyForce::Expression(_) => 0.0,
+    };
+    let arrays = &mut *arrays;
+    let time_step = limits.time_step(
+        largest_acceleration(arrays, pair.0.lanes).max(gravity),
+        found.largest_signal,
+        found.largest_damping,
+    );
+    advance_fluid(
+        KickDrift { time_step, time_step_before: clock.time_step },
+        arrays,
+        &sums.0.shift,
+        &sums.0.pressure_rate,
+        pair.0.lanes,
+    );
+    for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
+        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, &mut velocities, arrays);
+    }
+    for (index, (outlet, rows)) in scene.outlets.iter().zip(&rows.outflow).enumerate() {
+        move_outflow(outlet, &outlets.0[index], rows, time_step, arrays);
+    }
+    arrays.fresh.fill(false);
+    clock.time += time_step;
+    clock.time_step = time_step;
+    clock.step += 1;
+}
+
+/// Velocity, pressure, drift and position of the fluid; what does not flow freely has no drift.
+fn advance_fluid<R: Real, const D: usize>(
+    scheme: KickDrift,
+    arrays: &mut ParticleArrays<R, D>,
+    background: &[Vec<R>; D],
+    pressure_rate: &[R],
+    lanes: InstructionSet,
+) {
+    let ParticleArrays {
+        zone,
+        fresh,
+        position,
+        velocity,
+        velocity_before,
+        acceleration,
+        pressure,
+        pressure_before,
+        drift,
+        ..
+    } = arrays;
+    let (zone, fresh, acceleration) = (&**zone, &**fresh, &*acceleration);
+    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): Columns<R, D>| {
+        let rates = Rates { acceleration, background, pressure: pressure_rate };
+        R::dispatch(
+            lanes,
+            DriftPart { scheme, zone, fresh, rates, rows, position, velocity, half, drift, pressures },
+        );
+    };
+    let columns = (
+        position.each_mut().map(Vec::as_mut_slice),
+        [velocity, velocity_before, drift].map(|columns| columns.each_mut().map(Vec::as_mut_slice)),
+        [pressure.as_mut_slice(), pressure_before.as_mut_slice()],
+    );
+    for_each_part(0..zone.len(), columns, &work);
+}
+
+/// Positions; velocities, those half a step earlier and drifts; pressures and those half a step earlier, of a part's rows.
+type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
+
+/// What the passes summed.
+#[derive(Clone, Copy)]
+struct Rates<'a, R, const D: usize> {
+    acceleration: &'a [Vec<R>; D],
+    background: &'a [Vec<R>; D],
+    pressure: &'a [R],
+}
+
+/// A part of the rows: on lanes for their instructions alone, which its loops, of plain numbers, are compiled for.
+struct DriftPart<'a, R, const D: usize> {
+    scheme: KickDrift,
+    zone: &'a [Zone],
+    fresh: &'a [bool],
+    rates: Rates<'a, R, D>,
+    rows: Range<usize>,
+    position: [&'a mut [f64]; D],
+    velocity: [&'a mut [R]; D],
+    half: [&'a mut [R]; D],
+    drift: [&'a mut [R]; D],
+    pressures: [&'a mut [R]; 2],
+}
+
+impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(mut self) {
+        let first = self.rows.start;
+        for start in self.rows.clone().step_by(GROUP) {
+            let group = start..self.rows.end.min(start + GROUP);
+            let part = start - first..group.end - first;
+            if are_plain(&self.zone[group.clone()], &self.fresh[group.clone()]) {
+                self.advance(group, part, false);
+                continue;
+            }
+            for row in group {
+                let at = row - first;
+                if self.zone[row] == Zone::Fluid {
+                    self.advance(row..row + 1, at..at + 1, self.fresh[row]);
+                } else {
+                    for drift in &mut self.drift {
+                        drift[at] = R::default();
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<R: Real, const D: usize> DriftPart<'_, R, D> {
+    /// Advances rows of the fluid, `part` of the columns that are written, that are all `fresh` or none of them.
+    #[inline(always)]
+    fn advance(&mut self, rows: Range<usize>, part: Range<usize>, fresh: bool) {
+        let scheme = self.scheme;
+        let time_step = R::from_f64(scheme.time_step);
+        for axis in 0..D {
+            let rates = self.rates.acceleration[axis][rows.clone()].iter();
+            let rates = rates.zip(&self.rates.background[axis][rows.clone()]);
+            let velocities =
+                self.velocity[axis][part.clone()].iter_mut().zip(&mut self.half[axis][part.clone()]);
+            let moved = self.position[axis][part.clone()].iter_mut().zip(&mut self.drift[axis][part.clone()]);
+            for (((v, half), (x, drift)), (&rate, &background)) in velocities.zip(moved).zip(rates) {
+                *half = scheme.half(fresh, *v, *half, rate);
+                *v = scheme.guess(*half, rate);
+                *drift = time_step * background;
+                *x = scheme.position(*x, half.to_f64(), drift.to_f64());
+            }
+        }
+        let [pressure, half] = &mut self.pressures;
+        let pressures = pressure[part.clone()].iter_mut().zip(&mut half[part]);
+        for ((pressure, half), &rate) in pressures.zip(&self.rates.pressure[rows]) {
+            *half = scheme.half(fresh, *pressure, *half, rate);
+            *pressure = scheme.guess(*half, rate);
+        }
+    }
+}
+
+/// Keeps the outflow zones even as the background pressure does the fluid: δx = −2 Δt² (p_b/ρ0) ∇C, for
+/// Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0 where the particles are even.
+pub fn even_outlets<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    clock: Res<Clock>,
+    resolution: Res<Resolution>,
+    rows: Res<PatchRows>,
+    sums: Res<Sums<R, D>>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let Some(terms) = terms(&scene.0) else { return };
+    let sound = scene.0.fluid.sound_speed * clock.time_step;
+    let strength = -2.0 * terms.background * sound * sound;
+    let longest = LONGEST * resolution.spacing;
+    for &row in rows.outflow.iter().flatten() {
+        let row = row as usize;
+        let concentration = sums.0.shift.each_ref().map(|column| column[row].to_f64());
+        let length = strength.abs() * concentration.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let share = if length > longest { longest / length } else { 1.0 };
+        for axis in 0..D {
+            arrays.position[axis][row] += share * strength * concentration[axis];
+        }
+    }
+}
+
+/// Longest way in one step by which a zone is evened, over Δ.
+const LONGEST: f64 = 0.1;

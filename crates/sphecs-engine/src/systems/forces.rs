@@ -1,0 +1,111 @@
+//! The body force, and forces that a user adds.
+
+use std::ops::Range;
+
+use bevy_ecs::resource::Resource;
+use bevy_ecs::system::{Res, ResMut};
+use glam::DVec3;
+
+use super::clock::Clock;
+use super::setup::SceneInUse;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::for_each_part;
+use sphecs_scene::model::BodyForce;
+
+/// Forces per mass that plugins add: each is called for every fluid particle in every stage.
+///
+/// ```
+/// use glam::DVec3;
+/// use sphecs::systems::forces::{AddedForces, ParticleState};
+///
+/// let mut forces = AddedForces::default();
+/// // A weak spring towards the plane y = 0.
+/// forces.add(|particle: &ParticleState| DVec3::new(0.0, -2.0 * particle.position.y, 0.0));
+/// ```
+#[derive(Resource, Default)]
+pub struct AddedForces(Vec<Box<AddedForce>>);
+
+/// A force per mass, m/s², of a particle's state.
+type AddedForce = dyn Fn(&ParticleState) -> DVec3 + Send + Sync;
+
+/// What an added force may depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleState {
+    /// Number of the particle.
+    pub id: u32,
+    /// Time, s.
+    pub time: f64,
+    /// Position, m.
+    pub position: DVec3,
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Pressure, Pa.
+    pub pressure: f64,
+}
+
+impl AddedForces {
+    /// Adds a force per mass, m/s².
+    pub fn add(&mut self, force: impl Fn(&ParticleState) -> DVec3 + Send + Sync + 'static) {
+        self.0.push(Box::new(force));
+    }
+}
+
+/// Body force per mass at a place and time, m/s².
+pub fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3 {
+    match force {
+        BodyForce::Constant(force) => *force,
+        BodyForce::Expression(components) => {
+            let at = |axis: usize| components[axis].value(position.x, position.y, position.z, time);
+            DVec3::new(at(0), at(1), at(2))
+        }
+    }
+}
+
+/// Adds body force and added forces to the accelerations of fluid and outflow particles.
+///
+/// Outflow particles feel the body force too: without it the wave equation of an outlet loses the drive of
+/// the flow (40 % of a Poiseuille profile).
+pub fn add_forces<R: Real, const D: usize>(
+    scene: Res<SceneInUse>,
+    clock: Res<Clock>,
+    added: Res<AddedForces>,
+    mut arrays: ResMut<ParticleArrays<R, D>>,
+) {
+    let force = &scene.0.body_force;
+    if added.0.is_empty() && matches!(force, BodyForce::Constant(force) if *force == DVec3::ZERO) {
+        return;
+    }
+    let time = clock.time;
+    let mut acceleration = std::mem::replace(&mut arrays.acceleration, std::array::from_fn(|_| Vec::new()));
+    let state = &*arrays;
+    let work = |rows: Range<usize>, acceleration: [&mut [R]; D]| {
+        for (at, row) in rows.enumerate() {
+            let zone = state.zone[row];
+            if zone != Zone::Fluid && zone != Zone::Outflow {
+                continue;
+            }
+            let position = state.position_of(row);
+            let mut sum = body_force(force, position, time);
+            if zone == Zone::Fluid && !added.0.is_empty() {
+                let state = ParticleState {
+                    id: state.id[row],
+                    time,
+                    position,
+                    velocity: state.velocity_of(row),
+                    density: state.density[row].to_f64(),
+                    pressure: state.pressure[row].to_f64(),
+                };
+                sum += added.0.iter().map(|force| force(&state)).sum::<DVec3>();
+            }
+            for axis in 0..D {
+                acceleration[axis][at] += R::from_f64(sum[axis]);
+            }
+        }
+    };
+    for_each_part(0..state.len(), acceleration.each_mut().map(Vec::as_mut_slice), &work);
+    arrays.acceleration = acceleration;
+}

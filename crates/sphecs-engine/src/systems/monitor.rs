@@ -1,0 +1,208 @@
+//! Integral figures of the flow, computed when a row is due.
+
+use bevy_ecs::resource::Resource;
+use bevy_ecs::world::World;
+use glam::DVec3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
+
+use super::boundaries::hold::HeldAtWalls;
+use super::clock::Clock;
+use super::ledger::Ledger;
+use super::neighbours::Grid;
+use super::rates::RatesFound;
+use super::setup::{Resolution, SceneInUse};
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_scene::model::Scene;
+
+/// One row of `monitor.nc`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MonitorRow {
+    /// Time, s.
+    pub time: f64,
+    /// Steps done.
+    pub step: u64,
+    /// Size of the last step, s.
+    pub time_step: f64,
+    /// Particles by zone, in the order of `Zone::ALL`.
+    pub count: [u64; 5],
+    /// Mass by zone, kg (per metre of depth in 2D).
+    pub mass: [f64; 5],
+    /// Mass flow into the domain through each inlet, kg/s (per metre of depth in 2D), mean since the previous row.
+    pub inlet_mass_flow: Vec<f64>,
+    /// Mass flow out of the domain through each outlet, kg/s, mean since the previous row.
+    pub outlet_mass_flow: Vec<f64>,
+    /// Kinetic energy of the fluid, J (per metre of depth in 2D).
+    pub kinetic_energy: f64,
+    /// Momentum of the fluid, kg m/s.
+    pub momentum: DVec3,
+    /// Largest speed of the fluid, m/s.
+    pub largest_speed: f64,
+    /// Largest |ρ − ρ0|/ρ0 of the fluid.
+    pub largest_density_deviation: f64,
+    /// Largest |∇·v| of the fluid, 1/s.
+    pub largest_divergence: f64,
+    /// Mean pressure of the fluid, Pa.
+    pub mean_pressure: f64,
+    /// How often a fluid particle was set back onto a wall since the previous row.
+    pub held_at_walls: u64,
+    /// Fluid particles that stand behind a wall surface.
+    pub through_walls: u64,
+    /// Pairs of fluid particles nearer than half a spacing.
+    pub close_pairs: u64,
+}
+
+/// Crossings and time at the previous row: mass flows are means since then.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PreviousRow {
+    time: f64,
+    held: u64,
+    entered: Vec<i64>,
+    left: Vec<i64>,
+}
+
+/// Two fluid particles nearer than this over the spacing are a clump.
+const CLOSE: f64 = 0.5;
+
+/// A particle is behind a wall when its distance outside the container is more than this over the spacing.
+const BEHIND: f64 = 1e-6;
+
+fn net(out: &[u64], back: &[u64]) -> Vec<i64> {
+    out.iter().zip(back).map(|(&out, &back)| out as i64 - back as i64).collect()
+}
+
+fn flow(now: &[i64], before: &[i64], mass: f64, interval: f64) -> Vec<f64> {
+    now.iter()
+        .enumerate()
+        .map(|(patch, &count)| {
+            let crossed = count - before.get(patch).copied().unwrap_or(0);
+            if interval > 0.0 { crossed as f64 * mass / interval } else { 0.0 }
+        })
+        .collect()
+}
+
+/// The row of the present state, whose arrays must be sorted and have their density; starts a new interval of the mean flows.
+pub fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
+    let clock = *world.resource::<Clock>();
+    let ledger = world.resource::<Ledger>();
+    let now = PreviousRow {
+        time: clock.time,
+        held: world.resource::<HeldAtWalls>().0,
+        entered: net(&ledger.entered, &ledger.entered_back),
+        left: net(&ledger.left, &ledger.left_back),
+    };
+    let before = world.resource::<PreviousRow>().clone();
+    let row = figures::<R, D>(world, &clock, &now, &before);
+    world.insert_resource(now);
+    row
+}
+
+fn figures<R: Real, const D: usize>(
+    world: &World,
+    clock: &Clock,
+    now: &PreviousRow,
+    before: &PreviousRow,
+) -> MonitorRow {
+    let scene = &world.resource::<SceneInUse>().0;
+    let mass = world.resource::<Resolution>().mass;
+    let ledger = world.resource::<Ledger>();
+    let arrays = world.resource::<ParticleArrays<R, D>>();
+    let interval = clock.time - before.time;
+    let mut row = MonitorRow {
+        time: clock.time,
+        step: clock.step,
+        time_step: clock.time_step,
+        count: ledger.by_zone,
+        mass: ledger.by_zone.map(|count| count as f64 * mass),
+        inlet_mass_flow: flow(&now.entered, &before.entered, mass, interval),
+        outlet_mass_flow: flow(&now.left, &before.left, mass, interval),
+        held_at_walls: now.held - before.held,
+        largest_divergence: world.resource::<RatesFound>().largest_divergence,
+        ..MonitorRow::default()
+    };
+    let sums = fluid_sums(scene, &world.resource::<Grid<D>>().0, arrays);
+    row.kinetic_energy = 0.5 * mass * sums.square_speed;
+    row.momentum = mass * sums.velocity;
+    row.largest_speed = sums.largest_speed;
+    row.largest_density_deviation = sums.largest_density_deviation;
+    row.mean_pressure = if sums.count > 0 { sums.pressure / sums.count as f64 } else { 0.0 };
+    row.through_walls = sums.through_walls;
+    row.close_pairs = sums.close_pairs;
+    row
+}
+
+/// What a row sums over the fluid.
+#[derive(Clone, Copy, Debug, Default)]
+struct FluidSums {
+    count: u64,
+    /// Σ |v|², m²/s².
+    square_speed: f64,
+    /// Σ v, m/s.
+    velocity: DVec3,
+    /// Σ p, Pa.
+    pressure: f64,
+    largest_speed: f64,
+    largest_density_deviation: f64,
+    through_walls: u64,
+    close_pairs: u64,
+}
+
+impl FluidSums {
+    fn join(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            square_speed: self.square_speed + other.square_speed,
+            velocity: self.velocity + other.velocity,
+            pressure: self.pressure + other.pressure,
+            largest_speed: self.largest_speed.max(other.largest_speed),
+            largest_density_deviation: self.largest_density_deviation.max(other.largest_density_deviation),
+            through_walls: self.through_walls + other.through_walls,
+            close_pairs: self.close_pairs + other.close_pairs,
+        }
+    }
+}
+
+/// Rows that are summed up together: the same on any number of threads, and so are the bits of the sums.
+const CHUNK: usize = 4096;
+
+fn fluid_sums<R: Real, const D: usize>(
+    scene: &Scene,
+    grid: &CellGrid<D>,
+    arrays: &ParticleArrays<R, D>,
+) -> FluidSums {
+    let close = Neighbours::within(CLOSE * scene.spacing, grid, arrays);
+    let sums_of = |chunk: usize| {
+        let mut sums = FluidSums::default();
+        for a in chunk * CHUNK..arrays.len().min((chunk + 1) * CHUNK) {
+            if arrays.zone[a] != Zone::Fluid {
+                continue;
+            }
+            sums.count += 1;
+            let v = arrays.velocity_of(a);
+            sums.square_speed += v.length_squared();
+            sums.velocity += v;
+            sums.largest_speed = sums.largest_speed.max(v.length());
+            let deviation = (arrays.density[a].to_f64() / scene.fluid.density - 1.0).abs();
+            sums.largest_density_deviation = sums.largest_density_deviation.max(deviation);
+            sums.pressure += arrays.pressure[a].to_f64();
+            let point = arrays.position_of(a);
+            // Only a particle next to a wall can be behind it; the signed distance of a scene is dear.
+            let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;
+            if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
+                sums.through_walls += 1;
+            }
+            close.for_each(std::array::from_fn(|axis| point[axis]), |b, _, _| {
+                sums.close_pairs += u64::from(b > a && arrays.zone[b] == Zone::Fluid);
+            });
+        }
+        sums
+    };
+    let by_chunk: Vec<FluidSums> = (0..arrays.len().div_ceil(CHUNK)).into_par_iter().map(sums_of).collect();
+    by_chunk.into_iter().fold(FluidSums::default(), FluidSums::join)
+}

@@ -1,0 +1,253 @@
+//! Carries the state between its two homes: the components of the world and the sorted arrays.
+//!
+//! The arrays persist from step to step, so neither direction runs inside a step: [`gather`] only when a caller
+//! changed components, [`scatter`] only before somebody reads them. Role changes touch single entities and are
+//! made in both homes at once (`systems/transitions/`).
+
+use bevy_ecs::query::{Has, With, Without};
+use bevy_ecs::world::World;
+use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+
+use super::components::{
+    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Velocity, Wall,
+    WallSurface,
+};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::{Row, real_vector, vector};
+use sphecs_core::particles::zone::Zone;
+
+/// Fills the arrays from the components of every particle that is not in the reservoir.
+///
+/// What the integrator needs beside them, velocity and evolved pressure of an earlier time, and the drift are kept for every
+/// particle whose velocity, and where it evolves pressure, the caller left as it was. One where he changed them, or that is
+/// new, takes a plain step next: the integrator would start from the earlier time and lose the change.
+pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
+    let left = Left::take(arrays);
+    arrays.clear();
+    let mut state = world.query_filtered::<(
+        (&ParticleId, &Position, &Velocity, &Thermodynamics),
+        (Has<Fluid>, Option<&Wall>, Option<&WallSurface>, Option<&Inflow>, Option<&Outflow>),
+    ), Without<Reservoir>>();
+    arrays.reserve(state.iter(world).count());
+    for ((id, position, velocity, thermodynamics), roles) in state.iter(world) {
+        let (_, wall, surface, inflow, outflow) = roles;
+        let (zone, patch) = match (wall, inflow, outflow) {
+            (Some(wall), _, _) => (Zone::Wall, wall.part),
+            (_, Some(inflow), _) => (Zone::Inflow, inflow.inlet),
+            (_, _, Some(outflow)) => (Zone::Outflow, outflow.outlet),
+            _ => (Zone::Fluid, 0),
+        };
+        let surface = surface.copied().unwrap_or_default();
+        let past = left.of(id.0, velocity.0, thermodynamics.pressure).unwrap_or(Past {
+            velocity: velocity.0,
+            pressure: thermodynamics.pressure,
+            drift: DVec3::ZERO,
+            fresh: true,
+        });
+        arrays.push(&Row {
+            id: id.0,
+            zone,
+            patch,
+            fresh: past.fresh,
+            position: position.0,
+            velocity: velocity.0,
+            velocity_before: past.velocity,
+            density: thermodynamics.density,
+            pressure: thermodynamics.pressure,
+            pressure_before: past.pressure,
+            drift: past.drift,
+            wall_distance: surface.distance,
+            wall_normal: surface.normal,
+        });
+    }
+}
+
+/// What the arrays held of the integrator's when the caller took the components.
+struct Left<R, const D: usize> {
+    row_of: Vec<u32>,
+    fresh: Vec<bool>,
+    present: [Vec<R>; D],
+    before: [Vec<R>; D],
+    /// Pressures, present and earlier; empty where the pressure does not evolve.
+    pressure: Vec<R>,
+    pressure_before: Vec<R>,
+    /// Empty where nothing drifts.
+    drift: [Vec<R>; D],
+}
+
+/// What the integrator knows of a particle's past.
+struct Past {
+    velocity: DVec3,
+    pressure: f64,
+    drift: DVec3,
+    fresh: bool,
+}
+
+impl<R: Real, const D: usize> Left<R, D> {
+    fn take(arrays: &mut ParticleArrays<R, D>) -> Self {
+        let columns = |columns: &mut [Vec<R>; D]| columns.each_mut().map(std::mem::take);
+        Self {
+            row_of: rows_by_number(&arrays.id),
+            fresh: std::mem::take(&mut arrays.fresh),
+            present: columns(&mut arrays.velocity),
+            before: columns(&mut arrays.velocity_before),
+            pressure: if arrays.evolves_pressure { std::mem::take(&mut arrays.pressure) } else { Vec::new() },
+            pressure_before: std::mem::take(&mut arrays.pressure_before),
+            drift: columns(&mut arrays.drift),
+        }
+    }
+
+    /// The past of a particle that still has its velocity (m/s) and, where it evolves, its pressure (Pa).
+    fn of(&self, id: u32, velocity: DVec3, pressure: f64) -> Option<Past> {
+        let row = *self.row_of.get(id as usize).filter(|&&row| row != u32::MAX)? as usize;
+        let same = (0..D).all(|axis| self.present[axis][row] == R::from_f64(velocity[axis]));
+        let evolves = !self.pressure.is_empty();
+        let same = same && (!evolves || self.pressure[row] == R::from_f64(pressure));
+        same.then(|| Past {
+            velocity: real_vector(&self.before, row),
+            pressure: if evolves { self.pressure_before[row].to_f64() } else { pressure },
+            drift: if self.drift[0].is_empty() { DVec3::ZERO } else { real_vector(&self.drift, row) },
+            fresh: self.fresh[row],
+        })
+    }
+}
+
+/// Particles that a thread takes at a time.
+const CHUNK: usize = 8192;
+
+/// Writes the state of every row to the components of its particle.
+pub fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
+    let row_of = rows_by_number(&arrays.id);
+    let mut state = world.query_filtered::<(
+        &ParticleId,
+        &mut Position,
+        &mut Velocity,
+        &mut Thermodynamics,
+    ), Without<Reservoir>>();
+    // A slice for every table, that is for every set of components that particles have: all of them are stored in tables.
+    let Ok(tables) = state.contiguous_iter_mut(world) else { unreachable!("a component outside a table") };
+    for (ids, mut positions, mut velocities, mut states) in tables {
+        let columns = (ids, &mut *positions, &mut *velocities, &mut *states);
+        columns.into_par_iter().with_min_len(CHUNK).for_each(|(id, position, velocity, state)| {
+            let Some(&row) = row_of.get(id.0 as usize).filter(|&&row| row != u32::MAX) else { return };
+            let row = row as usize;
+            position.0 = vector(&arrays.position, row);
+            velocity.0 = real_vector(&arrays.velocity, row);
+            *state = Thermodynamics {
+                density: arrays.density[row].to_f64(),
+                pressure: arrays.pressure[row].to_f64(),
+            };
+        });
+    }
+}
+
+/// Writes the sub-particle stress, columns by component, to the particles that carry it; nothing where there are no columns.
+pub fn scatter_stress<R: Real>(world: &mut World, id: &[u32], stress: &[Vec<R>]) {
+    // The columns are xx, yy, xy in 2D and xx, yy, zz, xy, yz, zx in 3D.
+    let slots: &[usize] = if stress.len() == 3 { &[0, 1, 3] } else { &[0, 1, 2, 3, 4, 5] };
+    if stress.iter().any(|column| column.len() != id.len()) || stress.len() != slots.len() {
+        return;
+    }
+    let row_of = rows_by_number(id);
+    let mut carriers = world.query_filtered::<(&ParticleId, &mut SpsStress), Without<Reservoir>>();
+    for (id, mut carried) in carriers.iter_mut(world) {
+        if let Some(&row) = row_of.get(id.0 as usize).filter(|&&row| row != u32::MAX) {
+            for (&slot, column) in slots.iter().zip(stress) {
+                carried.0[slot] = column[row as usize].to_f64();
+            }
+        }
+    }
+}
+
+/// The row of each particle number; `u32::MAX` where there is none.
+fn rows_by_number(id: &[u32]) -> Vec<u32> {
+    let slots = id.iter().max().map_or(0, |&largest| largest as usize + 1);
+    let mut row_of = vec![u32::MAX; slots];
+    for (row, &id) in id.iter().enumerate() {
+        row_of[id as usize] = row as u32;
+    }
+    row_of
+}
+
+/// Number of particles by zone, counted in the components.
+pub fn count_roles(world: &mut World) -> [u64; 5] {
+    fn count<C: bevy_ecs::component::Component>(world: &mut World) -> u64 {
+        world.query_filtered::<(), (With<ParticleId>, With<C>)>().iter(world).count() as u64
+    }
+    [
+        count::<Fluid>(world),
+        count::<Wall>(world),
+        count::<Inflow>(world),
+        count::<Outflow>(world),
+        count::<Reservoir>(world),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::components::{ParticleBundle, Tracer};
+    use super::*;
+
+    fn bundle(id: u32, x: f64) -> ParticleBundle {
+        ParticleBundle {
+            id: ParticleId(id),
+            position: Position(DVec3::new(x, 2.0 * x, 0.0)),
+            velocity: Velocity(DVec3::new(-x, 0.5, 0.0)),
+            thermodynamics: Thermodynamics { density: 1000.0 + x, pressure: 10.0 * x },
+            tracer: Tracer::default(),
+        }
+    }
+
+    fn gathered(world: &mut World) -> ParticleArrays<f64, 2> {
+        let mut arrays = ParticleArrays::default();
+        gather(world, &mut arrays);
+        arrays
+    }
+
+    fn rows(arrays: &ParticleArrays<f64, 2>) -> Vec<Row> {
+        (0..arrays.len()).map(|row| arrays.row(row)).collect()
+    }
+
+    #[test]
+    fn state_survives_the_way_to_the_arrays_and_back() {
+        let mut world = World::new();
+        world.spawn((bundle(0, 1.0), Fluid));
+        world.spawn((bundle(1, 2.0), Wall { part: 3 }, WallSurface::default()));
+        world.spawn((bundle(2, 3.0), Outflow { outlet: 1 }));
+        world.spawn((bundle(3, 4.0), Reservoir));
+        let mut arrays = gathered(&mut world);
+        assert_eq!(arrays.len(), 3, "the reservoir stays outside");
+        for row in 0..3 {
+            assert!(arrays.row(row).fresh && arrays.row(row).velocity_before == arrays.row(row).velocity);
+            arrays.fresh[row] = false;
+            arrays.velocity_before[0][row] = 7.0;
+        }
+        let before = rows(&arrays);
+        let mut positions = world.query::<&mut Position>();
+        for mut position in positions.iter_mut(&mut world) {
+            position.0 = DVec3::ZERO;
+        }
+        scatter(&mut world, &arrays);
+        gather(&mut world, &mut arrays);
+        assert_eq!(before, rows(&arrays));
+        assert_eq!(count_roles(&mut world), [1, 1, 0, 1, 1]);
+    }
+
+    #[test]
+    fn only_a_changed_velocity_begins_anew() {
+        let mut world = World::new();
+        let seats = [0, 1].map(|id| world.spawn((bundle(id, 1.0), Fluid)).id());
+        let mut arrays = gathered(&mut world);
+        arrays.fresh.fill(false);
+        arrays.velocity_before[1].fill(0.25);
+        world.entity_mut(seats[1]).insert(Velocity(DVec3::X));
+        gather(&mut world, &mut arrays);
+        let [kept, changed] = [arrays.row(0), arrays.row(1)];
+        assert!(!kept.fresh && kept.velocity_before == DVec3::new(0.0 - 1.0, 0.25, 0.0));
+        assert!(changed.fresh && changed.velocity_before == DVec3::X);
+    }
+}

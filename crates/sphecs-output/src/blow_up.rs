@@ -1,0 +1,155 @@
+//! What is left of a flow that blew up: `blow_up.nc` and `blow_up.png`, the surroundings of the particle that showed it first.
+//!
+//! The variables of `blow_up.nc` run over `particle`, in the order of the particles' numbers: position and velocity as the step that
+//! failed left them, the velocity one step earlier, and the density, pressure and acceleration that moved them.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::error::OutputError;
+use super::frame::Frame;
+use super::header::Header;
+use super::netcdf::dataset::{Dataset, Variable};
+use super::picture::{Field, RenderOptions, Slice, render_marked};
+use super::results::Results;
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::systems::failure::Fault;
+use sphecs_engine::systems::neighbourhood::{Nearby, Neighbourhood};
+
+/// Name of the NetCDF file in the run folder.
+pub const NETCDF: &str = "blow_up.nc";
+/// Name of the picture in the run folder.
+pub const PICTURE: &str = "blow_up.png";
+
+/// Width of the picture, pixels.
+const WIDTH: u32 = 1000;
+
+/// Writes both files; their paths.
+///
+/// # Errors
+/// [`OutputError`] with path and cause.
+pub fn write(
+    folder: &Path,
+    header: &Header,
+    clock: &Clock,
+    fault: &Fault,
+) -> Result<[PathBuf; 2], OutputError> {
+    let paths = [folder.join(NETCDF), folder.join(PICTURE)];
+    dataset(header, &fault.neighbourhood, fault).write(&paths[0], header)?;
+    draw(header, clock, fault, &paths[1])?;
+    Ok(paths)
+}
+
+/// Removes both files where there are some: the run goes on from before.
+///
+/// # Errors
+/// [`OutputError::Io`] when the system refuses.
+pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
+    for name in [NETCDF, PICTURE] {
+        let path = folder.join(name);
+        match fs::remove_file(&path) {
+            Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
+                return Err(OutputError::io(&path, "remove")(cause));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Where a particle was in the last frame of a run, and what it had: the last values of it that were good and are kept.
+///
+/// # Errors
+/// [`OutputError`] with path and cause.
+pub fn in_last_frame(folder: &Path, id: u32) -> Result<Option<(f64, Nearby)>, OutputError> {
+    let results = Results::open(folder)?;
+    let Some(last) = results.len().checked_sub(1) else { return Ok(None) };
+    let frame = results.frame(last)?;
+    let slot = id as usize;
+    if slot >= frame.len() || !frame.position[0][slot].is_finite() {
+        return Ok(None);
+    }
+    let vector = |columns: &[Vec<f32>; 3]| {
+        let component = |axis: usize| f64::from(columns[axis].get(slot).copied().unwrap_or(0.0));
+        DVec3::new(component(0), component(1), component(2))
+    };
+    let velocity = vector(&frame.velocity);
+    let particle = Nearby {
+        id,
+        zone: Zone::ALL.get(usize::from(frame.zone[slot])).copied().unwrap_or_default(),
+        patch: frame.patch[slot],
+        position: DVec3::from_array([0, 1, 2].map(|axis| frame.position[axis][slot])),
+        velocity,
+        velocity_before: velocity,
+        acceleration: DVec3::ZERO,
+        density: f64::from(frame.density[slot]),
+        pressure: f64::from(frame.pressure[slot]),
+    };
+    Ok(Some((frame.time, particle)))
+}
+
+fn dataset(header: &Header, around: &Neighbourhood, fault: &Fault) -> Dataset {
+    let mut dataset = Dataset {
+        title: format!("surroundings of particle {} as the flow blew up: {}", fault.id, fault.found),
+        dimensions: vec![("particle".to_owned(), around.particles.len())],
+        variables: Vec::new(),
+    };
+    let mut add = |name: String, units: &str, long_name: &str, value: &dyn Fn(&Nearby) -> f64| {
+        dataset.variables.push(Variable {
+            name,
+            dimensions: vec!["particle".to_owned()],
+            values: around.particles.iter().map(value).collect(),
+            attributes: vec![("units", units.to_owned()), ("long_name", long_name.to_owned())],
+        });
+    };
+    add("particle_id".into(), "1", "number of the particle in the run", &|near| f64::from(near.id));
+    let zones: Vec<String> =
+        Zone::ALL.iter().map(|zone| format!("{} {}", *zone as u8, zone.name())).collect();
+    let zones = format!("zone that the particle belongs to: {}", zones.join(", "));
+    add("zone".into(), "1", &zones, &|near| f64::from(near.zone as u8));
+    add("patch".into(), "1", "inlet, outlet or wall part", &|near| f64::from(near.patch));
+    for (axis, name) in header.axes().iter().enumerate() {
+        add((*name).to_owned(), "m", "position after the step", &move |near| near.position[axis]);
+    }
+    for (axis, name) in ["u", "v", "w"].into_iter().enumerate().take(header.dimensions) {
+        add(name.to_owned(), "m s-1", "velocity after the step", &move |near| near.velocity[axis]);
+        add(format!("{name}_before"), "m s-1", "velocity one step earlier", &move |near| {
+            near.velocity_before[axis]
+        });
+        add(format!("d{name}_dt"), "m s-2", "acceleration in the step", &move |near| near.acceleration[axis]);
+    }
+    add("density".into(), "kg m-3", "density in the step", &|near| near.density);
+    add("pressure".into(), "Pa", "pressure in the step", &|near| near.pressure);
+    dataset
+}
+
+/// The speed around the particle, which has a square around it.
+fn draw(header: &Header, clock: &Clock, fault: &Fault, path: &Path) -> Result<(), OutputError> {
+    let around = &fault.neighbourhood;
+    let mut frame = Frame::absent(around.particles.len());
+    (frame.time, frame.step, frame.time_step) = (clock.time, clock.step, clock.time_step);
+    for (slot, near) in around.particles.iter().enumerate() {
+        frame.zone[slot] = near.zone as u8;
+        for axis in 0..3 {
+            frame.position[axis][slot] = near.position[axis];
+            frame.velocity[axis][slot] = near.velocity[axis] as f32;
+        }
+        (frame.density[slot], frame.pressure[slot]) = (near.density as f32, near.pressure as f32);
+    }
+    let reach = DVec3::splat(around.reach);
+    let mut header = header.clone();
+    header.title = format!("Speed around particle {}", fault.id);
+    header.bounds = [(around.middle - reach).to_array(), (around.middle + reach).to_array()];
+    let options = RenderOptions {
+        field: Field::Speed,
+        width: WIDTH,
+        slice: Slice { axis: 2, at: Some(around.middle.z) },
+        ..RenderOptions::default()
+    };
+    let slot = around.particles.iter().position(|near| near.id == fault.id).unwrap_or_default();
+    render_marked(&header, &frame, slot, &options, path)
+}

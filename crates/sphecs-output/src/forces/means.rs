@@ -1,0 +1,135 @@
+//! Means, amplitudes and Strouhal number of a body's coefficients over an interval.
+//!
+//! ```text
+//! c̄ = (1/T) ∫ c dt,   amplitude = (max c − min c)/2,   St = f L/u∞,   f of the lift's spectrum
+//! ```
+//!
+//! With `five_point_mean` of the running mean over five rows, (c_{n−2} + … + c_{n+2})/5, as Negi et al. (2020), section 4.6.
+
+use std::path::{Path, PathBuf};
+
+use super::spectrum::dominant_frequency;
+use crate::error::OutputError;
+use crate::header::Header;
+use crate::table::{Column, Table, TableWriter, number, safe_names};
+
+/// Name of the CSV file in the run folder.
+pub const CSV: &str = "forces_mean.csv";
+
+/// Name and long name of all quantities.
+pub const QUANTITIES: [(&str, &str); 5] = [
+    ("c_d_mean", "mean drag coefficient"),
+    ("c_d_amplitude", "half of largest less least drag coefficient"),
+    ("c_l_mean", "mean lift coefficient"),
+    ("c_l_amplitude", "half of largest less least lift coefficient"),
+    ("strouhal", "Strouhal number of the lift"),
+];
+
+/// What an interval has, in the order of [`QUANTITIES`]; NaN where it has no two rows or the lift no frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Means([f64; QUANTITIES.len()]);
+
+impl Means {
+    /// A quantity by its name.
+    pub fn get(&self, name: &str) -> f64 {
+        QUANTITIES.iter().position(|(known, _)| *known == name).map_or(f64::NAN, |index| self.0[index])
+    }
+}
+
+/// The means of all bodies that have coefficients, with their names.
+pub(super) fn of_all(header: &Header, table: &Table) -> Vec<(String, Means)> {
+    let column = |name: &str| {
+        let index = table.columns.iter().position(|column| column.name == name);
+        index.map(|index| table.numbers(index)).unwrap_or_default()
+    };
+    let times = column("time");
+    let names = safe_names(header.bodies.iter().map(|body| body.name.as_str()));
+    let mut found = Vec::new();
+    for (body, name) in header.bodies.iter().zip(names) {
+        let Some(reference) = body.reference else { continue };
+        let [drag, lift] = ["c_d", "c_l"].map(|coefficient| {
+            let values = column(&format!("{coefficient}_{name}"));
+            if body.five_point_mean { five_point_mean(&values) } else { values }
+        });
+        let within = |time: f64| time >= body.mean.0 && time <= body.mean.1;
+        let rows: Vec<usize> = (0..times.len()).filter(|&row| within(times[row])).collect();
+        let cut = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
+        let (times, drag, lift) = (cut(&times), cut(&drag), cut(&lift));
+        let frequency = dominant_frequency(&times, &lift).unwrap_or(f64::NAN);
+        let means = Means([
+            mean(&times, &drag),
+            amplitude(&drag),
+            mean(&times, &lift),
+            amplitude(&lift),
+            frequency * reference.length / reference.velocity,
+        ]);
+        found.push((name, means));
+    }
+    found
+}
+
+/// Writes `forces_mean.csv`, if any body has coefficients.
+pub(super) fn write(
+    folder: &Path,
+    header: &Header,
+    found: &[(String, Means)],
+) -> Result<Option<PathBuf>, OutputError> {
+    if found.is_empty() {
+        return Ok(None);
+    }
+    let path = folder.join(CSV);
+    let mut columns = vec![Column::of_text("body"), Column::new("from", "s"), Column::new("to", "s")];
+    columns.extend(QUANTITIES.map(|(name, _)| Column::new(name, "1")));
+    let mut writer = TableWriter::create(&path, &columns)?;
+    let referred = header.bodies.iter().filter(|body| body.reference.is_some());
+    for (body, (_, means)) in referred.zip(found) {
+        let mut cells = vec![body.name.clone(), number(body.mean.0), number(body.mean.1)];
+        cells.extend(means.0.map(number));
+        writer.append([cells])?;
+    }
+    Ok(Some(path))
+}
+
+/// Running mean over five values, over fewer at the ends.
+fn five_point_mean(values: &[f64]) -> Vec<f64> {
+    let around = |at: usize| {
+        let near = &values[at.saturating_sub(2)..values.len().min(at + 3)];
+        near.iter().sum::<f64>() / near.len() as f64
+    };
+    (0..values.len()).map(around).collect()
+}
+
+/// Mean over time by trapezoids.
+fn mean(times: &[f64], values: &[f64]) -> f64 {
+    let pairs = times.windows(2).zip(values.windows(2));
+    let integral: f64 = pairs.map(|(t, c)| (t[1] - t[0]) * 0.5 * (c[0] + c[1])).sum();
+    match (times.first(), times.last()) {
+        (Some(first), Some(last)) if last > first => integral / (last - first),
+        _ => f64::NAN,
+    }
+}
+
+fn amplitude(values: &[f64]) -> f64 {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if values.len() > 1 { 0.5 * (largest - least) } else { f64::NAN }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn five_points_are_the_printed_mean() {
+        assert_eq!(five_point_mean(&[1.0, 2.0, 6.0, 3.0, 8.0, 1.0]), [3.0, 3.0, 4.0, 4.0, 4.5, 4.0]);
+    }
+
+    #[test]
+    fn mean_and_amplitude_do_not_depend_on_the_steps() {
+        let times: Vec<f64> = (0..2001).map(|k| f64::from(k) * 1e-2 + 3e-3 * f64::from(k % 3)).collect();
+        let values: Vec<f64> = times.iter().map(|t| 1.4 + 0.05 * (std::f64::consts::PI * t).sin()).collect();
+        assert!((mean(&times, &values) - 1.4).abs() < 1e-4, "{}", mean(&times, &values));
+        assert!((amplitude(&values) - 0.05).abs() < 1e-5);
+        assert!(mean(&times[..1], &values[..1]).is_nan() && amplitude(&values[..1]).is_nan());
+    }
+}

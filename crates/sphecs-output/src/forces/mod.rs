@@ -1,0 +1,195 @@
+//! `forces.csv` and `forces.nc`: force and torque on the bodies over time.
+//!
+//! - [`spectrum`]: the frequency of the lift
+//! - [`means`]: means, amplitudes and Strouhal number over an interval, `forces_mean.csv`
+//!
+//! ```text
+//! c_d = F_x/(½ ρ0 u∞² A),   c_l = F_y/(½ ρ0 u∞² A)
+//! ```
+//!
+//! Negi et al. (2020), section 4.6, whose print lacks A. A row has the forces at the beginning of a step and its time. The CSV file
+//! grows while the run goes on, in the manner of `monitor.csv`; the NetCDF file is made from it when the run is packed.
+
+pub mod means;
+pub mod spectrum;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use means::Means;
+
+use super::error::OutputError;
+use super::header::{BodyHeader, Header};
+use super::netcdf::dataset::{Dataset, Variable};
+use super::table::{Column, Table, TableWriter, number, safe_names};
+use sphecs_core::pass::body::BodySum;
+use sphecs_engine::systems::bodies::BodyForcesRow;
+
+/// Name of the CSV file in the run folder.
+pub const CSV: &str = "forces.csv";
+/// Name of the NetCDF file in the run folder.
+pub const NETCDF: &str = "forces.nc";
+
+/// Appends rows to `forces.csv`.
+#[derive(Debug)]
+pub struct ForcesWriter {
+    table: TableWriter,
+    header: Header,
+}
+
+/// Column name, unit and long name of everything that a row has.
+fn columns(header: &Header) -> Vec<(Column, String)> {
+    // In 2D per metre of depth.
+    let [force, torque] = if header.dimensions == 2 { ["N m-1", "N"] } else { ["N", "N m"] };
+    let mut columns = Vec::new();
+    let mut add =
+        |name: String, unit: &str, long_name: String| columns.push((Column::new(name, unit), long_name));
+    add("time".into(), "s", "time at the beginning of the step".into());
+    add("step".into(), "1", "steps done before".into());
+    let names = safe_names(header.bodies.iter().map(|body| body.name.as_str()));
+    for (body, name) in header.bodies.iter().zip(names) {
+        for (part, of) in
+            [("", "of the fluid"), ("pressure_", "of the pressure"), ("viscous_", "of all but the pressure")]
+        {
+            for axis in header.axes() {
+                add(
+                    format!("{part}force_{axis}_{name}"),
+                    force,
+                    format!("force {of} on {} along {axis}", body.name),
+                );
+            }
+            for axis in turns(header) {
+                let long_name = format!("torque {of} on {} about {axis}", body.name);
+                add(format!("{part}torque_{axis}_{name}"), torque, long_name);
+            }
+        }
+        if body.reference.is_some() {
+            add(format!("c_d_{name}"), "1", format!("drag coefficient of {}", body.name));
+            add(format!("c_l_{name}"), "1", format!("lift coefficient of {}", body.name));
+        }
+    }
+    columns
+}
+
+/// Axes that a torque may be about.
+fn turns(header: &Header) -> &'static [&'static str] {
+    if header.dimensions == 2 { &["z"] } else { &["x", "y", "z"] }
+}
+
+/// Drag and lift coefficient of a force, N (N/m in 2D).
+fn coefficients(header: &Header, body: &BodyHeader, force: DVec3) -> Option<[f64; 2]> {
+    let reference = body.reference?;
+    let scale = 0.5 * header.reference_density * reference.velocity * reference.velocity * reference.area;
+    Some([force.x / scale, force.y / scale])
+}
+
+impl ForcesWriter {
+    /// Goes on behind the first `length` bytes of `forces.csv`, or starts it where there are none.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn go_on(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
+        let path = folder.join(CSV);
+        let table = if length == 0 {
+            let columns: Vec<Column> = columns(header).into_iter().map(|(column, _)| column).collect();
+            TableWriter::create(&path, &columns)?
+        } else {
+            TableWriter::go_on(&path, length)?
+        };
+        Ok(Self { table, header: header.clone() })
+    }
+
+    /// The table, for its length.
+    pub(crate) fn table(&self) -> &TableWriter {
+        &self.table
+    }
+
+    /// Appends a row, which is in the file when this returns.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn append(&mut self, row: &BodyForcesRow) -> Result<(), OutputError> {
+        let header = &self.header;
+        let mut cells = vec![number(row.time), row.step.to_string()];
+        for (body, sum) in header.bodies.iter().zip(&row.forces) {
+            for (force, torque) in parts(sum) {
+                let axes = header.dimensions;
+                cells.extend(force.to_array().iter().take(axes).map(|&value| number(value)));
+                let turn = torque.to_array();
+                cells.extend(turn[if axes == 2 { 2.. } else { 0.. }].iter().map(|&value| number(value)));
+            }
+            let force = sum.pressure_force + sum.viscous_force;
+            cells.extend(coefficients(header, body, force).into_iter().flatten().map(number));
+        }
+        self.table.append([cells])
+    }
+}
+
+/// Force and torque: whole, of the pressure, of all else.
+fn parts(sum: &BodySum) -> [(DVec3, DVec3); 3] {
+    [
+        (sum.pressure_force + sum.viscous_force, sum.pressure_torque + sum.viscous_torque),
+        (sum.pressure_force, sum.pressure_torque),
+        (sum.viscous_force, sum.viscous_torque),
+    ]
+}
+
+/// What a run has of its bodies.
+#[derive(Clone, Debug, Default)]
+pub struct ForcesHistory {
+    /// Columns of `forces.csv` by name; none without bodies.
+    pub columns: Vec<(String, Vec<f64>)>,
+    /// Means of the bodies that have coefficients, by name.
+    pub means: Vec<(String, Means)>,
+}
+
+/// Reads `forces.csv`, if the run has one.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub fn read_history(folder: &Path, header: &Header) -> Result<ForcesHistory, OutputError> {
+    let path = folder.join(CSV);
+    if !path.exists() {
+        return Ok(ForcesHistory::default());
+    }
+    let table = Table::read(&path)?;
+    let columns = table.columns.iter().enumerate();
+    // By the names of the scene, not those of the columns.
+    let referred = header.bodies.iter().filter(|body| body.reference.is_some());
+    let means =
+        referred.zip(means::of_all(header, &table)).map(|(body, (_, means))| (body.name.clone(), means));
+    Ok(ForcesHistory {
+        columns: columns.map(|(index, column)| (column.name.clone(), table.numbers(index))).collect(),
+        means: means.collect(),
+    })
+}
+
+/// Makes `forces.nc` and `forces_mean.csv` from `forces.csv`; their paths, none when there is no CSV file.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError> {
+    let source = folder.join(CSV);
+    if !source.exists() {
+        return Ok(Vec::new());
+    }
+    let table = Table::read(&source)?;
+    let mut dataset =
+        Dataset::over_time("force and torque on the bodies over time", &table, &columns(header));
+    let found = means::of_all(header, &table);
+    for (name, long_name) in means::QUANTITIES {
+        for (body, means) in &found {
+            dataset.variables.push(Variable {
+                name: format!("{name}_{body}"),
+                dimensions: Vec::new(),
+                values: vec![means.get(name)],
+                attributes: vec![("units", "1".to_owned()), ("long_name", long_name.to_owned())],
+            });
+        }
+    }
+    let path = folder.join(NETCDF);
+    dataset.write(&path, header)?;
+    let mut files = vec![path];
+    files.extend(means::write(folder, header, &found)?);
+    Ok(files)
+}

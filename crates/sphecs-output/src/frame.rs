@@ -1,0 +1,193 @@
+//! Everything of one instant in the order of the particle numbers: what is written, drawn and exported.
+
+use bevy_ecs::query::Has;
+use bevy_ecs::world::World;
+
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::components::{
+    Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
+};
+use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::systems::setup::Seats;
+
+/// The number stored in `zone` for a slot that no particle has: the reservoir may grow during a run, and particles be deleted.
+pub const ABSENT: u8 = 255;
+
+/// One instant. Row i is the particle with number i.
+///
+/// Positions are f64, everything else f32: its last digit, 6e-8 of the value, is far below the error
+/// of the scheme, while a position in f32 would lose neighbours' distances in a long domain.
+/// Reservoir particles and absent slots have NaN in all floating-point columns: they are nowhere.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Time, s.
+    pub time: f64,
+    /// Steps done.
+    pub step: u64,
+    /// Size of the last step, s.
+    pub time_step: f64,
+    /// Position x, y, z, m; z = 0 in 2D.
+    pub position: [Vec<f64>; 3],
+    /// Velocity u, v, w, m/s; w = 0 in 2D.
+    pub velocity: [Vec<f32>; 3],
+    /// Density, kg/m³.
+    pub density: Vec<f32>,
+    /// Pressure, Pa.
+    pub pressure: Vec<f32>,
+    /// Zone, the numbers of [`Zone`] or [`ABSENT`].
+    pub zone: Vec<u8>,
+    /// Index of the inlet, outlet or wall part; 0 for the others.
+    pub patch: Vec<u16>,
+    /// Injections from the reservoir, or how often the number was given anew.
+    pub passage: Vec<u32>,
+    /// Passive scalar.
+    pub tag: Vec<f32>,
+}
+
+impl Frame {
+    /// A frame of `slots` absent particles.
+    pub fn absent(slots: usize) -> Self {
+        let mut frame = Self::default();
+        frame.resize(slots);
+        frame
+    }
+
+    /// Number of slots.
+    pub fn len(&self) -> usize {
+        self.zone.len()
+    }
+
+    /// Whether there is no slot.
+    pub fn is_empty(&self) -> bool {
+        self.zone.is_empty()
+    }
+
+    /// Makes room for `slots` slots; new ones are absent.
+    pub fn resize(&mut self, slots: usize) {
+        for column in &mut self.position {
+            column.resize(slots, f64::NAN);
+        }
+        for column in self.velocity.iter_mut().chain([&mut self.density, &mut self.pressure, &mut self.tag]) {
+            column.resize(slots, f32::NAN);
+        }
+        self.zone.resize(slots, ABSENT);
+        self.patch.resize(slots, 0);
+        self.passage.resize(slots, 0);
+    }
+
+    /// Slots of a zone.
+    pub fn slots_of(&self, zone: Zone) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).filter(move |&slot| self.zone[slot] == zone as u8)
+    }
+
+    /// Slots by zone, in the order of [`Zone::ALL`].
+    pub fn counts(&self) -> [u64; 5] {
+        let mut counts = [0; 5];
+        for &zone in &self.zone {
+            if let Some(count) = counts.get_mut(usize::from(zone)) {
+                *count += 1;
+            }
+        }
+        counts
+    }
+
+    /// Lower and upper corner of the box around all particles that are somewhere, m; None without any.
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for (axis, column) in self.position.iter().enumerate() {
+            // `min` and `max` pass over NaN.
+            corners[0][axis] = column.iter().copied().fold(f64::INFINITY, f64::min);
+            corners[1][axis] = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        }
+        corners.as_flattened().iter().all(|x| x.is_finite()).then_some(corners)
+    }
+
+    /// The state of a world: its particles and its [`Clock`].
+    pub fn from_world(world: &mut World) -> Self {
+        type Roles<'w> = (Option<&'w Wall>, Option<&'w Inflow>, Option<&'w Outflow>, Has<Reservoir>);
+        let clock = world.resource::<Clock>();
+        let mut frame =
+            Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
+        let mut particles =
+            world.query::<(&ParticleId, &Position, &Velocity, &Thermodynamics, &Tracer, Roles)>();
+        let numbers = world.get_resource::<Seats>().map_or(0, |seats| seats.0.len());
+        frame.resize(numbers.max(particles.iter(world).count()));
+        for (id, position, velocity, thermodynamics, tracer, roles) in particles.iter(world) {
+            let slot = id.0 as usize;
+            if slot >= frame.len() {
+                frame.resize(slot + 1);
+            }
+            let (zone, patch) = match roles {
+                (Some(wall), ..) => (Zone::Wall, wall.part),
+                (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
+                (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
+                (_, _, _, true) => (Zone::Reservoir, 0),
+                _ => (Zone::Fluid, 0),
+            };
+            frame.zone[slot] = zone as u8;
+            frame.patch[slot] = patch;
+            frame.passage[slot] = tracer.passages;
+            if zone == Zone::Reservoir {
+                continue;
+            }
+            for axis in 0..3 {
+                frame.position[axis][slot] = position.0[axis];
+                frame.velocity[axis][slot] = velocity.0[axis] as f32;
+            }
+            frame.density[slot] = thermodynamics.density as f32;
+            frame.pressure[slot] = thermodynamics.pressure as f32;
+            frame.tag[slot] = tracer.tag;
+        }
+        frame
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use sphecs_engine::components::{Fluid, ParticleBundle};
+
+    fn particle(id: u32) -> ParticleBundle {
+        let number = f64::from(id);
+        ParticleBundle {
+            id: ParticleId(id),
+            position: Position(DVec3::new(number, 0.5, 0.0)),
+            velocity: Velocity(DVec3::new(0.1 * number, 0.0, 0.0)),
+            thermodynamics: Thermodynamics { density: 1000.0 + number, pressure: -number },
+            tracer: Tracer { tag: id as f32, passages: id },
+        }
+    }
+
+    #[test]
+    fn rows_follow_the_numbers_whatever_the_order_of_the_tables() {
+        let mut world = World::new();
+        world.insert_resource(Clock { time: 0.5, step: 7, time_step: 1e-4 });
+        world.spawn((particle(3), Wall { part: 2 }));
+        world.spawn((particle(1), Inflow { inlet: 1 }));
+        world.spawn((particle(4), Reservoir));
+        world.spawn((particle(0), Fluid));
+        world.spawn((particle(2), Outflow { outlet: 4 }));
+        let frame = Frame::from_world(&mut world);
+
+        assert_eq!((frame.time, frame.step, frame.time_step), (0.5, 7, 1e-4));
+        assert_eq!(frame.zone, [0, 2, 3, 1, 4]);
+        assert_eq!(frame.patch, [0, 1, 4, 2, 0]);
+        assert_eq!(frame.passage, [0, 1, 2, 3, 4]);
+        assert_eq!(&frame.position[0][..4], [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(frame.density[3], 1003.0);
+        assert!(frame.position[0][4].is_nan() && frame.velocity[0][4].is_nan());
+        assert_eq!(frame.counts(), [1, 1, 1, 1, 1]);
+        assert_eq!(frame.bounds(), Some([[0.0, 0.5, 0.0], [3.0, 0.5, 0.0]]));
+    }
+
+    #[test]
+    fn a_gap_in_the_numbers_is_absent() {
+        let mut world = World::new();
+        world.insert_resource(Clock::default());
+        world.spawn((particle(2), Fluid));
+        let frame = Frame::from_world(&mut world);
+        assert_eq!(frame.zone, [ABSENT, ABSENT, 0]);
+        assert_eq!(frame.counts(), [1, 0, 0, 0, 0]);
+    }
+}

@@ -1,0 +1,126 @@
+//! `sphecs info`: a run in one screen of text.
+
+use std::fmt::Write;
+
+use super::error::OutputError;
+use super::frame::Frame;
+use super::results::Results;
+use super::summary::Status;
+use sphecs_core::particles::zone::Zone;
+
+/// Describes a run: scene, status, frames, counts, ledger, ranges of the last frame's fields.
+///
+/// # Errors
+/// [`OutputError`] when the last frame does not read.
+pub fn describe(results: &Results) -> Result<String, OutputError> {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let mut line = |label: &str, value: String| {
+        let _ = writeln!(text, "{label:<14}{value}");
+    };
+    let (header, summary) = (&results.header, &results.summary);
+    line("run", results.folder.display().to_string());
+    line("title", header.title.clone());
+    line("scene", format!("{} (sha256 {}…)", header.scene, header.sha256.get(..12).unwrap_or_default()));
+    let threads = if summary.threads > 0 {
+        format!(", {} thread(s), {}", summary.threads, summary.lanes)
+    } else {
+        String::new()
+    };
+    line(
+        "written by",
+        format!("sphecs {}, {}D, {}{threads}", header.version, header.dimensions, header.precision),
+    );
+    line(
+        "resolution",
+        format!("Δ = {} m, h = {:.4} m, {}", header.spacing, header.smoothing_length, header.kernel),
+    );
+    line(
+        "fluid",
+        format!(
+            "ρ0 = {} kg/m³, ν = {} m²/s, c0 = {} m/s",
+            header.reference_density, header.viscosity, header.sound_speed
+        ),
+    );
+    line("status", status(results));
+    if summary.status != Status::Running {
+        line("reached", format!("t = {:.4} s of {} s in {} steps", summary.time, header.end, summary.steps));
+        line("wall time", format!("{:.1} s", summary.wall_time));
+    }
+    line("frames", frames(results));
+    if let Some(last) = results.len().checked_sub(1) {
+        let frame = results.frame(last)?;
+        line("particles", counts(&frame));
+        if summary.status != Status::Running {
+            line("ledger", ledger(results));
+        }
+        for (name, values, unit) in fields(&frame) {
+            if let Some((low, high)) = range(&frame, &values) {
+                line(name, format!("{low:.5} to {high:.5} {unit}").trim_end().to_owned());
+            }
+        }
+    }
+    Ok(text)
+}
+
+fn status(results: &Results) -> String {
+    let summary = &results.summary;
+    match (&summary.message, summary.status) {
+        (Some(message), status) => format!("{}: {message}", status.word()),
+        (None, Status::Running) => {
+            "running, or killed: `sphecs resume` goes on with a run that was killed, `sphecs pack` gathers its frames"
+                .to_owned()
+        }
+        (None, status) => status.word().to_owned(),
+    }
+}
+
+fn frames(results: &Results) -> String {
+    let times = results.times();
+    let (Some(first), Some(last)) = (times.first(), times.last()) else {
+        return "none".to_owned();
+    };
+    let place = if results.is_packed() { "particles.nc" } else { "journal" };
+    let size = results.bytes() as f64 / 1e6;
+    format!("{} from {first:.4} s to {last:.4} s, {size:.1} MB in {place}", times.len())
+}
+
+fn counts(frame: &Frame) -> String {
+    let counts = frame.counts();
+    let parts: Vec<String> =
+        Zone::ALL.iter().map(|&zone| format!("{} {}", counts[zone as usize], zone.name())).collect();
+    format!("{} in the last frame: {}", counts.iter().sum::<u64>(), parts.join(", "))
+}
+
+fn ledger(results: &Results) -> String {
+    let ledger = &results.summary.ledger;
+    let total = ledger.fluid + ledger.wall + ledger.inflow + ledger.outflow + ledger.reservoir;
+    format!(
+        "{} at the start + {} grown + {} created − {} deleted = {total}: {}",
+        ledger.initial,
+        ledger.grown,
+        ledger.created,
+        ledger.deleted,
+        if ledger.balances { "balances" } else { "does NOT balance" }
+    )
+}
+
+fn fields(frame: &Frame) -> [(&'static str, Vec<f32>, &'static str); 3] {
+    let [u, v, w] = &frame.velocity;
+    let speed = (0..frame.len()).map(|i| (u[i] * u[i] + v[i] * v[i] + w[i] * w[i]).sqrt()).collect();
+    [
+        ("speed", speed, "m/s"),
+        ("pressure", frame.pressure.clone(), "Pa"),
+        ("density", frame.density.clone(), "kg/m³"),
+    ]
+}
+
+fn range(frame: &Frame, values: &[f32]) -> Option<(f32, f32)> {
+    frame.slots_of(Zone::Fluid).map(|slot| values[slot]).filter(|value| value.is_finite()).fold(
+        None,
+        |range, value| {
+            let (low, high) = range.unwrap_or((value, value));
+            Some((low.min(value), high.max(value)))
+        },
+    )
+}

@@ -1,0 +1,202 @@
+//! `monitor.csv` and `monitor.nc`: integral figures of the flow over time.
+//!
+//! The CSV file is written row by row while the run goes on, its columns are named `name [unit]`; the NetCDF file
+//! is made from it when the run is packed and has the same columns as variables over `time`.
+
+use std::path::{Path, PathBuf};
+
+use super::error::OutputError;
+use super::header::Header;
+use super::netcdf::dataset::Dataset;
+use super::table::{Column, Table, TableWriter, number, safe_names};
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::systems::monitor::MonitorRow;
+
+/// Name of the CSV file in the run folder.
+pub const CSV: &str = "monitor.csv";
+/// Name of the NetCDF file in the run folder.
+pub const NETCDF: &str = "monitor.nc";
+
+/// Appends rows to `monitor.csv`.
+#[derive(Debug)]
+pub struct MonitorWriter {
+    table: TableWriter,
+    dimensions: usize,
+}
+
+/// Column name, unit and long name of everything that a row has.
+fn columns(header: &Header) -> Vec<(Column, String)> {
+    // In 2D all extensive figures are per metre of depth.
+    let planar = header.dimensions == 2;
+    let [mass, mass_flow, energy, momentum] =
+        if planar { ["kg m-1", "kg m-1 s-1", "J m-1", "kg s-1"] } else { ["kg", "kg s-1", "J", "kg m s-1"] };
+    let mut columns = Vec::new();
+    let mut add =
+        |name: String, unit: &str, long_name: String| columns.push((Column::new(name, unit), long_name));
+    add("time".into(), "s", "time since the start of the run".into());
+    add("step".into(), "1", "steps done".into());
+    add("time_step".into(), "s", "size of the last step".into());
+    for zone in Zone::ALL.map(Zone::name) {
+        add(format!("count_{zone}"), "1", format!("number of {zone} particles"));
+    }
+    for zone in Zone::ALL.map(Zone::name) {
+        add(format!("mass_{zone}"), mass, format!("mass of the {zone} particles"));
+    }
+    for name in safe_names(header.inlets.iter().map(String::as_str)) {
+        let long_name = format!("mass flow into the domain through {name}, mean since the row before");
+        add(format!("inlet_mass_flow_{name}"), mass_flow, long_name);
+    }
+    for name in safe_names(header.outlets.iter().map(String::as_str)) {
+        let long_name = format!("mass flow out of the domain through {name}, mean since the row before");
+        add(format!("outlet_mass_flow_{name}"), mass_flow, long_name);
+    }
+    add("kinetic_energy".into(), energy, "kinetic energy of the fluid".into());
+    for axis in header.axes() {
+        add(format!("momentum_{axis}"), momentum, format!("momentum of the fluid along {axis}"));
+    }
+    add("largest_speed".into(), "m s-1", "largest speed of the fluid".into());
+    add(
+        "largest_density_deviation".into(),
+        "1",
+        "largest deviation from the reference density over the reference density".into(),
+    );
+    add("largest_divergence".into(), "s-1", "largest absolute divergence of the velocity".into());
+    add("mean_pressure".into(), "Pa", "mean pressure of the fluid".into());
+    add(
+        "held_at_walls".into(),
+        "1",
+        "times that a fluid particle was set back onto a wall since the row before".into(),
+    );
+    add("through_walls".into(), "1", "fluid particles behind a wall surface".into());
+    add("close_pairs".into(), "1", "pairs of fluid particles nearer than half a spacing".into());
+    columns
+}
+
+impl MonitorWriter {
+    /// Starts `monitor.csv` in a run folder.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn create(folder: &Path, header: &Header) -> Result<Self, OutputError> {
+        let columns: Vec<Column> = columns(header).into_iter().map(|(column, _)| column).collect();
+        Ok(Self { table: TableWriter::create(&folder.join(CSV), &columns)?, dimensions: header.dimensions })
+    }
+
+    /// Goes on behind the first `length` bytes of `monitor.csv`, or starts it where there are none.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn go_on(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
+        if length == 0 {
+            return Self::create(folder, header);
+        }
+        Ok(Self { table: TableWriter::go_on(&folder.join(CSV), length)?, dimensions: header.dimensions })
+    }
+
+    /// The table, for its length.
+    pub(crate) fn table(&self) -> &TableWriter {
+        &self.table
+    }
+
+    /// Appends a row, which is in the file when this returns.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the system refuses.
+    pub fn append(&mut self, row: &MonitorRow) -> Result<(), OutputError> {
+        let mut cells = vec![number(row.time), row.step.to_string(), number(row.time_step)];
+        cells.extend(row.count.iter().map(u64::to_string));
+        let numbers = row.mass.iter().chain(&row.inlet_mass_flow).chain(&row.outlet_mass_flow);
+        cells.extend(numbers.map(|&value| number(value)));
+        cells.push(number(row.kinetic_energy));
+        cells.extend(row.momentum.to_array().iter().take(self.dimensions).map(|&value| number(value)));
+        cells.extend(
+            [row.largest_speed, row.largest_density_deviation, row.largest_divergence, row.mean_pressure]
+                .map(number),
+        );
+        cells.extend([row.held_at_walls, row.through_walls, row.close_pairs].map(|count| count.to_string()));
+        self.table.append([cells])
+    }
+}
+
+/// The columns of `monitor.csv`, by name without the unit.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub fn read_history(folder: &Path) -> Result<Vec<(String, Vec<f64>)>, OutputError> {
+    let table = Table::read(&folder.join(CSV))?;
+    let numbers = |index: usize| table.numbers(index);
+    Ok(table
+        .columns
+        .iter()
+        .enumerate()
+        .map(|(index, column)| (column.name.clone(), numbers(index)))
+        .collect())
+}
+
+/// Makes `monitor.nc` from `monitor.csv`; its path, or None when there is no CSV file.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub fn pack(folder: &Path, header: &Header) -> Result<Option<PathBuf>, OutputError> {
+    let source = folder.join(CSV);
+    if !source.exists() {
+        return Ok(None);
+    }
+    let table = Table::read(&source)?;
+    let mut dataset = Dataset::over_time("integral figures over time", &table, &columns(header));
+    for variable in dataset.variables.iter_mut().filter(|variable| variable.name.contains("mass_flow")) {
+        variable.attributes.push(("cell_methods", "time: mean".to_owned()));
+    }
+    let target = folder.join(NETCDF);
+    dataset.write(&target, header)?;
+    Ok(Some(target))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn row_lands_under_its_names() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let header = Header {
+            dimensions: 2,
+            inlets: vec!["in".to_owned()],
+            outlets: vec!["left leg".to_owned(), "right leg".to_owned()],
+            ..Header::default()
+        };
+        let row = MonitorRow {
+            time: 0.25,
+            step: 12,
+            count: [5, 4, 3, 2, 1],
+            inlet_mass_flow: vec![1.5],
+            outlet_mass_flow: vec![0.5, 1.0],
+            momentum: DVec3::new(7.0, 8.0, 0.0),
+            held_at_walls: 7,
+            close_pairs: 9,
+            ..MonitorRow::default()
+        };
+        let mut writer = MonitorWriter::create(folder.path(), &header).expect("created");
+        writer.append(&row).expect("written");
+        let table = Table::read(&folder.path().join(CSV)).expect("read");
+        let value = |name: &str| {
+            let column = table.columns.iter().position(|column| column.name == name);
+            table.numbers(column.expect(name))[0]
+        };
+        for (name, wanted) in [
+            ("time", 0.25),
+            ("step", 12.0),
+            ("count_reservoir", 1.0),
+            ("inlet_mass_flow_in", 1.5),
+            ("outlet_mass_flow_right_leg", 1.0),
+            ("momentum_y", 8.0),
+            ("held_at_walls", 7.0),
+            ("close_pairs", 9.0),
+        ] {
+            assert_eq!(value(name), wanted, "{name}");
+        }
+        let packed = pack(folder.path(), &header).expect("packed").expect("there is a table");
+        assert!(packed.starts_with(folder.path()) && packed.is_file(), "{}", packed.display());
+    }
+}

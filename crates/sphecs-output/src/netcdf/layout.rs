@@ -1,0 +1,172 @@
+//! The layout of `particles.nc`, shared by the frames of the journal.
+//!
+//! ```text
+//! dimensions  time (unlimited), particle (slots that are not walls), wall
+//! x y (z)     f64 (time, particle), m            NaN: in the reservoir, or not there yet
+//! u v (w)     f32 (time, particle), m s-1
+//! density pressure tag   f32 (time, particle)
+//! zone        u8  (time, particle), CF flags     255: a slot that no particle has yet
+//! passage     u32 (time, particle)
+//! particle_id u32 (particle)                     number of the particle in the run
+//! wall_x wall_y (wall_z) wall_id wall_part       (wall), stored once
+//! step time_step (time)
+//! ```
+//!
+//! A slot takes 41 bytes in 2D and 53 in 3D before compression. CF has no standard names for a liquid in
+//! general: those of sea water are the table's names for the same quantities.
+
+use ::netcdf::{AttributeValue, FileMut};
+
+use super::add_variable;
+use super::particles::{Slots, pick};
+use crate::frame::{ABSENT, Frame};
+use crate::header::Header;
+use sphecs_core::particles::zone::Zone;
+
+/// Slots per chunk at most: 2 MiB of doubles.
+const CHUNK: usize = 1 << 18;
+
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+const AXIS_STANDARD_NAMES: [&str; 3] = ["projection_x_coordinate", "projection_y_coordinate", "height"];
+pub(super) const VELOCITIES: [&str; 3] = ["u", "v", "w"];
+const VELOCITY_STANDARD_NAMES: [&str; 3] =
+    ["sea_water_x_velocity", "sea_water_y_velocity", "upward_sea_water_velocity"];
+
+/// The attributes that every file of a run has.
+pub(super) fn put_facts(file: &mut FileMut, header: &Header, title: &str) -> Result<(), ::netcdf::Error> {
+    let texts = [
+        ("Conventions", "CF-1.11".to_owned()),
+        ("title", format!("{}: {title}", header.title)),
+        ("source", format!("sphecs {}, smoothed particle hydrodynamics", header.version)),
+        ("history", format!("written by sphecs {} from the scene {}", header.version, header.scene)),
+        ("sphecs_version", header.version.clone()),
+        ("scene_name", header.scene.clone()),
+        ("scene_sha256", header.sha256.clone()),
+        ("kernel", header.kernel.clone()),
+        ("precision", header.precision.clone()),
+        // HDF5 keeps an attribute of up to 64 KiB in its header; `scene.ron` has the rest of a longer text.
+        ("scene", header.text.chars().take(16_000).collect()),
+    ];
+    for (name, text) in texts {
+        file.add_attribute(name, text)?;
+    }
+    let numbers = [
+        ("smoothing_length", header.smoothing_length),
+        ("spacing", header.spacing),
+        ("sound_speed", header.sound_speed),
+        ("reference_density", header.reference_density),
+        ("kinematic_viscosity", header.viscosity),
+    ];
+    for (name, number) in numbers {
+        file.add_attribute(name, number)?;
+    }
+    file.add_attribute("dimensions", header.dimensions as i32)?;
+    file.add_attribute(
+        "comment",
+        "SI units; attributes: lengths in m, speed in m s-1, density in kg m-3, viscosity in m2 s-1",
+    )?;
+    Ok(())
+}
+
+fn text(name: &'static str, value: impl Into<String>) -> (&'static str, AttributeValue) {
+    (name, AttributeValue::from(value.into()))
+}
+
+/// Declares the variables of the slots and stores their numbers.
+pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Result<(), ::netcdf::Error> {
+    put_facts(file, header, "particles")?;
+    file.add_unlimited_dimension("time")?;
+    // Length 0 would make the dimension unlimited.
+    file.add_dimension("particle", slots.particles.len().max(1))?;
+    let units =
+        |units: &'static str, long_name: String| vec![text("units", units), text("long_name", long_name)];
+    add_variable::<f64>(
+        file,
+        "time",
+        &["time"],
+        &[512],
+        &units("s", "time since the start of the run".into()),
+    )?;
+    add_variable::<i64>(file, "step", &["time"], &[512], &units("1", "steps done".into()))?;
+    add_variable::<f64>(file, "time_step", &["time"], &[512], &units("s", "size of the last step".into()))?;
+
+    let particle_chunk = slots.particles.len().clamp(1, CHUNK);
+    let shape = ["time", "particle"];
+    let chunks = [1, particle_chunk];
+    for axis in 0..header.dimensions {
+        let mut attributes = units("m", format!("{} coordinate", AXES[axis]));
+        attributes.push(text("standard_name", AXIS_STANDARD_NAMES[axis]));
+        add_variable::<f64>(file, AXES[axis], &shape, &chunks, &attributes)?;
+    }
+    let coordinates = || text("coordinates", header.axes().join(" "));
+    for axis in 0..header.dimensions {
+        let mut attributes = units("m s-1", format!("velocity along {}", AXES[axis]));
+        attributes.extend([text("standard_name", VELOCITY_STANDARD_NAMES[axis]), coordinates()]);
+        add_variable::<f32>(file, VELOCITIES[axis], &shape, &chunks, &attributes)?;
+    }
+    for (name, unit, long_name, standard_name) in [
+        ("density", "kg m-3", "density", Some("sea_water_density")),
+        ("pressure", "Pa", "pressure above that of the reference density", Some("sea_water_pressure")),
+        ("tag", "1", "passive scalar carried along", None),
+    ] {
+        let mut attributes = units(unit, long_name.into());
+        attributes.extend(standard_name.map(|name| text("standard_name", name)));
+        attributes.push(coordinates());
+        add_variable::<f32>(file, name, &shape, &chunks, &attributes)?;
+    }
+    let mut attributes = units("1", "zone that the particle belongs to".into());
+    let mut meanings: Vec<&str> = Zone::ALL.iter().map(|zone| zone.name()).collect();
+    meanings.push("absent");
+    let values: Vec<u8> = Zone::ALL.iter().map(|&zone| zone as u8).chain([ABSENT]).collect();
+    attributes.extend([
+        ("flag_values", AttributeValue::from(values)),
+        text("flag_meanings", meanings.join(" ")),
+        coordinates(),
+    ]);
+    add_variable::<u8>(file, "zone", &shape, &chunks, &attributes)?;
+    let mut attributes =
+        units("1", "number of times the particle was injected again from the reservoir".into());
+    attributes.push(coordinates());
+    add_variable::<u32>(file, "passage", &shape, &chunks, &attributes)?;
+    let attributes = units("1", "number of the particle in the run".into());
+    let mut ids = add_variable::<u32>(file, "particle_id", &["particle"], &[particle_chunk], &attributes)?;
+    if !slots.particles.is_empty() {
+        ids.put_values(&slots.particles, ..)?;
+    }
+    Ok(())
+}
+
+/// Declares and stores the walls.
+pub(super) fn put_walls(
+    file: &mut FileMut,
+    header: &Header,
+    slots: &Slots,
+    frame: &Frame,
+) -> Result<(), ::netcdf::Error> {
+    if slots.walls.is_empty() {
+        return Ok(());
+    }
+    file.add_dimension("wall", slots.walls.len())?;
+    let chunks = [slots.walls.len().min(CHUNK)];
+    for axis in 0..header.dimensions {
+        let attributes = [
+            text("units", "m"),
+            text("long_name", format!("{} coordinate of the wall particle", AXES[axis])),
+            text("standard_name", AXIS_STANDARD_NAMES[axis]),
+        ];
+        let values: Vec<f64> = pick(&frame.position[axis], &slots.walls);
+        let name = format!("wall_{}", AXES[axis]);
+        add_variable::<f64>(file, &name, &["wall"], &chunks, &attributes)?.put_values(&values, ..)?;
+    }
+    let attributes = [text("units", "1"), text("long_name", "number of the wall particle in the run")];
+    add_variable::<u32>(file, "wall_id", &["wall"], &chunks, &attributes)?.put_values(&slots.walls, ..)?;
+    let names: Vec<String> = header.wall_parts.iter().map(|name| name.replace(' ', "_")).collect();
+    let mut attributes = vec![text("units", "1"), text("long_name", "wall part of the scene")];
+    if !names.is_empty() {
+        let values: Vec<u16> = (0..names.len() as u16).collect();
+        attributes
+            .extend([("flag_values", AttributeValue::from(values)), text("flag_meanings", names.join(" "))]);
+    }
+    let values: Vec<u16> = pick(&frame.patch, &slots.walls);
+    add_variable::<u16>(file, "wall_part", &["wall"], &chunks, &attributes)?.put_values(&values, ..)
+}

@@ -1,0 +1,239 @@
+//! `sphecs render`: a field of a frame as a PNG picture with title, axes, walls and colour scale.
+//!
+//! Rooms: `field` (what can be drawn), `vorticity`, `view` (plane or slice), `raster` (particles to pixels), `scale`
+//! (ticks and colours), `sheet` (what stands around the field), `canvas` (pixels and text).
+//! A new field is a variant of [`Field`] with its arms in `field`.
+
+mod canvas;
+mod field;
+mod raster;
+mod scale;
+mod sheet;
+mod view;
+mod vorticity;
+
+use std::path::{Path, PathBuf};
+
+pub use field::Field;
+pub use scale::Colours;
+pub use view::Slice;
+
+use self::canvas::Canvas;
+use self::sheet::{Key, Sheet};
+use self::view::View;
+use super::error::OutputError;
+use super::frame::Frame;
+use super::header::Header;
+use super::results::Results;
+use sphecs_core::particles::zone::Zone;
+
+/// How to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderOptions {
+    /// What to draw.
+    pub field: Field,
+    /// Values at the ends of the colour scale, in the field's unit; None: from the frames drawn.
+    pub range: Option<(f64, f64)>,
+    /// Colour map; None: the one that suits the field.
+    pub colours: Option<Colours>,
+    /// Width of the picture, pixels.
+    pub width: u32,
+    /// Slice of a 3D flow.
+    pub slice: Slice,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self { field: Field::Speed, range: None, colours: None, width: 1600, slice: Slice::default() }
+    }
+}
+
+/// Draws the frame nearest to `time` (s; None: the last) into a PNG file; the time of the frame, s.
+///
+/// # Errors
+/// [`OutputError`] when the run has no frames, the options do not fit it, or a file does not read or write.
+pub fn render(
+    results: &Results,
+    time: Option<f64>,
+    options: &RenderOptions,
+    path: &Path,
+) -> Result<f64, OutputError> {
+    let index = match time {
+        Some(time) => results.nearest(time)?,
+        None => results.len().checked_sub(1).ok_or_else(|| results.no_frames())?,
+    };
+    let frame = results.frame(index)?;
+    let mut painter = Painter::new(&results.header, options)?;
+    painter.note(&frame);
+    painter.paint(&frame, path)?;
+    Ok(frame.time)
+}
+
+/// Draws all frames into PNG files `name-0000.png`, … beside `path`, with one colour scale for all; calls `done` with
+/// the number of pictures ready and the number of all.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_all(
+    results: &Results,
+    options: &RenderOptions,
+    path: &Path,
+    mut done: impl FnMut(usize, usize),
+) -> Result<Vec<PathBuf>, OutputError> {
+    if results.is_empty() {
+        return Err(results.no_frames());
+    }
+    let mut painter = Painter::new(&results.header, options)?;
+    if options.range.is_none() && options.field != Field::Zone {
+        for index in 0..results.len() {
+            painter.note(&results.frame(index)?);
+        }
+    }
+    let mut paths = Vec::with_capacity(results.len());
+    for index in 0..results.len() {
+        let path = numbered(path, index);
+        painter.paint(&results.frame(index)?, &path)?;
+        paths.push(path);
+        done(paths.len(), results.len());
+    }
+    Ok(paths)
+}
+
+/// Draws a frame by itself into a PNG file, with a square around a slot. What is drawn is the box of the header's bounds.
+///
+/// # Errors
+/// [`OutputError`] when the options do not fit the header or the file does not write.
+pub(super) fn render_marked(
+    header: &Header,
+    frame: &Frame,
+    slot: usize,
+    options: &RenderOptions,
+    path: &Path,
+) -> Result<(), OutputError> {
+    let mut painter = Painter::new(header, options)?;
+    painter.note(frame);
+    let mut canvas = painter.draw(frame);
+    painter.mark(&mut canvas, frame, slot);
+    canvas.save(path)
+}
+
+/// `flow.png` becomes `flow-0007.png`.
+fn numbered(path: &Path, index: usize) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().unwrap_or("png".as_ref()).to_string_lossy();
+    path.with_file_name(format!("{stem}-{index:04}.{ending}"))
+}
+
+/// Draws frames of one run on the same scale.
+struct Painter<'a> {
+    options: &'a RenderOptions,
+    title: &'a str,
+    view: View,
+    sheet: Sheet,
+    found: Option<(f64, f64)>,
+}
+
+impl<'a> Painter<'a> {
+    fn new(header: &'a Header, options: &'a RenderOptions) -> Result<Self, OutputError> {
+        let view = View::new(header, options.slice)?;
+        if options.field == Field::W && view.dimensions == 2 {
+            return Err(OutputError::Request(
+                "field `w`: the run is in 2D and has no velocity along z".to_owned(),
+            ));
+        }
+        if let Some((low, high)) = options.range
+            && !(low < high && low.is_finite() && high.is_finite())
+        {
+            return Err(OutputError::Request(format!(
+                "range {low} to {high}: the first value must be the smaller, and both finite"
+            )));
+        }
+        let sheet = Sheet::new(&view, options.width);
+        Ok(Self { options, title: &header.title, view, sheet, found: None })
+    }
+
+    /// Widens the scale to the values of a frame.
+    fn note(&mut self, frame: &Frame) {
+        if self.options.range.is_some() {
+            return;
+        }
+        let field = self.options.field;
+        let drawn = |slot: &usize| {
+            frame.zone[*slot] <= Zone::Outflow as u8
+                && frame.zone[*slot] != Zone::Wall as u8
+                && self.view.place(frame, *slot)[2].abs() < 1.75 * self.view.spacing
+        };
+        let values = field.values(frame, &self.view);
+        let mut values: Vec<f32> = (0..frame.len())
+            .filter(drawn)
+            .map(|slot| values[slot])
+            .filter(|value| value.is_finite())
+            .collect();
+        if values.is_empty() {
+            return;
+        }
+        values.sort_by(f32::total_cmp);
+        let cut = (field.cut() * values.len() as f64) as usize;
+        let (low, high) = (f64::from(values[cut]), f64::from(values[values.len() - 1 - cut]));
+        let (low_before, high_before) = self.found.unwrap_or((low, high));
+        self.found = Some((low_before.min(low), high_before.max(high)));
+    }
+
+    fn key(&self) -> Key {
+        let field = self.options.field;
+        if field == Field::Zone {
+            return Key::Zones;
+        }
+        let own = field.colours(self.view.dimensions);
+        let (mut low, mut high) = self.found.unwrap_or((0.0, 1.0));
+        if field == Field::Speed {
+            low = 0.0;
+        }
+        if own == Colours::Diverging {
+            high = high.abs().max(low.abs());
+            low = -high;
+        }
+        // A uniform field has no range of its own.
+        if high - low <= 1e-6 * high.abs().max(low.abs()) {
+            let margin = if high == 0.0 { 1.0 } else { 1e-3 * high.abs() };
+            (low, high) = (low - margin, high + margin);
+        }
+        Key::Scale {
+            colours: self.options.colours.unwrap_or(own),
+            range: self.options.range.unwrap_or((low, high)),
+        }
+    }
+
+    fn paint(&self, frame: &Frame, path: &Path) -> Result<(), OutputError> {
+        self.draw(frame).save(path)
+    }
+
+    /// Draws a square around a slot, unless it is nowhere.
+    fn mark(&self, canvas: &mut Canvas, frame: &Frame, slot: usize) {
+        let [right, up, _] = self.view.place(frame, slot);
+        if !(right.is_finite() && up.is_finite()) {
+            return;
+        }
+        let pixels_per_metre = self.sheet.size[0] as f64 / self.view.extent()[0];
+        let pixel = |metres: f64| (metres * pixels_per_metre).round() as i64;
+        let half = pixel(0.9 * self.view.spacing).max(4);
+        let [x, y] = self.sheet.corner;
+        let corner = [x + pixel(right - self.view.low[0]) - half, y + pixel(self.view.high[1] - up) - half];
+        canvas.outline(corner, [2 * half, 2 * half], (half / 6).max(2));
+    }
+
+    fn draw(&self, frame: &Frame) -> Canvas {
+        let field = self.options.field;
+        let key = self.key();
+        let mut canvas = self.sheet.draw(&self.view, field, &key, self.title, frame.time);
+        let values = field.values(frame, &self.view);
+        let size = self.sheet.size.map(|length| length as usize);
+        let pixels =
+            raster::paint(frame, &self.view, &values, field.is_label(), size, |value| key.colour(value));
+        for (index, colour) in pixels.into_iter().enumerate() {
+            let [x, y] = self.sheet.corner;
+            canvas.set(x + (index % size[0]) as i64, y + (index / size[0]) as i64, colour);
+        }
+        canvas
+    }
+}

@@ -1,0 +1,180 @@
+//! What of space a picture shows: the plane of a 2D flow, or a slice through a 3D one.
+
+use crate::error::OutputError;
+use crate::frame::Frame;
+use crate::header::Header;
+
+/// A plane across an axis of a 3D flow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// Axis across the plane: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Place on that axis, m; None: the middle of the domain.
+    pub at: Option<f64>,
+}
+
+impl Default for Slice {
+    fn default() -> Self {
+        Self { axis: 2, at: None }
+    }
+}
+
+/// The plane that is drawn and its frame of reference.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct View {
+    /// Axes to the right, upwards and across the plane.
+    pub(crate) axes: [usize; 3],
+    /// Place of the plane on the third axis, m.
+    pub(crate) at: f64,
+    /// Lower left corner, m.
+    pub(crate) low: [f64; 2],
+    /// Upper right corner, m.
+    pub(crate) high: [f64; 2],
+    /// Particle spacing Δ, m.
+    pub(crate) spacing: f64,
+    /// Smoothing length h, m.
+    pub(crate) smoothing_length: f64,
+    /// 2 or 3.
+    pub(crate) dimensions: usize,
+}
+
+impl View {
+    /// The view of a run.
+    ///
+    /// # Errors
+    /// [`OutputError::Request`] when the slice is outside the domain or the run has no extent.
+    pub(crate) fn new(header: &Header, slice: Slice) -> Result<Self, OutputError> {
+        let [low, high] = header.bounds;
+        let axes = match (header.dimensions, slice.axis) {
+            (3, 0) => [1, 2, 0],
+            (3, 1) => [0, 2, 1],
+            _ => [0, 1, 2],
+        };
+        let across = axes[2];
+        let middle = 0.5 * (low[across] + high[across]);
+        let at = if header.dimensions == 2 { 0.0 } else { slice.at.unwrap_or(middle) };
+        if !(low[across]..=high[across]).contains(&at) {
+            return Err(OutputError::Request(format!(
+                "slice at {} = {at} m: must lie in the domain, from {} to {} m",
+                ["x", "y", "z"][across],
+                low[across],
+                high[across]
+            )));
+        }
+        // Particles stand in the middle of what they fill.
+        let pad = 0.5 * header.spacing;
+        let view = Self {
+            axes,
+            at,
+            low: [low[axes[0]] - pad, low[axes[1]] - pad],
+            high: [high[axes[0]] + pad, high[axes[1]] + pad],
+            spacing: header.spacing,
+            smoothing_length: header.smoothing_length,
+            dimensions: header.dimensions,
+        };
+        if header.spacing > 0.0 && view.extent().iter().all(|length| length.is_finite() && *length > 0.0) {
+            Ok(view)
+        } else {
+            Err(OutputError::Request("the run has no particles that could be drawn".to_owned()))
+        }
+    }
+
+    /// Width and height, m.
+    pub(crate) fn extent(&self) -> [f64; 2] {
+        [self.high[0] - self.low[0], self.high[1] - self.low[1]]
+    }
+
+    /// Name of an axis of the picture.
+    pub(crate) fn axis_name(&self, direction: usize) -> &'static str {
+        ["x", "y", "z"][self.axes[direction]]
+    }
+
+    /// Place of a slot: right, up, and distance from the plane, m. NaN when it is nowhere.
+    pub(crate) fn place(&self, frame: &Frame, slot: usize) -> [f64; 3] {
+        let [right, up, across] = self.axes.map(|axis| frame.position[axis][slot]);
+        [right, up, across - self.at]
+    }
+}
+
+/// Points of a plane sorted into square cells.
+#[derive(Debug)]
+pub(crate) struct Cells {
+    low: [f64; 2],
+    size: f64,
+    count: [usize; 2],
+    starts: Vec<u32>,
+    /// Indices of points, by cell.
+    order: Vec<u32>,
+}
+
+impl Cells {
+    /// Sorts points into cells of a size, m. Points outside the view go into its rim.
+    pub(crate) fn new(view: &View, size: f64, points: &[[f64; 3]]) -> Self {
+        let extent = view.extent();
+        let count = [0, 1].map(|k| ((extent[k] / size).ceil() as usize).clamp(1, 20_000));
+        let mut cells =
+            Self { low: view.low, size, count, starts: vec![0; count[0] * count[1] + 1], order: Vec::new() };
+        let home: Vec<usize> = points.iter().map(|point| cells.cell(point[0], point[1])).collect();
+        for &cell in &home {
+            cells.starts[cell + 1] += 1;
+        }
+        for cell in 1..cells.starts.len() {
+            cells.starts[cell] += cells.starts[cell - 1];
+        }
+        let mut next = cells.starts.clone();
+        cells.order = vec![0; points.len()];
+        for (index, &cell) in home.iter().enumerate() {
+            cells.order[next[cell] as usize] = index as u32;
+            next[cell] += 1;
+        }
+        cells
+    }
+
+    fn column(&self, axis: usize, x: f64) -> usize {
+        (((x - self.low[axis]) / self.size).max(0.0) as usize).min(self.count[axis] - 1)
+    }
+
+    fn cell(&self, x: f64, y: f64) -> usize {
+        self.column(1, y) * self.count[0] + self.column(0, x)
+    }
+
+    /// Points of the nine cells around a place: all within a cell's size.
+    pub(crate) fn near(&self, x: f64, y: f64) -> impl Iterator<Item = usize> + '_ {
+        let (i, j) = (self.column(0, x), self.column(1, y));
+        let across = i.saturating_sub(1)..=(i + 1).min(self.count[0] - 1);
+        (j.saturating_sub(1)..=(j + 1).min(self.count[1] - 1)).flat_map(move |row| {
+            let first = self.starts[row * self.count[0] + across.start()] as usize;
+            let last = self.starts[row * self.count[0] + across.end() + 1] as usize;
+            self.order[first..last].iter().map(|&index| index as usize)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header() -> Header {
+        Header { dimensions: 3, spacing: 0.1, bounds: [[0.0; 3], [4.0, 2.0, 1.0]], ..Header::default() }
+    }
+
+    #[test]
+    fn slice_keeps_the_other_two_axes() {
+        let view = View::new(&header(), Slice { axis: 1, at: None }).expect("a view");
+        assert_eq!((view.axis_name(0), view.axis_name(1), view.at), ("x", "z", 1.0));
+        assert!(View::new(&header(), Slice { axis: 2, at: Some(1.5) }).is_err());
+    }
+
+    #[test]
+    fn cells_find_all_points_within_their_size() {
+        let view = View::new(&header(), Slice::default()).expect("a view");
+        let points: Vec<[f64; 3]> =
+            (0..400).map(|k| [f64::from(k * 37 % 400) * 0.01, f64::from(k * 53 % 200) * 0.01, 0.0]).collect();
+        let cells = Cells::new(&view, 0.25, &points);
+        for &[x, y, _] in &points {
+            let within = |k: &usize| (points[*k][0] - x).hypot(points[*k][1] - y) < 0.25;
+            let found = cells.near(x, y).filter(within).count();
+            assert_eq!(found, (0..points.len()).filter(within).count());
+        }
+    }
+}

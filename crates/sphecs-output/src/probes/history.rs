@@ -1,0 +1,67 @@
+//! What the probes of a run measured, in memory: what comparisons start from.
+
+use std::path::Path;
+
+use super::series::{read, time_mean};
+use super::writer::{CSV, quantities};
+use crate::error::OutputError;
+use crate::header::Header;
+
+/// What one probe measured over a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProbeHistory {
+    /// Name in the scene.
+    pub name: String,
+    /// Its points, m; of a section the one that the scene gives.
+    pub places: Vec<[f64; 3]>,
+    /// Times of the samples, s.
+    pub times: Vec<f64>,
+    /// Name of each quantity, and its values: those of all points at the first time, then at the next.
+    pub columns: Vec<(&'static str, Vec<f64>)>,
+}
+
+impl ProbeHistory {
+    /// The histories of all probes of a run.
+    ///
+    /// # Errors
+    /// [`OutputError`] with the path and the cause.
+    pub fn read_all(folder: &Path, header: &Header) -> Result<Vec<Self>, OutputError> {
+        if header.probes.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (times, all) = read(&folder.join(CSV), header)?;
+        let names = quantities(header).map(|(name, ..)| name);
+        let histories = all.into_iter().map(|series| {
+            let measured = series.measured();
+            let columns = names.into_iter().zip(series.values).enumerate();
+            Self {
+                name: series.probe.name.clone(),
+                places: series.places,
+                times: times.clone(),
+                columns: columns.filter(|(at, _)| measured.contains(at)).map(|(_, column)| column).collect(),
+            }
+        });
+        Ok(histories.collect())
+    }
+
+    /// All values of a quantity; None if the probe does not measure it.
+    pub fn column(&self, quantity: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|(name, _)| *name == quantity).map(|(_, values)| values.as_slice())
+    }
+
+    /// The values of a quantity at all points at a sample.
+    pub fn sample(&self, quantity: &str, index: usize) -> Option<&[f64]> {
+        let points = self.places.len();
+        self.column(quantity)?.get(index * points..(index + 1) * points)
+    }
+
+    /// The time mean of a column at each point from one time to another, s: integrals of straight lines between samples.
+    pub fn mean_of(&self, column: &[f64], from: f64, to: f64) -> Vec<f64> {
+        let points = self.places.len();
+        let of_point = |point: usize| {
+            let values: Vec<f64> = column.iter().skip(point).step_by(points).copied().collect();
+            time_mean(&self.times, &values, from, to)
+        };
+        (0..points).map(of_point).collect()
+    }
+}

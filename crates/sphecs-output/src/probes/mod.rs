@@ -1,0 +1,216 @@
+//! Probes of a scene: where they sample, and what becomes of the samples.
+//!
+//! [`ProbeSet::points`] are handed to the engine; [`ProbeSet::reduce`] turns its samples into a [`ProbeSample`].
+//! The mass flow of a section is what its particles carry ([`sphecs_core::pass::section`]), its pressure that of the sample points k with the
+//! areas A_k: mean pressure = Σ_k A_k p_k / Σ_k A_k, Pa. A point without fluid near it has no pressure.
+
+pub mod history;
+pub mod results;
+mod section;
+mod series;
+pub mod writer;
+
+use glam::DVec3;
+
+use super::header::ProbeShape;
+use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::section::Section;
+use sphecs_scene::model::{Probe, ProbeKind, ProbeSight, Scene};
+
+/// The points of one probe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProbePoints {
+    /// Name in the scene.
+    pub name: String,
+    /// Shape of its results.
+    pub shape: ProbeShape,
+    /// Where it stands, m: its first point, or the point of the section that the scene gives.
+    pub at: DVec3,
+    /// Sample points, m.
+    pub points: Vec<DVec3>,
+    /// Areas of a section's points, m² (lengths in m in 2D); empty for the others.
+    pub areas: Vec<f64>,
+    /// The part of the plane that a section is; None for the others.
+    pub section: Option<Section>,
+    /// Whose fields are sampled.
+    pub sees: ProbeSight,
+}
+
+/// What one probe measured.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProbeValues {
+    /// Fields at its points; None where no fluid was near.
+    Fields(Vec<Option<Sample>>),
+    /// Integrals of a section.
+    Section {
+        /// Mass flow along the normal, kg/s (per metre of depth in 2D).
+        mass_flow: f64,
+        /// Mean pressure, Pa; NaN without any fluid.
+        mean_pressure: f64,
+    },
+}
+
+/// What all probes measured at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProbeSample {
+    /// Time, s.
+    pub time: f64,
+    /// Values in the order of the scene's probes.
+    pub values: Vec<ProbeValues>,
+}
+
+/// The probes of a scene with their points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProbeSet {
+    probes: Vec<ProbePoints>,
+}
+
+impl ProbeSet {
+    /// The probes of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let points = |probe| probe_points(probe, scene);
+        Self { probes: scene.output.probes.iter().map(points).collect() }
+    }
+
+    /// The probes in the order of the scene.
+    pub fn probes(&self) -> &[ProbePoints] {
+        &self.probes
+    }
+
+    /// Whether the scene has no probes.
+    pub fn is_empty(&self) -> bool {
+        self.probes.is_empty()
+    }
+
+    /// All points of all probes, in the order that [`Self::reduce`] takes samples, m, with what is seen there.
+    pub fn points(&self) -> Vec<(DVec3, ProbeSight)> {
+        let of =
+            |probe: &ProbePoints| probe.points.iter().map(|&point| (point, probe.sees)).collect::<Vec<_>>();
+        self.probes.iter().flat_map(of).collect()
+    }
+
+    /// All sections, in the order that [`Self::reduce`] takes their mass flows.
+    pub fn sections(&self) -> Vec<&Section> {
+        self.probes.iter().filter_map(|probe| probe.section.as_ref()).collect()
+    }
+
+    /// The results of samples taken at [`Self::points`] and of the mass flows (kg/s) through [`Self::sections`]; missing samples
+    /// count as no fluid.
+    pub fn reduce(&self, time: f64, samples: &[Option<Sample>], mass_flows: &[f64]) -> ProbeSample {
+        let mut rest = samples;
+        let mut flows = mass_flows.iter();
+        let values = self
+            .probes
+            .iter()
+            .map(|probe| {
+                let (own, others) = rest.split_at(probe.points.len().min(rest.len()));
+                rest = others;
+                let flow = probe.section.as_ref().and_then(|_| flows.next());
+                probe.reduce(own, flow.copied())
+            })
+            .collect();
+        ProbeSample { time, values }
+    }
+}
+
+impl ProbePoints {
+    fn reduce(&self, samples: &[Option<Sample>], mass_flow: Option<f64>) -> ProbeValues {
+        if self.shape != ProbeShape::Section {
+            return ProbeValues::Fields(samples.to_vec());
+        }
+        let (mut pressure, mut area) = (0.0, 0.0);
+        for (sample, &part) in samples.iter().zip(&self.areas) {
+            if let Some(sample) = sample {
+                pressure += part * sample.pressure;
+                area += part;
+            }
+        }
+        ProbeValues::Section { mass_flow: mass_flow.unwrap_or(0.0), mean_pressure: pressure / area }
+    }
+}
+
+fn probe_points(probe: &Probe, scene: &Scene) -> ProbePoints {
+    let mut result = ProbePoints {
+        name: probe.name.clone(),
+        shape: ProbeShape::of(&probe.kind),
+        at: DVec3::ZERO,
+        points: Vec::new(),
+        areas: Vec::new(),
+        section: None,
+        sees: probe.sees,
+    };
+    match probe.kind {
+        ProbeKind::Point(at) => result.points = vec![at],
+        ProbeKind::Line { from, to, count } => {
+            let last = count.saturating_sub(1).max(1) as f64;
+            result.points = (0..count).map(|index| from.lerp(to, index as f64 / last)).collect();
+        }
+        ProbeKind::Section { at, normal } => {
+            let inside = |point| scene.domain.signed_distance(point);
+            // Half a spacing resolves the profile that the particles carry; finer points would only repeat it.
+            let step = 0.5 * scene.spacing;
+            let normal = normal.normalize_or_zero();
+            let parts = section::points(&inside, at, normal, scene.dimensions, step);
+            (result.points, result.areas) = parts.into_iter().unzip();
+            let periods = scene.periodic.map(|bounds| bounds.map(|(low, high)| high - low));
+            let points = &result.points;
+            result.section = Some(Section::new(at, normal, points, scene.spacing, periods, scene.dimensions));
+        }
+    }
+    result.at = match probe.kind {
+        ProbeKind::Section { at, .. } => at,
+        _ => result.points.first().copied().unwrap_or_default(),
+    };
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn section() -> ProbePoints {
+        // Between y = 0 and 1, in cells of 0.1.
+        let points: Vec<DVec3> = (0..10).map(|i| DVec3::new(0.0, 0.1 * f64::from(i) + 0.05, 0.0)).collect();
+        let at = DVec3::new(0.0, 0.5, 0.0);
+        ProbePoints {
+            name: "throat".to_owned(),
+            shape: ProbeShape::Section,
+            at,
+            areas: vec![0.1; points.len()],
+            section: Some(Section::new(at, DVec3::X, &points, 0.1, [None; 3], 2)),
+            sees: ProbeSight::Fluid,
+            points,
+        }
+    }
+
+    fn pressed(point: &DVec3) -> Option<Sample> {
+        Some(Sample { velocity: DVec3::ZERO, pressure: 20.0 * point.y, density: 1000.0 })
+    }
+
+    #[test]
+    fn section_has_its_flow_and_its_mean_pressure() {
+        let point =
+            ProbePoints { shape: ProbeShape::Point, section: None, points: vec![DVec3::X], ..section() };
+        let set = ProbeSet { probes: vec![point, section()] };
+        assert_eq!(set.sections().len(), 1);
+        let samples: Vec<_> = set.points().iter().map(|(point, _)| pressed(point)).collect();
+        let sample = set.reduce(0.25, &samples, &[1005.0]);
+        let ProbeValues::Section { mass_flow, mean_pressure } = sample.values[1] else {
+            panic!("a section gives integrals");
+        };
+        assert_eq!(mass_flow, 1005.0);
+        assert!((mean_pressure - 10.0).abs() < 1e-12, "{mean_pressure} Pa");
+    }
+
+    #[test]
+    fn point_without_fluid_has_no_pressure() {
+        let set = ProbeSet { probes: vec![section()] };
+        let pressure = |samples: &[Option<Sample>]| match set.reduce(0.0, samples, &[0.0]).values[0] {
+            ProbeValues::Section { mean_pressure, .. } => mean_pressure,
+            ProbeValues::Fields(_) => panic!("a section gives integrals"),
+        };
+        let samples: Vec<_> = set.points().iter().map(|(p, _)| pressed(p).filter(|_| p.y < 0.5)).collect();
+        assert!((pressure(&samples) - 5.0).abs() < 1e-12);
+        assert!(pressure(&[None; 10]).is_nan());
+    }
+}

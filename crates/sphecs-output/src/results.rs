@@ -1,0 +1,168 @@
+//! Reading a run, packed or not: what pictures, export and `sphecs info` start from.
+
+use std::path::{Path, PathBuf};
+
+use super::error::OutputError;
+use super::folder::{SCENE, TABLES};
+use super::frame::Frame;
+use super::header::Header;
+use super::journal;
+use super::netcdf::particles::ParticleFile;
+use super::pack::{PACKED_JOURNAL, PARTICLES};
+use super::summary::Summary;
+
+/// The facts of a run, with the scene's text.
+///
+/// # Errors
+/// [`OutputError::NotARun`] when the folder is none, or [`OutputError`] with path and cause.
+pub fn read_header(folder: &Path) -> Result<Header, OutputError> {
+    let path = folder.join(SCENE);
+    let mut header = Summary::read(folder)?.run;
+    header.text = std::fs::read_to_string(&path).map_err(OutputError::io(&path, "read"))?;
+    let path = folder.join(TABLES);
+    if path.exists() {
+        let text = std::fs::read(&path).map_err(OutputError::io(&path, "read"))?;
+        header.tables = serde_json::from_slice(&text)
+            .map_err(|error| OutputError::Damaged { path, what: error.to_string() })?;
+    }
+    Ok(header)
+}
+
+/// A run opened for reading.
+#[derive(Debug)]
+pub struct Results {
+    /// Run folder.
+    pub folder: PathBuf,
+    /// How it stands or ended.
+    pub summary: Summary,
+    /// Facts of the run.
+    pub header: Header,
+    walls: Frame,
+    frames: Vec<(Source, f64)>,
+    packed: Option<ParticleFile>,
+}
+
+#[derive(Debug)]
+enum Source {
+    Packed(usize),
+    Journal(PathBuf),
+}
+
+impl Results {
+    /// Opens the run in a folder.
+    ///
+    /// # Errors
+    /// [`OutputError::NotARun`] when the folder is none, or [`OutputError`] with path and cause.
+    pub fn open(folder: &Path) -> Result<Self, OutputError> {
+        let mut results = Self {
+            folder: folder.to_path_buf(),
+            summary: Summary::read(folder)?,
+            header: read_header(folder)?,
+            walls: Frame::default(),
+            frames: Vec::new(),
+            packed: None,
+        };
+        // While a journal stands it has everything: `particles.nc` beside it is a copy that a kill left half way.
+        let journal = folder.join(journal::FOLDER);
+        if journal.exists() {
+            let walls = journal::walls_path(&journal);
+            if walls.exists() {
+                results.walls = ParticleFile::open(&walls)?.walls()?;
+            }
+            for path in journal::frame_paths(&journal)? {
+                let file = ParticleFile::open(&path)?;
+                let time = file.times.first().copied().unwrap_or(f64::NAN);
+                results.frames.push((Source::Journal(path), time));
+            }
+            return Ok(results);
+        }
+        let path = folder.join(PARTICLES);
+        if path.exists() {
+            let file = ParticleFile::open(&path)?;
+            results.walls = file.walls()?;
+            let times = file.times.iter().enumerate();
+            results.frames = times.map(|(index, &time)| (Source::Packed(index), time)).collect();
+            results.packed = Some(file);
+        }
+        Ok(results)
+    }
+
+    /// Number of frames.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether no frame was written.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Times of the frames, s.
+    pub fn times(&self) -> Vec<f64> {
+        self.frames.iter().map(|&(_, time)| time).collect()
+    }
+
+    /// Whether the frames are in `particles.nc`.
+    pub fn is_packed(&self) -> bool {
+        self.packed.is_some()
+    }
+
+    /// The frame nearest to a time, s.
+    ///
+    /// # Errors
+    /// [`OutputError::Request`] when there is no frame.
+    pub fn nearest(&self, time: f64) -> Result<usize, OutputError> {
+        let distance = |index: &usize| (self.frames[*index].1 - time).abs();
+        (0..self.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).ok_or_else(|| self.no_frames())
+    }
+
+    /// The error of a run without frames.
+    pub fn no_frames(&self) -> OutputError {
+        OutputError::Request(format!("`{}`: has no frames yet", self.folder.display()))
+    }
+
+    /// A frame, walls included: of a wall only position and part are known.
+    ///
+    /// # Errors
+    /// [`OutputError`] with path and cause.
+    pub fn frame(&self, index: usize) -> Result<Frame, OutputError> {
+        let Some((source, _)) = self.frames.get(index) else {
+            return Err(OutputError::Request(format!(
+                "`{}`: has no frame {index}, its frames are 0 to {}",
+                self.folder.display(),
+                self.len().saturating_sub(1)
+            )));
+        };
+        match (source, &self.packed) {
+            (Source::Packed(index), Some(file)) => file.frame(*index, &self.walls),
+            (Source::Journal(path), _) => match ParticleFile::open(path) {
+                // The run was packed meanwhile.
+                Err(_) if !path.exists() => Results::open(&self.folder)?.frame(index),
+                file => file?.frame(0, &self.walls),
+            },
+            (Source::Packed(_), None) => Err(self.no_frames()),
+        }
+    }
+
+    /// Bytes on the disk of all frames.
+    pub fn bytes(&self) -> u64 {
+        let size = |path: &Path| std::fs::metadata(path).map_or(0, |data| data.len());
+        let packed = self.folder.join(PARTICLES);
+        if self.is_packed() {
+            return size(&packed);
+        }
+        self.frames
+            .iter()
+            .map(|(source, _)| match source {
+                Source::Journal(path) => size(path),
+                Source::Packed(_) => 0,
+            })
+            .sum()
+    }
+}
+
+/// Whether a folder looks like a run of sphecs: only such folders are replaced.
+pub fn is_run(folder: &Path) -> bool {
+    let has = |name: &str| folder.join(name).exists();
+    has(SCENE) && (has(super::summary::FILE) || has(PARTICLES) || has(journal::FOLDER) || has(PACKED_JOURNAL))
+}

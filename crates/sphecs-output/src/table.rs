@@ -1,0 +1,239 @@
+//! Tables as CSV: a plain header of `name [unit]` that pandas reads, one flushed line per row.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
+
+use super::error::OutputError;
+
+/// A column: its name and its unit as UDUNITS writes it; text columns have none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    pub name: String,
+    pub unit: Option<String>,
+}
+
+impl Column {
+    pub fn new(name: impl Into<String>, unit: &str) -> Self {
+        Self { name: name.into(), unit: Some(unit.to_owned()) }
+    }
+
+    pub fn of_text(name: &str) -> Self {
+        Self { name: name.to_owned(), unit: None }
+    }
+
+    fn title(&self) -> String {
+        match &self.unit {
+            Some(unit) => format!("{} [{unit}]", self.name),
+            None => self.name.clone(),
+        }
+    }
+
+    fn from_title(title: &str) -> Self {
+        match title.split_once(" [") {
+            Some((name, unit)) => Self::new(name, unit.trim_end_matches(']')),
+            None => Self::of_text(title),
+        }
+    }
+}
+
+/// A number as text: the shortest that reads back as the same double, without long rows of zeros.
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || (1e-4..1e15).contains(&size) || !value.is_finite() {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
+}
+
+/// Appends rows to a CSV file.
+#[derive(Debug)]
+pub struct TableWriter {
+    path: PathBuf,
+    file: File,
+    length: u64,
+}
+
+impl TableWriter {
+    /// Starts a file with its header.
+    pub fn create(path: &Path, columns: &[Column]) -> Result<Self, OutputError> {
+        let file = File::create(path).map_err(OutputError::io(path, "write"))?;
+        let mut writer = Self { path: path.to_path_buf(), file, length: 0 };
+        writer.append([columns.iter().map(Column::title).collect::<Vec<_>>()])?;
+        Ok(writer)
+    }
+
+    /// Goes on behind the first `length` bytes of a file; what stands there beyond is cut off.
+    pub fn go_on(path: &Path, length: u64) -> Result<Self, OutputError> {
+        let refused = || OutputError::io(path, "cut back");
+        let mut file = File::options().write(true).open(path).map_err(refused())?;
+        file.set_len(length).map_err(refused())?;
+        file.seek(SeekFrom::Start(length)).map_err(refused())?;
+        Ok(Self { path: path.to_path_buf(), file, length })
+    }
+
+    /// Bytes written so far.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// The file once more, for a thread that makes it durable.
+    pub fn handle(&self) -> Result<File, OutputError> {
+        self.file.try_clone().map_err(OutputError::io(&self.path, "open"))
+    }
+
+    /// Appends rows in one write, so that a kill leaves at most one unfinished line at the end.
+    pub fn append(&mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
+        let lines: String = rows.into_iter().map(|row| line(&row) + "\n").collect();
+        self.append_lines(&lines)
+    }
+
+    /// Appends whole lines in one write.
+    pub fn append_lines(&mut self, lines: &str) -> Result<(), OutputError> {
+        let written = self.file.write_all(lines.as_bytes());
+        written.map_err(OutputError::io(&self.path, "write"))?;
+        self.length += lines.len() as u64;
+        Ok(())
+    }
+}
+
+/// The cells of a row as CSV, without an end of line.
+pub fn line(cells: &[String]) -> String {
+    let quoted = cells.iter().map(|cell| {
+        if cell.contains([',', '"', '\n', '\r']) {
+            format!("\"{}\"", cell.replace('"', "\"\""))
+        } else {
+            cell.clone()
+        }
+    });
+    quoted.collect::<Vec<String>>().join(",")
+}
+
+/// A CSV file in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    pub columns: Vec<Column>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Reads a file; a last line that was cut off by a kill is left out.
+    pub fn read(path: &Path) -> Result<Self, OutputError> {
+        let mut rows = Vec::new();
+        let columns = for_each_row(path, |row| rows.push(row.iter().map(str::to_owned).collect()))?;
+        Ok(Self { columns, rows })
+    }
+
+    /// The numbers of a column; NaN where a cell is empty or text.
+    pub fn numbers(&self, column: usize) -> Vec<f64> {
+        self.rows.iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
+    }
+}
+
+/// Hands over the rows of a file one by one, which may be more than fit into memory; its columns. A last line that was
+/// cut off by a kill is left out.
+pub fn for_each_row(path: &Path, mut take: impl FnMut(&StringRecord)) -> Result<Vec<Column>, OutputError> {
+    let open = || {
+        let mut file = File::open(path)?;
+        let length = whole_lines(&mut file)?;
+        file.rewind()?;
+        Ok(file.take(length))
+    };
+    let damaged =
+        |error: csv::Error| OutputError::Damaged { path: path.to_path_buf(), what: error.to_string() };
+    let mut reader = csv::Reader::from_reader(open().map_err(OutputError::io(path, "read"))?);
+    let columns = reader.headers().map_err(damaged)?.iter().map(Column::from_title).collect();
+    let mut row = StringRecord::new();
+    while reader.read_record(&mut row).map_err(damaged)? {
+        take(&row);
+    }
+    Ok(columns)
+}
+
+/// Bytes up to the end of the last whole line.
+fn whole_lines(file: &mut File) -> std::io::Result<u64> {
+    const BLOCK: u64 = 4096;
+    let mut end = file.seek(SeekFrom::End(0))?;
+    while end > 0 {
+        let start = end.saturating_sub(BLOCK);
+        file.seek(SeekFrom::Start(start))?;
+        let mut block = vec![0; (end - start) as usize];
+        file.read_exact(&mut block)?;
+        if let Some(last) = block.iter().rposition(|&byte| byte == b'\n') {
+            return Ok(start + last as u64 + 1);
+        }
+        end = start;
+    }
+    Ok(0)
+}
+
+/// Names of patches and probes as parts of variable names: letters, digits and `_`, no two alike.
+pub fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    let mut safe: Vec<String> = Vec::new();
+    for name in names {
+        let mut plain: String =
+            name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        // NetCDF names start with a letter.
+        if !plain.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            plain.insert_str(0, "at_");
+        }
+        while safe.contains(&plain) {
+            plain.push_str("_2");
+        }
+        safe.push(plain);
+    }
+    safe
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_exactly() {
+        for value in [0.0, -0.1, 1.0 / 3.0, 6.02e23, -2.5e-17, 123456.789, f64::MIN_POSITIVE] {
+            assert_eq!(number(value).parse::<f64>().expect("a number"), value);
+        }
+        assert_eq!(number(1e-9), "1e-9");
+        assert!(number(f64::NAN).parse::<f64>().expect("a number").is_nan());
+    }
+
+    #[test]
+    fn cut_off_line_is_left_out() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("table.csv");
+        let columns = vec![Column::new("time", "s"), Column::of_text("probe, or so")];
+        let mut writer = TableWriter::create(&path, &columns).expect("created");
+        writer.append([vec!["0.5".to_owned(), "a \"b\"".to_owned()]]).expect("written");
+        writer.file.write_all(b"0.75,cut o").expect("written");
+        let table = Table::read(&path).expect("read");
+        assert_eq!(table.columns, columns);
+        assert_eq!(table.rows, [["0.5", "a \"b\""]]);
+        assert_eq!(table.numbers(0), [0.5]);
+    }
+
+    #[test]
+    fn rows_beyond_a_length_are_cut_off_and_new_ones_follow() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("table.csv");
+        let mut writer = TableWriter::create(&path, &[Column::new("time", "s")]).expect("created");
+        writer.append([vec!["0.5".to_owned()]]).expect("written");
+        let length = writer.length();
+        writer.append([vec!["0.75".to_owned()], vec!["1".to_owned()]]).expect("written");
+        let mut writer = TableWriter::go_on(&path, length).expect("opened");
+        writer.append([vec!["0.625".to_owned()]]).expect("written");
+        assert_eq!(Table::read(&path).expect("read").numbers(0), [0.5, 0.625]);
+        assert_eq!(writer.length(), std::fs::metadata(&path).expect("its size").len());
+    }
+
+    #[test]
+    fn names_become_safe_and_differ() {
+        assert_eq!(
+            safe_names(["inlet", "left side", "left-side", "2"]),
+            ["inlet", "left_side", "left_side_2", "at_2"]
+        );
+    }
+}

@@ -1,0 +1,184 @@
+//! `sphecs export --vtu`: particles as VTK unstructured grids with a `.pvd` series, for ParaView.
+//!
+//! Each frame becomes a file of points without those that are nowhere (reservoir, absent slots); the walls stand once in
+//! `walls.vtu`. Arrays are inline base64: larger by a third than appended raw bytes, but well-formed XML that every
+//! reader takes. The positions are f64, as in `particles.nc`.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderWriter;
+
+use super::disk;
+use super::error::OutputError;
+use super::frame::{ABSENT, Frame};
+use super::results::Results;
+use sphecs_core::particles::zone::Zone;
+
+/// Writes all frames into a folder; the path of the series, to be opened in ParaView. Calls `done` with the number of
+/// frames written and of all.
+///
+/// # Errors
+/// [`OutputError`] when the run has no frames, or a file does not read or write.
+pub fn export_vtu(
+    results: &Results,
+    folder: &Path,
+    mut done: impl FnMut(usize, usize),
+) -> Result<PathBuf, OutputError> {
+    if results.is_empty() {
+        return Err(results.no_frames());
+    }
+    fs::create_dir_all(folder).map_err(OutputError::io(folder, "make the folder"))?;
+    let mut series = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
+    );
+    for index in 0..results.len() {
+        let frame = results.frame(index)?;
+        if index == 0 {
+            let walls: Vec<usize> = frame.slots_of(Zone::Wall).collect();
+            write_grid(&folder.join("walls.vtu"), &frame, &walls, false)?;
+        }
+        let name = format!("particles-{index:05}.vtu");
+        let present: Vec<usize> = (0..frame.len())
+            .filter(|&slot| ![Zone::Wall as u8, Zone::Reservoir as u8, ABSENT].contains(&frame.zone[slot]))
+            .collect();
+        write_grid(&folder.join(&name), &frame, &present, true)?;
+        series += &format!("<DataSet timestep=\"{}\" part=\"0\" file=\"{name}\"/>\n", frame.time);
+        done(index + 1, results.len());
+    }
+    series += "</Collection>\n</VTKFile>\n";
+    let path = folder.join("particles.pvd");
+    disk::write_whole(&path, series.as_bytes())?;
+    Ok(path)
+}
+
+fn write_grid(path: &Path, frame: &Frame, slots: &[usize], moving: bool) -> Result<(), OutputError> {
+    let written = File::create(disk::fresh_partial(path)).and_then(|file| {
+        let mut out = BufWriter::new(file);
+        grid(&mut out, frame, slots, moving)?;
+        out.flush()
+    });
+    match written {
+        Ok(()) => disk::commit(path),
+        Err(cause) => {
+            disk::discard(path);
+            Err(OutputError::io(path, "write")(cause))
+        }
+    }
+}
+
+fn grid(out: &mut impl Write, frame: &Frame, slots: &[usize], moving: bool) -> std::io::Result<()> {
+    let count = slots.len();
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    writeln!(
+        out,
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
+    )?;
+    writeln!(out, "<UnstructuredGrid>")?;
+    if moving {
+        writeln!(
+            out,
+            "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray></FieldData>",
+            frame.time
+        )?;
+    }
+    writeln!(out, "<Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{count}\">")?;
+    writeln!(out, "<PointData>")?;
+    if moving {
+        let velocity: Vec<f32> =
+            slots.iter().flat_map(|&slot| [0, 1, 2].map(|axis| frame.velocity[axis][slot])).collect();
+        array(out, "velocity", 3, &velocity)?;
+        array(out, "density", 1, &pick(&frame.density, slots))?;
+        array(out, "pressure", 1, &pick(&frame.pressure, slots))?;
+        array(out, "tag", 1, &pick(&frame.tag, slots))?;
+        array(out, "passage", 1, &pick(&frame.passage, slots))?;
+    } else {
+        array(out, "wall_part", 1, &pick(&frame.patch, slots))?;
+    }
+    array(out, "zone", 1, &pick(&frame.zone, slots))?;
+    let ids: Vec<u32> = slots.iter().map(|&slot| slot as u32).collect();
+    array(out, "particle_id", 1, &ids)?;
+    writeln!(out, "</PointData>\n<Points>")?;
+    let places: Vec<f64> =
+        slots.iter().flat_map(|&slot| [0, 1, 2].map(|axis| frame.position[axis][slot])).collect();
+    array(out, "Points", 3, &places)?;
+    writeln!(out, "</Points>\n<Cells>")?;
+    // A vertex cell per point: filters of ParaView work on cells.
+    let numbers = |first: i64| (first..first + count as i64).collect::<Vec<i64>>();
+    array(out, "connectivity", 1, &numbers(0))?;
+    array(out, "offsets", 1, &numbers(1))?;
+    array(out, "types", 1, &vec![1_u8; count])?;
+    writeln!(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")
+}
+
+fn pick<T: Copy>(column: &[T], slots: &[usize]) -> Vec<T> {
+    slots.iter().map(|&slot| column[slot]).collect()
+}
+
+/// A number as VTK names and stores it.
+trait VtkNumber: Copy {
+    const NAME: &'static str;
+    fn put(self, out: &mut impl Write) -> std::io::Result<()>;
+}
+
+macro_rules! vtk_number {
+    ($($number:ty => $name:literal),*) => {
+        $(impl VtkNumber for $number {
+            const NAME: &'static str = $name;
+            fn put(self, out: &mut impl Write) -> std::io::Result<()> {
+                out.write_all(&self.to_le_bytes())
+            }
+        })*
+    };
+}
+
+vtk_number!(u8 => "UInt8", u16 => "UInt16", u32 => "UInt32", i64 => "Int64", f32 => "Float32", f64 => "Float64");
+
+/// One array: its length in bytes as UInt64, then its bytes, as one base64 text.
+fn array<T: VtkNumber>(
+    out: &mut impl Write,
+    name: &str,
+    components: usize,
+    values: &[T],
+) -> std::io::Result<()> {
+    write!(
+        out,
+        "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">",
+        T::NAME
+    )?;
+    let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
+    encoder.write_all(&(size_of_val(values) as u64).to_le_bytes())?;
+    for &value in values {
+        value.put(&mut encoder)?;
+    }
+    encoder.finish()?;
+    drop(encoder);
+    writeln!(out, "</DataArray>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn array_is_its_length_and_its_bytes() {
+        let mut text = Vec::new();
+        array(&mut text, "zone", 1, &[1_u8, 2, 255]).expect("written");
+        // 3 as eight bytes, then 01 02 ff.
+        let wanted = "<DataArray type=\"UInt8\" Name=\"zone\" NumberOfComponents=\"1\" format=\"binary\">AwAAAAAAAAABAv8=</DataArray>\n";
+        assert_eq!(String::from_utf8(text).expect("text"), wanted);
+    }
+
+    #[test]
+    fn grid_has_only_the_particles_asked_for() {
+        let mut frame = Frame::absent(4);
+        frame.zone[..3].copy_from_slice(&[0, 1, 4]);
+        let mut text = Vec::new();
+        grid(&mut text, &frame, &[0], true).expect("written");
+        let text = String::from_utf8(text).expect("text");
+        assert!(text.contains("NumberOfPoints=\"1\" NumberOfCells=\"1\""));
+        assert_eq!(text.matches("<DataArray").count(), text.matches("</DataArray>").count());
+    }
+}

@@ -1,0 +1,112 @@
+//! Bodies of the file → parts of the wall with their references.
+
+use super::checker::Checker;
+use crate::faults::{Fault, advice};
+use crate::fill::Place;
+use crate::geometry::Shape;
+use crate::model::{Body, BodyReference, Scene, Walls};
+use crate::schema::{BodyFile, SceneFile};
+use crate::walls::surface;
+use sphecs_core::particles::zone::Zone;
+
+/// All bodies that are sound; `end` is that of the run, s.
+pub fn bodies(
+    file: &SceneFile,
+    (walls, regions, domain): (&Walls, &[Shape], &Shape),
+    end: f64,
+    check: &mut Checker<'_>,
+) -> Vec<Body> {
+    let mut bodies: Vec<Body> = Vec::new();
+    for file in &file.bodies {
+        let name = &file.part;
+        let Some(part) = walls.parts.iter().position(|part| part.name == name.value) else {
+            let names = walls.parts.iter().map(|part| part.name.as_str());
+            check.report(
+                Fault::new(
+                    format!("the walls have no part `{}`", name.value),
+                    name.span,
+                    "must be the name of a part of the walls",
+                )
+                .help(advice(&name.value, names)),
+            );
+            continue;
+        };
+        if bodies.iter().any(|body| body.name == name.value) {
+            let label = "every part must be named once";
+            check.report(Fault::new(format!("`{}` is a body twice", name.value), name.span, label));
+        }
+        let (low, high) = part.checked_sub(1).and_then(|index| regions.get(index)).unwrap_or(domain).bounds();
+        let middle = 0.5 * (low + high);
+        let about = file.about.as_ref().map_or(middle, |about| check.vector(about, "m"));
+        bodies.push(Body {
+            name: name.value.clone(),
+            part: part as u16,
+            about,
+            reference: reference(file, check),
+            mean: mean(file, end, check),
+            five_point_mean: file.five_point_mean,
+        });
+    }
+    bodies
+}
+
+/// Velocity and area come together, and bring the length with them.
+fn reference(file: &BodyFile, check: &mut Checker<'_>) -> Option<BodyReference> {
+    let positive = |number: &_, unit, check: &mut Checker<'_>| check.positive(number, unit);
+    let velocity = file.velocity.as_ref().map(|number| positive(number, "m/s", check));
+    let area = file
+        .area
+        .as_ref()
+        .map(|number| positive(number, if check.dimensions == 2 { "m" } else { "m²" }, check));
+    let length = file.length.as_ref().map(|number| positive(number, "m", check));
+    let is_flat = check.dimensions == 2;
+    let mut missing = |field: &str, what: &str| {
+        check.report(
+            Fault::new(
+                format!("`{field}` of the body `{}` is missing", file.part.value),
+                file.part.span,
+                format!("must have `velocity` and `area` for its coefficients, lacks `{field}`"),
+            )
+            .help(format!("give `{field}`: {what}; or neither, then forces are written and no coefficients")),
+        );
+        None
+    };
+    match (velocity, area) {
+        (None, None) if length.is_none() => None,
+        (None, _) => missing("velocity", "that of the undisturbed flow, m/s"),
+        (_, None) => missing("area", "the body's face, m², in 2D its width across the flow, m"),
+        (Some(velocity), Some(area)) => match length.or(is_flat.then_some(area)) {
+            Some(length) => Some(BodyReference { velocity, area, length }),
+            None => missing("length", "that of the Strouhal number, m, which no area gives in 3D"),
+        },
+    }
+}
+
+/// The interval of the means, the second half of the run if none is given.
+fn mean(file: &BodyFile, end: f64, check: &mut Checker<'_>) -> (f64, f64) {
+    let Some(mean) = &file.mean else { return (0.5 * end, end) };
+    let (from, to) = &mean.value;
+    let interval = (check.not_negative(from, "s"), check.positive(to, "s"));
+    if interval.0 >= interval.1 || interval.1 > end * (1.0 + 1e-9) {
+        let label = format!("must rise and end by the end of the run, `{end}` s");
+        check.report(Fault::new("the interval of a time mean is wrong", mean.span, label));
+    }
+    interval
+}
+
+/// Every body must have particles to feel the fluid with.
+pub fn have_particles(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
+    for (body, written) in scene.bodies.iter().zip(&file.bodies) {
+        let walls = places.iter().filter(|place| place.zone == Zone::Wall);
+        if !walls.map(|place| surface(scene, place.position).part).any(|part| part == body.part) {
+            faults.push(
+                Fault::new(
+                    format!("the body `{}` has no particles", body.name),
+                    written.part.span,
+                    "must be a part of the walls that has particles",
+                )
+                .help("the region of a part must hold the surface of the wall; where two hold it, the first has it"),
+            );
+        }
+    }
+}

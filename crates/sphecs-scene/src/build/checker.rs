@@ -1,0 +1,204 @@
+//! Checks of single numbers, vectors and expressions.
+
+use glam::DVec3;
+
+use crate::expression::{Constants, Expression};
+use crate::faults::Fault;
+use crate::notation::tree::Span;
+use crate::notation::typed::Spanned;
+use crate::schema::{Formula, FormulaText, Number, Vector};
+
+/// Collects faults; what it returns for a faulty value is harmless.
+pub struct Checker<'a> {
+    constants: &'a Constants,
+    text: &'a str,
+    /// 2 or 3.
+    pub dimensions: usize,
+    /// What was found.
+    pub faults: Vec<Fault>,
+    /// Tables that are there already, and those read from files: the path as written, and the text.
+    pub tables: Vec<(String, String)>,
+    /// How many values were met that stand in for faulty ones.
+    placeholders: usize,
+}
+
+impl<'a> Checker<'a> {
+    /// No fault yet.
+    pub fn new(constants: &'a Constants, text: &'a str) -> Self {
+        Self { constants, text, dimensions: 2, faults: Vec::new(), tables: Vec::new(), placeholders: 0 }
+    }
+
+    /// Faults and placeholders so far: unchanged over a piece of the file, that piece is sound.
+    pub fn blemishes(&self) -> usize {
+        self.faults.len() + self.placeholders
+    }
+
+    /// Notes a fault, unless it is the consequence of an earlier one.
+    pub fn report(&mut self, fault: Fault) {
+        if fault.span.is_some_and(Span::is_placeholder) {
+            self.placeholders += 1;
+        } else {
+            self.faults.push(fault);
+        }
+    }
+
+    /// Counts a value that stands in for a faulty one.
+    pub fn meet(&mut self, span: Span) {
+        self.placeholders += usize::from(span.is_placeholder());
+    }
+
+    fn within(&mut self, number: &Number, unit: &str, holds: bool, rule: &str) -> f64 {
+        self.meet(number.span);
+        if holds {
+            return number.value;
+        }
+        let name = self.name_before(number.span);
+        self.report(Fault::new(
+            format!("{name} {rule}"),
+            number.span,
+            format!("is `{}` {unit}, {rule}", number.value),
+        ));
+        1.0
+    }
+
+    /// The field that a value stands in, read from the text before it: `spacing`.
+    fn name_before(&self, span: Span) -> String {
+        let before = self.text.get(..span.start).unwrap_or("").trim_end();
+        let name = before
+            .strip_suffix(':')
+            .map(|before| before.trim_end().rsplit(|c: char| !(c.is_alphanumeric() || c == '_')))
+            .and_then(|mut words| words.next())
+            .filter(|name| !name.is_empty());
+        name.map_or("the number".to_owned(), |name| format!("`{name}`"))
+    }
+
+    /// A finite number above zero.
+    pub fn positive(&mut self, number: &Number, unit: &str) -> f64 {
+        let holds = number.value.is_finite() && number.value > 0.0;
+        self.within(number, unit, holds, "must be finite and greater than 0")
+    }
+
+    /// A finite number from zero.
+    pub fn not_negative(&mut self, number: &Number, unit: &str) -> f64 {
+        let holds = number.value.is_finite() && number.value >= 0.0;
+        self.within(number, unit, holds, "must be finite and not negative")
+    }
+
+    /// A finite number.
+    pub fn finite(&mut self, number: &Number, unit: &str) -> f64 {
+        let holds = number.value.is_finite();
+        self.within(number, unit, holds, "must be finite")
+    }
+
+    /// A number above zero and up to `most`.
+    pub fn fraction(&mut self, number: &Number, most: f64) -> f64 {
+        let holds = number.value > 0.0 && number.value <= most;
+        let rule = format!("must be greater than 0 and at most `{most}`");
+        self.within(number, "", holds, &rule)
+    }
+
+    /// A finite vector with as many components as the scene has dimensions; z = 0 in 2D.
+    pub fn vector(&mut self, vector: &Vector, unit: &str) -> DVec3 {
+        self.components_of(vector, self.dimensions, unit)
+    }
+
+    /// A finite vector of `count` components.
+    pub fn components_of(&mut self, vector: &Vector, count: usize, unit: &str) -> DVec3 {
+        let mut result = DVec3::ZERO;
+        if !self.counted(vector, count) {
+            return DVec3::X;
+        }
+        for (axis, number) in vector.value.iter().enumerate() {
+            result[axis] = self.finite(number, unit);
+        }
+        result
+    }
+
+    fn counted<T>(&mut self, list: &Spanned<Vec<T>>, count: usize) -> bool {
+        self.meet(list.span);
+        if list.is_placeholder() || list.value.len() == count {
+            return !list.is_placeholder();
+        }
+        let name = self.name_before(list.span);
+        self.report(
+            Fault::new(
+                format!("{name} has the wrong number of components"),
+                list.span,
+                format!("has {}, must have {count}", list.value.len()),
+            )
+            .help(format!("the scene has `dimensions: {}`", self.dimensions)),
+        );
+        false
+    }
+
+    /// A unit vector.
+    pub fn direction(&mut self, vector: &Vector) -> DVec3 {
+        let direction = self.vector(vector, "").normalize_or_zero();
+        if direction == DVec3::ZERO && !vector.is_placeholder() {
+            let name = self.name_before(vector.span);
+            self.report(Fault::new(format!("{name} has no direction"), vector.span, "must not be zero"));
+        }
+        // Directions along an axis are meant exactly.
+        let snapped = direction.map(|c| if c.abs() < 1e-12 { 0.0 } else { c });
+        snapped.try_normalize().unwrap_or(DVec3::X)
+    }
+
+    /// A field of x, y, z, t.
+    pub fn formula(&mut self, formula: &Formula) -> Expression {
+        match &formula.value {
+            FormulaText::Number(value) => {
+                if !value.is_finite() {
+                    self.report(Fault::new(
+                        "a number is not finite",
+                        formula.span,
+                        format!("is `{value}`, must be finite"),
+                    ));
+                }
+                Expression::Constant(*value)
+            }
+            FormulaText::Text(text) => match self.constants.field(text) {
+                Ok(Expression::Constant(value)) if !value.is_finite() => {
+                    self.report(Fault::new(
+                        "an expression is not finite",
+                        formula.span,
+                        format!("gives `{value}`, must be finite"),
+                    ));
+                    Expression::Constant(0.0)
+                }
+                Ok(expression) => expression,
+                Err(fault) => {
+                    let inner = formula.span.start.saturating_add(1);
+                    let plain = inner
+                        .checked_add(text.len())
+                        .and_then(|end| self.text.get(inner..end))
+                        .is_some_and(|found| found == text);
+                    self.report(fault.into_fault(formula.span, plain.then_some(inner)));
+                    Expression::Constant(0.0)
+                }
+            },
+        }
+    }
+
+    /// A field, 0 if not given.
+    pub fn formula_or_zero(&mut self, formula: Option<&Formula>) -> Expression {
+        formula.map_or(Expression::Constant(0.0), |formula| self.formula(formula))
+    }
+
+    /// A vector field with as many components as the scene has dimensions; z = 0 in 2D.
+    pub fn components(&mut self, components: &Spanned<Vec<Formula>>) -> [Expression; 3] {
+        let mut result = std::array::from_fn(|_| Expression::Constant(0.0));
+        self.counted(components, self.dimensions);
+        for (slot, formula) in result.iter_mut().zip(&components.value) {
+            *slot = self.formula(formula);
+        }
+        result
+    }
+
+    /// A vector field, 0 if not given.
+    pub fn components_or_zero(&mut self, components: Option<&Spanned<Vec<Formula>>>) -> [Expression; 3] {
+        match components {
+            Some(components) => self.components(components),
+            None => std::array::from_fn(|_| Expression::Constant(0.0)),
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Periodic directions and the fill.
+
+use super::checker::Checker;
+use super::patches::Site;
+use crate::faults::{Fault, advice};
+use crate::geometry::Shape;
+use crate::lattice::Lattice;
+use crate::model::{Fill, Patch};
+use crate::notation::typed::Spanned;
+use crate::schema::{FillFile, Text};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A period must be a whole number of spacings to this relative accuracy.
+const WHOLE: f64 = 1e-6;
+
+/// Largest jitter in spacings: two neighbours stay more than half a spacing apart.
+const MOST_JITTER: f64 = 0.2;
+
+/// Bounds of the periodic directions.
+pub fn periodic(
+    names: &[Text],
+    (domain, spacing): (&Shape, f64),
+    sound: bool,
+    check: &mut Checker<'_>,
+) -> [Option<(f64, f64)>; 3] {
+    let mut periodic = [None; 3];
+    let (low, high) = domain.bounds();
+    for name in names {
+        let axes = &AXES[..check.dimensions];
+        let Some(axis) = axes.iter().position(|axis| *axis == name.value) else {
+            check.report(
+                Fault::new(
+                    format!("`{}` is not an axis of the scene", name.value),
+                    name.span,
+                    "must be the name of an axis in quotes",
+                )
+                .help(advice(&name.value, axes.iter().copied())),
+            );
+            continue;
+        };
+        if periodic[axis].is_some() {
+            let label = "must be named once";
+            check.report(Fault::new("a periodic axis is named twice", name.span, label));
+        }
+        periodic[axis] = Some((low[axis], high[axis]));
+        if !sound {
+            continue;
+        }
+        let period = high[axis] - low[axis];
+        let cells = period / spacing;
+        if (cells - cells.round()).abs() > WHOLE * cells.max(1.0) || cells < 1.0 {
+            let whole = cells.round().max(1.0);
+            check.report(
+                Fault::new(
+                    format!("the period along {} is no whole number of spacings", name.value),
+                    name.span,
+                    format!("is `{period}` m, that is {cells:.3} spacings"),
+                )
+                .help(format!("`spacing: {:e}` fits {whole} times", period / whole)),
+            );
+        }
+        if let Some(at) = mismatch(domain, axis, spacing, check.dimensions) {
+            check.report(Fault::new(
+                format!("the domain's two faces across {} do not match", name.value),
+                name.span,
+                format!("at ({}, {}, {}) m one side is open and the other is not", at.x, at.y, at.z),
+            ));
+        }
+    }
+    periodic
+}
+
+/// A place where the domain's faces across a periodic axis differ, sampled a hair inside both.
+fn mismatch(domain: &Shape, axis: usize, spacing: f64, dimensions: usize) -> Option<glam::DVec3> {
+    let (low, high) = domain.bounds();
+    let hair = 1e-3 * spacing;
+    let others: Vec<usize> = (0..dimensions).filter(|other| *other != axis).collect();
+    let count = if others.len() == 1 { 1000_usize } else { 50 };
+    for index in 0..count.pow(others.len() as u32) {
+        let mut point = glam::DVec3::ZERO;
+        for (place, &other) in others.iter().enumerate() {
+            let along = (index / count.pow(place as u32) % count) as f64 + 0.5;
+            point[other] = low[other] + along * (high[other] - low[other]) / count as f64;
+        }
+        let (mut first, mut last) = (point, point);
+        first[axis] = low[axis] + hair;
+        last[axis] = high[axis] - hair;
+        let (a, b) = (domain.signed_distance(first), domain.signed_distance(last));
+        // Near an edge of the face the hair itself makes a difference.
+        if (a <= 0.0) != (b <= 0.0) && a.abs().max(b.abs()) > 2.0 * hair {
+            return Some(first);
+        }
+    }
+    None
+}
+
+/// The arrangement of particles; None with a fault.
+pub fn fill(
+    file: Option<&Spanned<FillFile>>,
+    site: &Site<'_>,
+    patches: &[&Patch],
+    check: &mut Checker<'_>,
+) -> Option<Fill> {
+    let lattice =
+        |anchor| Lattice::fitted(site.domain, patches, site.periodic, site.spacing, anchor, site.dimensions);
+    let Some(file) = file else {
+        return Some(Fill::Lattice(lattice(None)));
+    };
+    match &file.value {
+        FillFile::Lattice { anchor, jitter } => {
+            let before = check.blemishes();
+            let anchor = anchor.as_ref().map(|anchor| check.vector(anchor, "m"));
+            let jitter = jitter.as_ref().map_or(0.0, |jitter| {
+                if !(0.0..=MOST_JITTER).contains(&jitter.value) {
+                    let label = format!("is `{}` spacings, must be from 0 to {MOST_JITTER}", jitter.value);
+                    check.report(Fault::new(
+                        "the jitter of the lattice is out of bounds",
+                        jitter.span,
+                        label,
+                    ));
+                }
+                jitter.value
+            });
+            (check.blemishes() == before).then(|| Fill::Lattice(Lattice { jitter, ..lattice(anchor) }))
+        }
+        FillFile::WallFitted { lower, upper } => {
+            let (low, high) = (check.formula(lower), check.formula(upper));
+            if site.dimensions != 2 || site.periodic.iter().any(Option::is_some) {
+                check.report(
+                    Fault::new(
+                        "`WallFitted` is for open channels in 2D",
+                        file.head,
+                        "must be `Lattice()` in 3D and with periodic directions",
+                    )
+                    .help("leave `fill` out"),
+                );
+                return None;
+            }
+            let (from, to) = site.domain.bounds();
+            let samples = 200;
+            let mut mean = 0.0;
+            for index in 0..=samples {
+                let x = from.x + (to.x - from.x) * f64::from(index) / f64::from(samples);
+                let width = high.value(x, 0.0, 0.0, 0.0) - low.value(x, 0.0, 0.0, 0.0);
+                if width.is_nan() || width < site.spacing {
+                    check.report(Fault::new(
+                        "the channel of `WallFitted` is narrower than a spacing",
+                        file.head,
+                        format!("at x = `{x}` m it is `{width}` m wide"),
+                    ));
+                    return None;
+                }
+                mean += width / f64::from(samples + 1);
+            }
+            Some(Fill::WallFitted {
+                lower: low,
+                upper: high,
+                rows: (mean / site.spacing).round().max(1.0) as usize,
+            })
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The plane of an inlet or outlet: is it on the domain's surface, and free outside.
+
+use glam::DVec3;
+
+use super::checker::Checker;
+use super::section::{across, exit, measure};
+use crate::faults::Fault;
+use crate::geometry::Shape;
+use crate::model::Patch;
+use crate::schema::{Number, Text, Vector};
+
+/// Longer zones than any flow needs; it bounds the particles in them.
+const MOST_LAYERS: f64 = 1e4;
+
+/// What patches are cut into.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<'a> {
+    /// The domain.
+    pub domain: &'a Shape,
+    /// Periodic directions.
+    pub periodic: &'a [Option<(f64, f64)>; 3],
+    /// Particle spacing Δ, m.
+    pub spacing: f64,
+    /// Radius of the kernel's support, m.
+    pub support: f64,
+    /// 2 or 3.
+    pub dimensions: usize,
+    /// Whether domain, spacing and kernel are sound; otherwise nothing is measured.
+    pub sound: bool,
+}
+
+/// What the file says of a patch.
+pub struct PatchFile<'a> {
+    /// Name, or None.
+    pub name: Option<&'a Text>,
+    /// Name if none is given.
+    pub default_name: String,
+    /// A point of the plane.
+    pub at: &'a Vector,
+    /// Direction of the flow.
+    pub towards: &'a Vector,
+    /// Length of the zone.
+    pub depth: Option<&'a Number>,
+    /// Layers of the zone if no length is given.
+    pub layers: f64,
+    /// Whether the flow comes in.
+    pub is_inlet: bool,
+}
+
+/// A checked patch with its section measured; None with a fault.
+pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> Option<Patch> {
+    let before = check.blemishes();
+    let at = check.vector(file.at, "m");
+    let towards = check.direction(file.towards);
+    let depth = depth(file, site, check);
+    if check.blemishes() > before || !site.sound {
+        return None;
+    }
+    let inwards = if file.is_inlet { towards } else { -towards };
+    on_surface(file, at, inwards, site, check)?;
+    let across = across(towards, site.dimensions);
+    let mut patch = Patch {
+        name: file.name.map_or_else(|| file.default_name.clone(), |name| name.value.clone()),
+        at,
+        towards,
+        across,
+        half_extent: [0.0; 2],
+        depth,
+        area: 0.0,
+    };
+    measure(&mut patch, inwards, site);
+    outside_is_free(&patch, file, inwards, site, check)?;
+    Some(patch)
+}
+
+/// Whole layers, at least the support.
+fn depth(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> f64 {
+    let layers = |depth: f64| (depth / site.spacing - 1e-6).ceil() * site.spacing;
+    let Some(number) = file.depth else {
+        return layers((file.layers * site.spacing).max(site.support));
+    };
+    let depth = check.positive(number, "m");
+    if depth > MOST_LAYERS * site.spacing && site.sound {
+        check.report(Fault::new(
+            "a zone is too long",
+            number.span,
+            format!("is `{depth}` m, must be at most {MOST_LAYERS} spacings"),
+        ));
+        return 1.0;
+    }
+    if depth < site.support * (1.0 - 1e-9) && site.sound {
+        let kind = if file.is_inlet { "inlet" } else { "outlet" };
+        let label = format!("is `{depth}` m, must be at least `{:.4e}` m (the support)", site.support);
+        check.report(
+            Fault::new(
+                format!("the zone of the {kind} is shorter than the kernel's support"),
+                number.span,
+                label,
+            )
+            .help("raise `depth` or lower `spacing`"),
+        );
+    }
+    layers(depth)
+}
+
+/// The domain begins behind the plane and ends before it.
+fn on_surface(
+    file: &PatchFile<'_>,
+    at: DVec3,
+    inwards: DVec3,
+    site: &Site<'_>,
+    check: &mut Checker<'_>,
+) -> Option<()> {
+    let kind = if file.is_inlet { "inlet" } else { "outlet" };
+    let hair = 1e-3 * site.spacing;
+    let inner = site.domain.signed_distance(at + hair * inwards);
+    let outer = site.domain.signed_distance(at - hair * inwards);
+    if inner < 0.0 && outer > 0.0 {
+        return Some(());
+    }
+    let fault = if inner > 0.0 && outer < 0.0 {
+        let (is, must) = if file.is_inlet { ("out of", "into") } else { ("into", "out of") };
+        Fault::new(
+            format!("the {kind} faces the wrong way"),
+            file.towards.span,
+            format!("points {is} the domain, must point {must} it: the direction of the flow"),
+        )
+        .help("turn the sign of `towards`")
+    } else if inner < 0.0 {
+        let exit = exit(site.domain, at, -inwards, site.spacing);
+        let near = exit.map_or("along the flow there is none".to_owned(), |distance| {
+            format!("along the flow it is at {}", printed(at - distance * inwards, site.dimensions))
+        });
+        Fault::new(
+            format!("the {kind} is inside the domain"),
+            file.at.span,
+            format!("must be on the domain's surface; {near}"),
+        )
+    } else {
+        let near = site.domain.nearest_surface(at, 1e-3 * site.spacing, site.dimensions);
+        Fault::new(
+            format!("the {kind} is not on the domain's surface"),
+            file.at.span,
+            format!(
+                "nothing of the domain is behind this point, it begins at {}",
+                printed(near, site.dimensions)
+            ),
+        )
+        .help("`at` must be a point of the opening, `towards` must be perpendicular to it")
+    };
+    check.report(fault);
+    None
+}
+
+fn printed(point: DVec3, dimensions: usize) -> String {
+    // Six decimals and no `-0`.
+    let point = (point * 1e6).round() / 1e6 + DVec3::ZERO;
+    let digits = |x: f64| format!("{:.6}", x + 0.0).trim_end_matches('0').trim_end_matches('.').to_owned();
+    match dimensions {
+        2 => format!("({}, {}) m", digits(point.x), digits(point.y)),
+        _ => format!("({}, {}, {}) m", digits(point.x), digits(point.y), digits(point.z)),
+    }
+}
+
+/// The whole opening must look out of the domain, not only the point given.
+fn outside_is_free(
+    patch: &Patch,
+    file: &PatchFile<'_>,
+    inwards: DVec3,
+    site: &Site<'_>,
+    check: &mut Checker<'_>,
+) -> Option<()> {
+    let hair = 1e-3 * site.spacing * inwards;
+    let count = 21;
+    for index in 0..count * count {
+        let place = |index: i32| f64::from(index) / f64::from(count - 1) * 1.98 - 0.99;
+        let point = patch.at
+            + place(index % count) * patch.half_extent[0] * patch.across[0]
+            + place(index / count) * patch.half_extent[1] * patch.across[1];
+        let open = site.domain.contains(point + hair, 0.0);
+        if open && site.domain.contains(point - 2.0 * hair, 0.0) {
+            check.report(
+                Fault::new(
+                    "the opening is not a plane end of the domain",
+                    file.at.span,
+                    format!("at {} the domain goes on beyond it", printed(point, site.dimensions)),
+                )
+                .help("an inlet or outlet must be where a straight piece of the domain ends"),
+            );
+            return None;
+        }
+    }
+    Some(())
+}

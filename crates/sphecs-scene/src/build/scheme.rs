@@ -1,0 +1,161 @@
+//! The numerical scheme of a scene file, defaults put in.
+
+use super::checker::Checker;
+use crate::faults::Fault;
+use crate::model::{EdacTvf, Scheme, Wcsph};
+use crate::schema::{Number, SchemeFile};
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::edac::Edac;
+use sphecs_core::physics::integrator::Integrator;
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
+
+/// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
+fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
+    match (kernel, dimensions) {
+        (Kernel::WendlandC2, 2) => 1.5,
+        (Kernel::WendlandC2, _) => 1.7,
+        (Kernel::QuinticSpline, _) => 1.2,
+    }
+}
+
+/// h/Δ, the default put in.
+fn ratio(number: Option<&Number>, kernel: Kernel, dimensions: usize, check: &mut Checker<'_>) -> f64 {
+    match number {
+        Some(number) if !(0.8..=4.0).contains(&number.value) => {
+            check.report(
+                Fault::new(
+                    "`smoothing_ratio` is out of bounds",
+                    number.span,
+                    format!("is `{}`, must be from `0.8` to `4`", number.value),
+                )
+                .help("h/Δ: `1.2` to `2.2` is usual"),
+            );
+            1.5
+        }
+        Some(number) => number.value,
+        None => default_ratio(kernel, dimensions),
+    }
+}
+
+/// A number from zero to `most`, the default put in.
+fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut Checker<'_>) -> f64 {
+    match number {
+        Some(number) if !(0.0..=most).contains(&number.value) => {
+            check.report(
+                Fault::new(
+                    format!("`{name}` of the scheme is out of bounds"),
+                    number.span,
+                    format!("is `{}`, must be from `0` to `{most}`", number.value),
+                )
+                .help(format!("`{usual}` is usual")),
+            );
+            usual
+        }
+        Some(number) => number.value,
+        None => usual,
+    }
+}
+
+/// The scheme, defaults put in.
+pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> Scheme {
+    match file {
+        SchemeFile::Wcsph {
+            kernel,
+            smoothing_ratio,
+            viscosity,
+            noise_damping,
+            shifting,
+            tensile_control,
+            integrator,
+        } => {
+            let kernel = kernel.unwrap_or(Kernel::WendlandC2);
+            let smoothing_ratio = ratio(smoothing_ratio.as_ref(), kernel, dimensions, check);
+            if let Some(integrator) = integrator
+                && integrator.value == (Integrator::Verlet { plain_step_every: 0 })
+            {
+                check.report(Fault::new(
+                    "`plain_step_every` must be at least 1",
+                    integrator.span,
+                    "is `0`".to_owned(),
+                ));
+            }
+            if let Some(shifting) = shifting
+                && !(0.0..=Shifting::LARGEST_STRENGTH).contains(&shifting.value.strength())
+            {
+                check.report(
+                    Fault::new(
+                        "the strength of the shifting is out of bounds",
+                        shifting.span,
+                        format!(
+                            "is `{}`, must be from `0` to `{}`",
+                            shifting.value.strength(),
+                            Shifting::LARGEST_STRENGTH
+                        ),
+                    )
+                    .help("`Fickian(coefficient: 4)`, `Local(coefficient: 32)` and `Vacondio(beta: 0.04)` are usual"),
+                );
+            }
+            if let Some(damping) = noise_damping
+                && !(0.0..=NoiseDamping::LARGEST_ALPHA).contains(&damping.value.alpha())
+            {
+                check.report(
+                    Fault::new(
+                        "`alpha` of the noise damping is out of bounds",
+                        damping.span,
+                        format!(
+                            "is `{}`, must be from `0` to `{}`",
+                            damping.value.alpha(),
+                            NoiseDamping::LARGEST_ALPHA
+                        ),
+                    )
+                    .help("`0.05` to `0.3` is usual"),
+                );
+            }
+            Scheme::Wcsph(Wcsph {
+                kernel,
+                smoothing_ratio,
+                viscosity: viscosity.as_ref().map(|v| v.value).unwrap_or_default(),
+                noise_damping: noise_damping.as_ref().map(|damping| damping.value).unwrap_or_default(),
+                shifting: shifting.as_ref().map(|s| s.value).unwrap_or_default(),
+                tensile_control: tensile_control.unwrap_or(true),
+                integrator: integrator.as_ref().map(|integrator| integrator.value).unwrap_or_default(),
+            })
+        }
+        SchemeFile::EdacTvf {
+            kernel,
+            smoothing_ratio,
+            alpha,
+            background,
+            average_pressure,
+            lattice_normalised,
+            relaxation,
+            printed,
+        } => {
+            let kernel = kernel.unwrap_or(Kernel::QuinticSpline);
+            let smoothing_ratio = ratio(smoothing_ratio.as_ref(), kernel, dimensions, check);
+            let usual = Edac::default();
+            let terms = Edac {
+                alpha: up_to(alpha.as_ref(), usual.alpha, Edac::LARGEST_ALPHA, "alpha", check),
+                background: up_to(
+                    background.as_ref(),
+                    usual.background,
+                    Edac::LARGEST_BACKGROUND,
+                    "background",
+                    check,
+                ),
+                average_pressure: average_pressure.unwrap_or(usual.average_pressure),
+                lattice_normalised: lattice_normalised.unwrap_or(usual.lattice_normalised),
+                relaxation: up_to(
+                    relaxation.as_ref(),
+                    usual.relaxation,
+                    Edac::LARGEST_RELAXATION,
+                    "relaxation",
+                    check,
+                ),
+                printed: printed.unwrap_or(usual.printed),
+            };
+            Scheme::EdacTvf(EdacTvf { kernel, smoothing_ratio, terms })
+        }
+    }
+}

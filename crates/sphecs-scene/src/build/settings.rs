@@ -1,0 +1,170 @@
+//! Dimensions, time, output, probes and references.
+
+use glam::DVec3;
+
+use super::checker::Checker;
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::fill;
+use crate::model::{
+    BodyForce, OutputSettings, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
+};
+use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
+use crate::summary;
+use sphecs_core::physics::inlet::Feed;
+
+/// 2 or 3.
+pub fn dimensions(file: &SceneFile, check: &mut Checker<'_>) -> usize {
+    match file.dimensions.value {
+        2 => 2,
+        3 => 3,
+        other => {
+            check.report(Fault::new(
+                "`dimensions` must be 2 or 3",
+                file.dimensions.span,
+                format!("is `{other}`, must be 2 or 3"),
+            ));
+            2
+        }
+    }
+}
+
+/// A body force, constant if it can be.
+pub fn body_force(components: [Expression; 3]) -> BodyForce {
+    match components.each_ref().map(Expression::constant) {
+        [Some(x), Some(y), Some(z)] => BodyForce::Constant(DVec3::new(x, y, z)),
+        _ => BodyForce::Expression(components),
+    }
+}
+
+/// End and time step, defaults put in.
+pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSettings {
+    let usual = match scheme {
+        Scheme::Wcsph(scheme) => scheme.integrator.courant_factor(),
+        Scheme::EdacTvf(_) => 0.25,
+    };
+    TimeSettings {
+        end: check.positive(&file.end, "s"),
+        cfl: file.cfl.as_ref().map_or(usual, |cfl| check.fraction(cfl, 1.0)),
+        viscous: file.viscous.as_ref().map_or(0.125, |viscous| check.fraction(viscous, 0.5)),
+    }
+}
+
+/// Wall time between checkpoints where a scene gives none, s: what a kill may cost, against a second for a million particles.
+const CHECKPOINT_EVERY: f64 = 600.0;
+
+/// Output and probes.
+pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> OutputSettings {
+    let every = check.positive(&file.every, "s");
+    let monitor_every =
+        file.monitor_every.as_ref().map_or(every / 10.0, |number| check.positive(number, "s"));
+    let mut probes: Vec<Probe> = Vec::new();
+    for probe in &file.probes {
+        let name = &probe.name;
+        if name.value.is_empty() || probes.iter().any(|other| other.name == name.value) {
+            check.report(Fault::new(
+                "a probe's name is empty or given twice",
+                name.span,
+                "every probe must have a name of its own",
+            ));
+        }
+        let mean = probe.mean.as_ref().map(|mean| {
+            let (from, to) = &mean.value;
+            let interval = (check.not_negative(from, "s"), check.positive(to, "s"));
+            let rises = interval.0 < interval.1;
+            if let Some(end) = end.filter(|end| !rises || interval.1 > end * (1.0 + 1e-9)) {
+                let label = format!("must rise and end by the end of the run, `{end}` s");
+                check.report(Fault::new("the interval of a time mean is wrong", mean.span, label));
+            }
+            interval
+        });
+        let kind = probe_kind(&probe.kind.value, check);
+        probes.push(Probe { name: name.value.clone(), kind, mean, sees: probe.sees });
+    }
+    let checkpoint_every =
+        file.checkpoint_every.as_ref().map_or(CHECKPOINT_EVERY, |number| check.positive(number, "s"));
+    OutputSettings { every, monitor_every, checkpoint_every, forces: file.forces, probes }
+}
+
+fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {
+    match file {
+        ProbeKindFile::Point { at } => ProbeKind::Point(check.vector(at, "m")),
+        ProbeKindFile::Line { from, to, count } => {
+            if !(2..=1_000_000).contains(&count.value) {
+                check.report(Fault::new(
+                    "a line has the wrong number of points",
+                    count.span,
+                    format!("is `{}`, must be from 2 to 1000000", count.value),
+                ));
+            }
+            ProbeKind::Line {
+                from: check.vector(from, "m"),
+                to: check.vector(to, "m"),
+                count: count.value as usize,
+            }
+        }
+        ProbeKindFile::Section { at, normal } => {
+            ProbeKind::Section { at: check.vector(at, "m"), normal: check.direction(normal) }
+        }
+    }
+}
+
+/// The reservoir, whose particles [`derive()`] counts; one that takes nothing has none.
+pub fn reservoir(file: &ReservoirFile, check: &mut Checker<'_>) -> Reservoir {
+    let recycle = file.recycle.as_ref().is_none_or(|recycle| recycle.value);
+    if let Some(recycle) = file.recycle.as_ref().filter(|recycle| !recycle.value) {
+        let mut excluded = |what: &str| {
+            check.report(Fault::new(
+                format!("`{what}` of a reservoir that takes nothing"),
+                recycle.span,
+                format!("is `false`: what leaves is deleted, so that `{what}` must not be given"),
+            ));
+        };
+        if file.particles.is_some() {
+            excluded("particles");
+        }
+        if file.when_empty == WhenEmpty::Stop {
+            excluded("when_empty: Stop");
+        }
+    }
+    Reservoir { initial: 0, when_empty: file.when_empty, recycle }
+}
+
+/// References must be positive if given.
+pub fn references(file: &SceneFile, check: &mut Checker<'_>) {
+    if let Some(velocity) = &file.reference.velocity {
+        check.positive(velocity, "m/s");
+    }
+    if let Some(length) = &file.reference.length {
+        check.positive(length, "m");
+    }
+}
+
+/// What follows from the rest of a sound scene: reservoir and references.
+pub fn derive(scene: &mut Scene, file: &SceneFile) {
+    let cell = scene.spacing.powi(scene.dimensions as i32 - 1);
+    // What is filled once takes nothing from the reservoir.
+    let fed = scene.inlets.iter().filter(|inlet| inlet.feed == Feed::Fed);
+    let inflow: f64 = fed.map(|inlet| inlet.patch.area / cell * (inlet.patch.depth / scene.spacing)).sum();
+    let particles = file.reservoir.particles.as_ref().map(|p| p.value as usize);
+    let usual = if scene.reservoir.recycle { (inflow - 1e-6).ceil() as usize } else { 0 };
+    scene.reservoir.initial = particles.unwrap_or(usual);
+    let length = file.reference.length.as_ref().map(|n| n.value);
+    scene.reference_length = length.unwrap_or_else(|| narrowest(scene));
+    let velocity = file.reference.velocity.as_ref().map(|n| n.value);
+    scene.reference_velocity = velocity.unwrap_or_else(|| summary::largest_given_speed(scene));
+}
+
+/// Width of the narrowest patch, or of the domain across periodic directions, m.
+fn narrowest(scene: &Scene) -> f64 {
+    let patches = fill::patches(scene).map(|(patch, _)| 2.0 * patch.half_extent[0]);
+    let narrowest = patches.fold(f64::INFINITY, f64::min);
+    if narrowest.is_finite() {
+        return narrowest;
+    }
+    let (low, high) = scene.domain.bounds();
+    let extent = |axis: usize| high[axis] - low[axis];
+    let across = (0..scene.dimensions).filter(|axis| scene.periodic[*axis].is_none());
+    let width = across.map(extent).fold(f64::INFINITY, f64::min);
+    if width.is_finite() { width } else { extent(0) }
+}

@@ -1,0 +1,93 @@
+//! Walls of the file → wall parts and their regions.
+
+use super::checker::Checker;
+use super::shapes;
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::geometry::Shape;
+use crate::model::{Rings, WallPart, Walls};
+use crate::notation::typed::Spanned;
+use crate::schema::{WallFillFile, WallsFile};
+use glam::DVec3;
+use sphecs_core::physics::wall::{Slip, WallModel};
+
+/// The wall parts, and the regions of those after the first.
+pub fn walls(
+    file: Option<&Spanned<WallsFile>>,
+    (domain, spacing): (&Shape, f64),
+    check: &mut Checker<'_>,
+) -> (Walls, Vec<Shape>, Vec<Rings>) {
+    let rest = |slip: Slip, velocity: [Expression; 3]| WallPart { name: "walls".to_owned(), slip, velocity };
+    let at_rest = || std::array::from_fn(|_| Expression::Constant(0.0));
+    let Some(file) = file.map(|file| &file.value) else {
+        let parts = vec![rest(Slip::NoSlip, at_rest())];
+        let model = WallModel::default();
+        return (Walls { model, parts }, Vec::new(), Vec::new());
+    };
+    if let WallModel::Image { velocity_cap: Some(cap), .. } = file.model
+        && (cap.is_nan() || cap < 1.0)
+    {
+        check.report(Fault::placeless(
+            "`velocity_cap` of the walls is less than 1: the image velocity would point the wrong way",
+        ));
+    }
+    let mut parts = vec![rest(file.slip, check.components_or_zero(file.velocity.as_ref()))];
+    let (mut regions, mut rings) = (Vec::new(), Vec::new());
+    for part in &file.parts {
+        let name = &part.name;
+        if parts.iter().any(|other| other.name == name.value) {
+            check.report(Fault::new(
+                format!("two wall parts are called `{}`", name.value),
+                name.span,
+                "must differ (the rest is called `walls`)",
+            ));
+        }
+        rings.extend(part.fill.as_ref().and_then(|fill| concentric(fill, (domain, spacing), check)));
+        let velocity = check.components_or_zero(part.velocity.as_ref());
+        if let Some(region) = shapes::shape(&part.region.value, check) {
+            regions.push(region);
+            parts.push(WallPart { name: name.value.clone(), slip: part.slip.unwrap_or(file.slip), velocity });
+        }
+    }
+    (Walls { model: file.model, parts }, regions, rings)
+}
+
+/// Largest distance of the circle of `Concentric` from the surface of the domain, over Δ.
+const OFF_THE_SURFACE: f64 = 1e-3;
+
+/// The rings of a cylinder, which must be the surface of the domain.
+fn concentric(
+    file: &Spanned<WallFillFile>,
+    (domain, spacing): (&Shape, f64),
+    check: &mut Checker<'_>,
+) -> Option<Rings> {
+    let before = check.blemishes();
+    let WallFillFile::Concentric { center, radius, first } = &file.value;
+    let rings =
+        Rings { centre: check.vector(center, "m"), radius: check.positive(radius, "m"), first: *first };
+    if check.dimensions != 2 {
+        let label = "must be left out in 3D";
+        check.report(Fault::new("`Concentric` is for cylinders in 2D", file.head, label));
+    }
+    if check.blemishes() > before {
+        return None;
+    }
+    let off = (0..16).map(|index| {
+        let angle = std::f64::consts::TAU * (f64::from(index) + 0.3) / 16.0;
+        let point = rings.centre + rings.radius * DVec3::new(angle.cos(), angle.sin(), 0.0);
+        domain.signed_distance(point).abs()
+    });
+    let off = off.fold(0.0, f64::max);
+    if off > OFF_THE_SURFACE * spacing {
+        let label =
+            format!("is up to `{off:.3e}` m off the surface, must be the circle cut out of the domain");
+        check.report(
+            Fault::new("the circle of `Concentric` is not the surface of the domain", file.head, label).help(
+                "give `center` and `radius` of the `Circle` that the `Difference` of `domain` takes out",
+            ),
+        );
+        // Not gone on with: nothing bounds the particles of a circle that is none of the domain's.
+        return None;
+    }
+    Some(rings)
+}

@@ -1,0 +1,330 @@
+//! What only the parts of a scene together show: memory, overlaps, openings, fields on the particles.
+
+use glam::DVec3;
+
+use super::{bodies, sound};
+use crate::expression::Expression;
+use crate::faults::Fault;
+use crate::fill::{self, Place};
+use crate::geometry::Shape;
+use crate::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
+use crate::notation::tree::Span;
+use crate::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
+use crate::summary::{self, BYTES_PER_PARTICLE};
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::wall::Slip;
+
+/// More than any machine has, B: what `--allow-oversize` does not reach.
+const MOST_MEMORY: f64 = 1e15;
+
+/// Adds the faults of a scene whose parts are sound; `stands` when no value stands in for a faulty one.
+pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fault>) {
+    let others = faults.len();
+    overlaps(scene, file, faults);
+    if faults.len() > others {
+        return;
+    }
+    let places = fill::places(scene);
+    openings(scene, file, &places, faults);
+    if scene.fluid.viscosity == 0.0 {
+        let exact = |inlet: &&InletFile| matches!(inlet.velocity.value, Written::PoiseuilleStartup { .. });
+        faults.extend(file.inlets.iter().filter(exact).map(|inlet| {
+            let label = "has no profile in a fluid without viscosity";
+            Fault::new("`PoiseuilleStartup` needs a viscosity", inlet.velocity.head, label)
+        }));
+    }
+    if scene.fluid.viscosity == 0.0 && scene.walls.parts.iter().any(|part| part.slip == Slip::WallFunction) {
+        let label = "is `0`: without it the law of the wall has no stress";
+        faults.push(
+            Fault::new("`WallFunction` needs a viscosity", file.fluid.viscosity.span, label)
+                .help("give the fluid its `viscosity`, or the walls `slip: FreeSlip`"),
+        );
+    }
+    // These look at values in whose places harmless ones stand if there are faults.
+    if stands && faults.is_empty() {
+        sound::against(scene, file, faults);
+        probes(scene, file, faults);
+        bodies::have_particles(scene, file, &places, faults);
+        fields(scene, file, &places, faults);
+    }
+}
+
+/// A domain whose parts are so far apart that the lattice between them is more than memory holds.
+fn too_empty(
+    (domain, dimensions): (&Shape, usize),
+    reach: f64,
+    spacing: f64,
+    file: &SceneFile,
+    memory: Option<f64>,
+) -> Option<Fault> {
+    let (low, high) = domain.bounds();
+    let extent = high - low + DVec3::splat(2.0 * reach);
+    let places: f64 = (0..dimensions).map(|axis| extent[axis] / spacing).product();
+    if places <= memory.unwrap_or(f64::INFINITY).min(MOST_MEMORY) / fill::BYTES_PER_PLACE as f64 {
+        return None;
+    }
+    let label = format!(
+        "gives `{places:.2e}` places of the lattice in the box around the domain, nearly all of them empty"
+    );
+    Some(
+        Fault::new("the parts of the domain are too far apart", file.spacing.span, label)
+            .help("look for a shape of `domain` that stands far from the others"),
+    )
+}
+
+/// More particles than memory or particle numbers allow, judged by the domain alone.
+pub fn too_many(
+    (domain, dimensions): (&Shape, usize),
+    scheme: &Scheme,
+    spacing: f64,
+    file: &SceneFile,
+    memory: Option<f64>,
+) -> Option<Fault> {
+    let reach = fill::layers(scheme) * spacing;
+    let volume = summary::estimated_volume(domain, reach, dimensions);
+    let count = volume / spacing.powi(dimensions as i32);
+    let limit = f64::from(u32::MAX).min(memory.unwrap_or(f64::INFINITY) / BYTES_PER_PARTICLE);
+    if let Some(stored) = file.reservoir.particles.filter(|n| n.value as f64 > limit) {
+        return Some(Fault::new(
+            "the reservoir is larger than the memory",
+            stored.span,
+            format!("is `{}`, must be at most `{limit:.2e}`", stored.value),
+        ));
+    }
+    if count <= limit {
+        return too_empty((domain, dimensions), reach, spacing, file, memory);
+    }
+    let have = memory.map_or("particle numbers end at 4.29e9".to_owned(), |bytes| {
+        format!("{:.1} GB are free", bytes / 1e9)
+    });
+    let needed = count * BYTES_PER_PARTICLE / 1e9;
+    let least = 1.02 * (volume / limit).powf(1.0 / dimensions as f64);
+    Some(
+        Fault::new(
+            "too many particles",
+            file.spacing.span,
+            format!("gives about {count:.2e} particles, that is {needed:.1} GB; {have}"),
+        )
+        .help(format!(
+            "raise `spacing` to at least `{least:.2e}`{}",
+            // Particle numbers end where they end.
+            if memory.is_some() { ", or begin all the same by `--allow-oversize`" } else { "" }
+        )),
+    )
+}
+
+/// Places of `at` in the file: inlets, then outlets.
+fn at_spans(file: &SceneFile) -> Vec<Span> {
+    let inlets = file.inlets.iter().map(|inlet| inlet.at.span);
+    inlets.chain(file.outlets.iter().map(|outlet| outlet.at.span)).collect()
+}
+
+/// Zones that run into the domain or into each other.
+fn overlaps(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
+    let patches: Vec<(&Patch, bool)> = fill::patches(scene).collect();
+    let spans = at_spans(file);
+    let hair = 1e-3 * scene.spacing;
+    for (index, (patch, is_inlet)) in patches.iter().enumerate() {
+        let mut into_domain = None;
+        let mut into_zone = None;
+        for point in zone_points(patch, *is_inlet, scene) {
+            if fill::periodic_distance(&scene.domain, &scene.periodic, point) < -hair {
+                into_domain.get_or_insert(point);
+            }
+            for (other, zone) in scene.layout.zones.iter().enumerate().take(index) {
+                let beyond = fill::beyond(patches[other].0, patches[other].1, point);
+                if zone.contains(point, -hair) && beyond < patches[other].0.depth {
+                    into_zone.get_or_insert(other);
+                }
+            }
+        }
+        let name = &patch.name;
+        if let Some(point) = into_domain {
+            faults.push(
+                Fault::new(
+                    format!("the zone of `{name}` runs into the domain"),
+                    spans[index],
+                    format!("at ({:.4}, {:.4}, {:.4}) m both are there", point.x, point.y, point.z),
+                )
+                .help("shorten `depth` or move the opening"),
+            );
+        }
+        if let Some(other) = into_zone {
+            faults.push(
+                Fault::new(
+                    format!("the zones of `{name}` and `{}` overlap", patches[other].0.name),
+                    spans[index],
+                    "two openings must not share a place",
+                )
+                .help("shorten `depth` or move one of them"),
+            );
+        }
+    }
+}
+
+/// Points of a zone, a spacing apart.
+fn zone_points(patch: &Patch, is_inlet: bool, scene: &Scene) -> Vec<DVec3> {
+    let outwards = if is_inlet { -patch.towards } else { patch.towards };
+    let steps = |extent: f64| ((extent / scene.spacing).ceil() as i32).clamp(0, 200);
+    let [a, b] = patch.half_extent;
+    let (na, nb) = (steps(a), steps(b));
+    let nd = (patch.depth / scene.spacing).round() as i32;
+    let mut points = Vec::new();
+    for i in -na..=na {
+        for j in -nb..=nb {
+            for k in 0..nd {
+                let share = |index: i32, count: i32, extent: f64| {
+                    0.99 * extent * f64::from(index) / f64::from(count.max(1))
+                };
+                points.push(
+                    patch.at
+                        + share(i, na, a) * patch.across[0]
+                        + share(j, nb, b) * patch.across[1]
+                        + (f64::from(k) + 0.5) * scene.spacing * outwards,
+                );
+            }
+        }
+    }
+    points
+}
+
+/// Probes must be where fluid can be.
+fn probes(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
+    for (probe, written) in scene.output.probes.iter().zip(&file.output.probes) {
+        let points = match &probe.kind {
+            ProbeKind::Point(at) | ProbeKind::Section { at, .. } => vec![*at],
+            ProbeKind::Line { from, to, .. } => vec![*from, *to],
+        };
+        let outside = points.iter().find(|point| {
+            fill::periodic_distance(&scene.container, &scene.periodic, **point) > 0.5 * scene.spacing
+        });
+        if let Some(point) = outside {
+            faults.push(Fault::new(
+                format!("probe `{}` is outside the domain", probe.name),
+                written.kind.head,
+                format!("({}, {}, {}) m is no place for fluid", point.x, point.y, point.z),
+            ));
+        }
+    }
+}
+
+/// There must be fluid, in the zones too, and no side without wall, patch or period.
+fn openings(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
+    let count = |zone: Zone, patch: usize| {
+        let counted = places.iter().filter(|p| p.zone == zone && usize::from(p.patch) == patch);
+        counted.count()
+    };
+    let fluid = count(Zone::Fluid, 0);
+    if fluid == 0 {
+        let label = format!("is `{}` m: no particle fits into the domain", scene.spacing);
+        faults.push(Fault::new("the spacing is too coarse for the domain", file.spacing.span, label));
+        return;
+    }
+    for (index, inlet) in scene.inlets.iter().enumerate() {
+        if count(Zone::Inflow, index) == 0 {
+            let title = format!("no particle fits into the zone of `{}`", inlet.patch.name);
+            faults.push(Fault::new(
+                title,
+                file.inlets[index].at.span,
+                "the opening is narrower than a spacing",
+            ));
+        }
+    }
+    for (index, outlet) in scene.outlets.iter().enumerate() {
+        if count(Zone::Outflow, index) == 0 {
+            let title = format!("no particle fits into the zone of `{}`", outlet.patch.name);
+            faults.push(Fault::new(
+                title,
+                file.outlets[index].at.span,
+                "the opening is narrower than a spacing",
+            ));
+        }
+    }
+    if scene.layout.walled {
+        return;
+    }
+    let mut walled = scene.clone();
+    walled.layout.walled = true;
+    let bare = fill::places(&walled);
+    if let Some(place) = bare.iter().find(|place| place.zone == Zone::Wall) {
+        let at = place.position;
+        faults.push(
+            Fault::new(
+                "a side of the domain is neither wall nor opening nor periodic",
+                file.domain.head,
+                format!("near ({:.4}, {:.4}, {:.4}) m nothing holds the fluid", at.x, at.y, at.z),
+            )
+            .help("there is no free surface: leave out `walls: None`, or make the direction `periodic`"),
+        );
+    }
+}
+
+/// Fields must be finite wherever particles are and at all times of the run.
+fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
+    let of = |zone: fn(Zone) -> bool| {
+        let chosen = places.iter().filter(move |place| zone(place.zone));
+        chosen.map(|place| place.position).collect::<Vec<_>>()
+    };
+    let flowing = of(|zone| zone != Zone::Wall);
+    let walls = of(|zone| zone == Zone::Wall);
+    let end = scene.time.end;
+    let all_times: Vec<f64> = (0..=10).map(|k| end * f64::from(k) / 10.0).collect();
+    let mut finite = |expression: &Expression, formula: &Formula, points: &[DVec3], times: &[f64]| {
+        let bad = times.iter().find_map(|time| {
+            let bad = points.iter().find(|p| !expression.value(p.x, p.y, p.z, *time).is_finite())?;
+            Some((*bad, *time))
+        });
+        if let Some((at, time)) = bad {
+            let value = expression.value(at.x, at.y, at.z, time);
+            faults.push(Fault::new(
+                "a field is not finite",
+                formula.span,
+                format!("is `{value}` at ({:.6}, {:.6}, {:.6}) m, t = {time} s", at.x, at.y, at.z),
+            ));
+        }
+    };
+    let initial = &file.initial;
+    if let Some(velocity) = &initial.velocity {
+        for (expression, formula) in scene.initial.velocity.iter().zip(&velocity.value) {
+            finite(expression, formula, &flowing, &[0.0]);
+        }
+    }
+    if let Some(formula) = &initial.pressure {
+        finite(&scene.initial.pressure, formula, &flowing, &[0.0]);
+    }
+    if let Some(formula) = &initial.tag {
+        finite(&scene.initial.tag, formula, &flowing, &[0.0]);
+    }
+    if let (Some(force), BodyForce::Expression(components)) = (&file.body_force, &scene.body_force) {
+        for (expression, formula) in components.iter().zip(&force.value) {
+            finite(expression, formula, &flowing, &all_times);
+        }
+    }
+    if let Some(velocity) = file.walls.as_ref().and_then(|walls| walls.value.velocity.as_ref()) {
+        for (expression, formula) in scene.walls.parts[0].velocity.iter().zip(&velocity.value) {
+            finite(expression, formula, &walls, &all_times);
+        }
+    }
+    for (index, (inlet, written)) in scene.inlets.iter().zip(&file.inlets).enumerate() {
+        let points: Vec<DVec3> = places
+            .iter()
+            .filter(|p| p.zone == Zone::Inflow && usize::from(p.patch) == index)
+            .map(|p| p.position)
+            .collect();
+        match (&inlet.velocity, &written.velocity.value) {
+            (InletVelocity::Normal(expression), Written::Normal(formula)) => {
+                finite(expression, formula, &points, &all_times);
+            }
+            (
+                InletVelocity::Metered { rate: expression, .. },
+                Written::MassFlow { rate: formula, .. } | Written::MassFlux { flux: formula, .. },
+            ) => finite(expression, formula, &[DVec3::ZERO], &all_times),
+            (InletVelocity::Components(components), Written::Components(formulas)) => {
+                for (expression, formula) in components.iter().zip(&formulas.value) {
+                    finite(expression, formula, &points, &all_times);
+                }
+            }
+            _ => {}
+        }
+    }
+}

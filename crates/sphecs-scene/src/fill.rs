@@ -1,0 +1,301 @@
+//! Which points of the lattice (or of wall-fitted rows) are fluid, wall, inflow or outflow.
+//!
+//! A point is inside when it and all points Δ/4 around it are: a wall that misses the middle between two
+//! rows by less than Δ/4 still has one row on each side. Inside points beyond a patch's plane belong to its
+//! zone, up to its depth; points outside, up to the support and half a spacing away, are wall, except
+//! behind the far end of a zone. With `jitter` fluid points then leave the lattice; zones and walls stay even.
+
+use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, ParallelIterator};
+use rayon::slice::ParallelSliceMut;
+
+use super::geometry::Shape;
+use super::lattice::Lattice;
+use super::model::{Fill, Patch, Scene, Scheme};
+use super::rings;
+use sphecs_core::particles::zone::Zone;
+
+/// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane count as fluid.
+const HAIR: f64 = 1e-9;
+
+/// A place for a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Position, m.
+    pub position: DVec3,
+    /// Fluid, wall, inflow or outflow.
+    pub zone: Zone,
+    /// Index of the inlet or outlet; 0 for others.
+    pub patch: u16,
+}
+
+/// All places, in the order of the lattice.
+pub fn places(scene: &Scene) -> Vec<Place> {
+    let filler = Filler::new(scene);
+    match &scene.layout.fill {
+        Fill::Lattice(lattice) => {
+            let mut places = filler.lattice(lattice);
+            if !scene.layout.rings.is_empty() {
+                rings::replace(scene, &mut places);
+            }
+            places
+        }
+        Fill::WallFitted { lower, upper, rows } => {
+            super::rows::points(scene, lower, upper, *rows, filler.reach)
+                .into_iter()
+                .filter_map(|point| filler.classify(point))
+                .collect()
+        }
+    }
+}
+
+/// Thickness of the walls: the kernel's support and half a spacing, m.
+pub fn wall_thickness(scene: &Scene) -> f64 {
+    layers(&scene.scheme) * scene.spacing
+}
+
+/// The same in spacings.
+pub fn layers(scheme: &Scheme) -> f64 {
+    scheme.kernel().support_ratio() * scheme.smoothing_ratio() + 0.5
+}
+
+/// Zone of a place and the index of its inlet or outlet.
+type Role = (Zone, u16);
+
+/// Memory for what a place of the lattice is, while it is filled.
+pub const BYTES_PER_PLACE: usize = std::mem::size_of::<Option<Role>>();
+
+/// Decides what a point is.
+struct Filler<'a> {
+    scene: &'a Scene,
+    reach: f64,
+    probes: Vec<DVec3>,
+}
+
+impl<'a> Filler<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let mut probes = Vec::new();
+        for index in 0..27 {
+            let step = |place: i32| f64::from(index / place % 3 - 1);
+            let direction = DVec3::new(step(1), step(3), step(9));
+            if direction != DVec3::ZERO && (scene.dimensions == 3 || direction.z == 0.0) {
+                probes.push(direction.normalize() * 0.25 * scene.spacing);
+            }
+        }
+        Self { scene, reach: wall_thickness(scene), probes }
+    }
+
+    fn lattice(&self, lattice: &Lattice) -> Vec<Place> {
+        let dimensions = self.scene.dimensions;
+        let (mut low, mut high) = self.scene.layout.confines.bounds();
+        let ranges: [std::ops::Range<i64>; 3] = std::array::from_fn(|axis| {
+            if axis >= dimensions {
+                return 0..1;
+            }
+            match self.scene.periodic[axis] {
+                Some((from, to)) => {
+                    let count = ((to - from) / lattice.spacing[axis]).round() as i64;
+                    0..count
+                }
+                None => {
+                    low[axis] -= self.reach;
+                    high[axis] += self.reach;
+                    lattice.range(axis, low[axis], high[axis])
+                }
+            }
+        });
+        let counts = ranges.each_ref().map(|range| (range.end - range.start).max(0) as usize);
+        let cell = |index: usize| -> [i64; 3] {
+            let along = [index / counts[2] / counts[1], index / counts[2] % counts[1], index % counts[2]];
+            std::array::from_fn(|axis| ranges[axis].start + along[axis] as i64)
+        };
+        let point = |index: usize| lattice.point(cell(index), dimensions);
+        // What each point is, in one piece of memory, then the places in another: many small ones would stay with the
+        // allocator when the flow has long begun.
+        let mut roles = vec![None; counts.iter().product()];
+        let axis = dimensions - 1;
+        roles.par_chunks_mut(counts[axis].max(1)).enumerate().for_each(|(row, roles)| {
+            let first = row * roles.len();
+            self.row(roles, |at| point(first + at), lattice.spacing[axis]);
+        });
+        let mut places = Vec::with_capacity(roles.iter().flatten().count());
+        let found = roles.iter().enumerate().filter_map(|(index, role)| role.map(|role| (index, role)));
+        places.extend(found.map(|(index, (zone, patch))| Place { position: point(index), zone, patch }));
+        if lattice.jitter > 0.0 {
+            let cells =
+                roles.iter().enumerate().filter(|(_, role)| role.is_some()).map(|(index, _)| cell(index));
+            for (place, cell) in places.iter_mut().zip(cells).filter(|(place, _)| place.zone == Zone::Fluid) {
+                place.position = self.jittered(place.position, lattice.offset(cell, dimensions));
+            }
+        }
+        places
+    }
+
+    /// Finds what points along a line at equal distances are; `roles` has None for all of them. A distance changes by no more than the way
+    /// between two points, so that far outside and deep inside the one before decides.
+    fn row(&self, roles: &mut [Option<Role>], point: impl Fn(usize) -> DVec3, spacing: f64) {
+        let hair = HAIR * self.scene.spacing;
+        // The most that the distance can be, by that of the last point where it was found.
+        let mut most = f64::INFINITY;
+        let mut at = 0;
+        while let Some(role) = roles.get_mut(at) {
+            let here = point(at);
+            most += spacing;
+            if most >= -self.margin() - hair {
+                most = confined_distance(self.scene, here);
+            }
+            let outside = most - self.reach - hair;
+            if outside > 0.0 {
+                // As far as this nobody stands.
+                at = at.saturating_add(((outside / spacing) as usize).max(1));
+                most = f64::INFINITY;
+                continue;
+            }
+            *role = self.role(here, most).map(|place| (place.zone, place.patch));
+            at += 1;
+        }
+    }
+
+    /// A fluid particle's place off the lattice; as it was where it would leave the fluid.
+    fn jittered(&self, point: DVec3, offset: DVec3) -> DVec3 {
+        let mut moved = point + offset;
+        for (axis, bounds) in self.scene.periodic.iter().enumerate() {
+            if let Some((low, high)) = bounds {
+                moved[axis] = low + (moved[axis] - low).rem_euclid(high - low);
+            }
+        }
+        match self.classify(moved) {
+            Some(Place { zone: Zone::Fluid, .. }) => moved,
+            _ => point,
+        }
+    }
+
+    fn classify(&self, point: DVec3) -> Option<Place> {
+        self.role(point, confined_distance(self.scene, point))
+    }
+
+    /// What a point at a distance from the confines is. Beyond the walls and deeper than the margin any such distance will do.
+    fn role(&self, point: DVec3, distance: f64) -> Option<Place> {
+        // A layer exactly at the thickness is out of every fluid particle's reach.
+        if distance > self.reach - HAIR * self.scene.spacing {
+            return None;
+        }
+        let place = |zone, patch| Some(Place { position: point, zone, patch });
+        let hair = HAIR * self.scene.spacing;
+        if !self.inside(point, distance) {
+            let walled = self.scene.layout.walled && !self.behind_a_zone(point);
+            return walled.then(|| place(Zone::Wall, 0)).flatten();
+        }
+        for (index, (patch, is_inlet)) in patches(self.scene).enumerate() {
+            let beyond = beyond(patch, is_inlet, point);
+            if beyond > hair && self.scene.layout.zones[index].contains(point, hair) {
+                let number = if is_inlet { index } else { index - self.scene.inlets.len() };
+                let zone = if is_inlet { Zone::Inflow } else { Zone::Outflow };
+                let within = beyond <= patch.depth + hair;
+                return within.then(|| place(zone, number as u16)).flatten();
+            }
+        }
+        place(Zone::Fluid, 0)
+    }
+
+    /// A point deeper than this is inside whatever stands around it, m.
+    fn margin(&self) -> f64 {
+        0.25 * self.scene.spacing
+    }
+
+    fn inside(&self, point: DVec3, distance: f64) -> bool {
+        // Between parts of a union that touch, the distance is near zero deep inside: look around.
+        distance < -self.margin()
+            || (distance <= HAIR * self.scene.spacing
+                && self
+                    .probes
+                    .iter()
+                    .all(|probe| confined_distance(self.scene, point + *probe) <= HAIR * self.scene.spacing))
+    }
+
+    /// Whether a point lies behind the far end of a zone, where no wall must stand.
+    fn behind_a_zone(&self, point: DVec3) -> bool {
+        let margin = self.reach + self.scene.spacing;
+        patches(self.scene).any(|(patch, is_inlet)| {
+            let behind = beyond(patch, is_inlet, point) - patch.depth;
+            behind > HAIR * self.scene.spacing
+                && behind < 2.0 * (margin + self.scene.spacing)
+                && patch.covers(point, margin)
+        })
+    }
+}
+
+/// Inlets, then outlets; true for inlets.
+pub fn patches(scene: &Scene) -> impl Iterator<Item = (&Patch, bool)> {
+    let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, true));
+    inlets.chain(scene.outlets.iter().map(|outlet| (&outlet.patch, false)))
+}
+
+/// How far a point is outside of a patch's plane, m; negative inside the domain.
+pub fn beyond(patch: &Patch, is_inlet: bool, point: DVec3) -> f64 {
+    if is_inlet { -patch.along(point) } else { patch.along(point) }
+}
+
+/// Signed distance to the confines, their periodic images included, m.
+pub fn confined_distance(scene: &Scene, point: DVec3) -> f64 {
+    periodic_distance(&scene.layout.confines, &scene.periodic, point)
+}
+
+/// Signed distance to a shape and its periodic images, m. A point of a seam counts as inside by rounding.
+pub fn periodic_distance(shape: &Shape, periodic: &[Option<(f64, f64)>; 3], point: DVec3) -> f64 {
+    if periodic.iter().all(Option::is_none) {
+        return shape.signed_distance(point);
+    }
+    let period = periodic.map(|bounds| bounds.map_or(0.0, |(low, high)| high - low));
+    let images = period.map(|period| if period > 0.0 { -1..=1 } else { 0..=0 });
+    let mut distance = f64::INFINITY;
+    for i in images[0].clone() {
+        for j in images[1].clone() {
+            for k in images[2].clone() {
+                let shift = DVec3::new(f64::from(i), f64::from(j), f64::from(k)) * DVec3::from(period);
+                distance = distance.min(shape.signed_distance(point + shift));
+            }
+        }
+    }
+    distance
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::load_smoke;
+
+    /// What a row skips is what each of its points by itself would be.
+    #[test]
+    fn rows_are_filled_as_their_points_one_by_one() {
+        for name in
+            ["square_bend", "cylinder_re20", "constricted_r2", "kelvin_helmholtz_periodic", "inclined_plates"]
+        {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.ron"));
+            let scene = load_smoke(&path, &[]).unwrap();
+            let filler = Filler::new(&scene);
+            let (low, high) = scene.layout.confines.bounds();
+            let spacing = 0.37 * scene.spacing;
+            for along in 0..scene.dimensions {
+                // Lines through the whole box, some of them on its edge.
+                for share in [0.0, 0.03, 0.31, 0.5, 0.77, 1.0] {
+                    let start = (low + share * (high - low)).with_z(0.0);
+                    let point = |step: usize| {
+                        let mut point = start;
+                        point[along] = low[along] - scene.spacing + step as f64 * spacing;
+                        point
+                    };
+                    let count = ((high[along] - low[along]) / spacing) as usize + 6;
+                    let mut row = vec![None; count];
+                    filler.row(&mut row, point, spacing);
+                    let role = |place: Place| (place.zone, place.patch);
+                    let single: Vec<_> =
+                        (0..count).map(|step| filler.classify(point(step)).map(role)).collect();
+                    assert_eq!(row, single, "{name}, axis {along} at {share}");
+                }
+            }
+        }
+    }
+}

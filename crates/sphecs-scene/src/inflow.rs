@@ -1,0 +1,184 @@
+//! Velocity that an inlet prescribes.
+
+use glam::DVec3;
+
+use super::model::{Inlet, InletVelocity, Patch};
+use sphecs_core::physics::inlet::poiseuille::startup_velocity;
+
+impl Inlet {
+    /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
+    ///
+    /// A point of the zone has the velocity of the plane in front of it: one that varied along the zone would bring the
+    /// particles of a row together.
+    pub fn velocity_at(&self, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
+        let towards = self.patch.towards;
+        let point = point - towards * (point - self.patch.at).dot(towards);
+        let across = (point - self.patch.at).dot(self.patch.across[0]);
+        match &self.velocity {
+            InletVelocity::Normal(speed) => towards * speed.value(point.x, point.y, point.z, time),
+            InletVelocity::Components(components) => {
+                DVec3::from(components.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
+            }
+            InletVelocity::TimeTable(rows) => {
+                towards * interpolated(rows.len(), |row| rows[row].0, time, |row| rows[row].1)
+            }
+            InletVelocity::ProfileTable { times, positions, speeds } => {
+                let profile = |row: usize| {
+                    interpolated(positions.len(), |p| positions[p], across, |column| speeds[row][column])
+                };
+                towards * interpolated(times.len(), |row| times[row], time, profile)
+            }
+            InletVelocity::Metered { rate, profile, scale } => {
+                let shape = profile.value(point.x, point.y, point.z, 0.0);
+                towards * (rate.value(0.0, 0.0, 0.0, time) * shape * scale)
+            }
+            InletVelocity::PoiseuilleStartup { half_width, body_force } => {
+                towards * startup_velocity(across, time, *half_width, *body_force, viscosity)
+            }
+        }
+    }
+
+    /// What the prescribed motion needs of gravity and pressure, dv/dt − ν ∇²v, m/s², at a point (m) and time (s).
+    ///
+    /// `spacing` (m) and `moment` (s) are the steps of the differences in the expressions: shorter than anything that
+    /// an inlet resolves. The profile does not change along the flow; the second differences are taken across it. A
+    /// table has none: between its rows it is straight, at them it has no second derivative.
+    pub fn inertia(&self, viscosity: f64, point: DVec3, time: f64, spacing: f64, moment: f64) -> DVec3 {
+        let velocity = |point, time| self.velocity_at(viscosity, point, time);
+        if let InletVelocity::PoiseuilleStartup { body_force, .. } = self.velocity {
+            // The equation that the series solves.
+            return self.patch.towards * body_force;
+        }
+        let (before, after) = ((time - moment).max(0.0), time + moment);
+        let rate = (velocity(point, after) - velocity(point, before)) / (after - before);
+        if matches!(self.velocity, InletVelocity::TimeTable(_) | InletVelocity::ProfileTable { .. }) {
+            return rate;
+        }
+        let here = velocity(point, time);
+        let second = |across: DVec3| {
+            let step = across * spacing;
+            (velocity(point + step, time) + velocity(point - step, time) - here * 2.0) / (spacing * spacing)
+        };
+        let curvature: DVec3 =
+            self.patch.across.into_iter().filter(|across| *across != DVec3::ZERO).map(second).sum();
+        rate - curvature * viscosity
+    }
+}
+
+/// Normals nearer to an axis than this are along it.
+const ALONG_AN_AXIS: f64 = 1e-9;
+
+impl Patch {
+    /// Whether it lies slantwise to the lattice.
+    pub fn is_slantwise(&self) -> bool {
+        self.towards.abs().max_element() < 1.0 - ALONG_AN_AXIS
+    }
+}
+
+/// Linear between rising abscissae, held at the ends.
+fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: impl Fn(usize) -> f64) -> f64 {
+    let (mut next, mut end) = (0, count);
+    while next < end {
+        let middle = usize::midpoint(next, end);
+        if abscissa(middle) <= at { next = middle + 1 } else { end = middle }
+    }
+    if next == 0 {
+        return value(0);
+    }
+    if next == count {
+        return value(count - 1);
+    }
+    let (a, b) = (abscissa(next - 1), abscissa(next));
+    let weight = (at - a) / (b - a);
+    value(next - 1) * (1.0 - weight) + value(next) * weight
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expression::{Constants, Expression};
+    use crate::model::Patch;
+    use sphecs_core::physics::inlet::{Feed, InletPressure};
+
+    fn inlet(velocity: InletVelocity) -> Inlet {
+        Inlet {
+            patch: Patch {
+                name: "inlet".to_owned(),
+                at: DVec3::new(0.0, 1.0, 0.0),
+                towards: DVec3::X,
+                across: [DVec3::Y, DVec3::ZERO],
+                half_extent: [1.0, 0.0],
+                depth: 0.5,
+                area: 2.0,
+            },
+            velocity,
+            pressure: InletPressure::Extrapolated,
+            feed: Feed::Fed,
+        }
+    }
+
+    #[test]
+    fn all_of_a_row_has_the_velocity_of_the_plane() {
+        let text = "x + 10*y + t";
+        let speed = Expression::read(text, &Constants::default()).expect("an expression");
+        let inlet = inlet(InletVelocity::Normal(speed));
+        for x in [0.0, -0.1, -0.4] {
+            assert_eq!(inlet.velocity_at(0.0, DVec3::new(x, 1.5, 0.0), 2.0), DVec3::X * 17.0);
+        }
+    }
+
+    #[test]
+    fn a_table_in_time_is_linear_between_rows_and_held_beyond() {
+        let inlet = inlet(InletVelocity::TimeTable(vec![(1.0, 2.0), (3.0, 6.0)]));
+        for (time, speed) in [(0.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (9.0, 6.0)] {
+            assert_eq!(inlet.velocity_at(0.0, DVec3::ZERO, time), DVec3::X * speed, "t = {time}");
+        }
+    }
+
+    #[test]
+    fn a_profile_table_is_bilinear_about_the_middle_of_the_section() {
+        let inlet = inlet(InletVelocity::ProfileTable {
+            times: vec![0.0, 1.0],
+            positions: vec![-1.0, 0.0, 1.0],
+            speeds: vec![vec![0.0, 0.0, 0.0], vec![0.0, 4.0, 2.0]],
+        });
+        let speed = |y: f64, t: f64| inlet.velocity_at(0.0, DVec3::Y * y, t).x;
+        assert_eq!(speed(1.0, 1.0), 4.0);
+        assert_eq!(speed(1.5, 1.0), 3.0);
+        assert_eq!(speed(1.5, 0.5), 1.5);
+        assert_eq!(speed(9.0, 2.0), 2.0);
+    }
+
+    #[test]
+    fn a_parabola_needs_the_force_that_drives_it_and_a_ramp_its_rate() {
+        let read = |text| Expression::read(text, &Constants::default()).unwrap();
+        let inertia = |velocity| inlet(velocity).inertia(0.02, DVec3::Y * 0.3, 0.5, 0.01, 1e-4);
+        let parabola = inertia(InletVelocity::Normal(read("3 * (1 - y^2)")));
+        assert!((parabola - DVec3::X * (2.0 * 3.0 * 0.02)).length() < 1e-9, "{parabola}");
+        let ramp = inertia(InletVelocity::Components([read("t^2"), read("0"), read("y*t")]));
+        assert!((ramp - DVec3::new(1.0, 0.0, 0.3)).length() < 1e-9, "{ramp}");
+        let table = inertia(InletVelocity::TimeTable(vec![(0.0, 0.0), (1.0, 4.0)]));
+        assert!((table - DVec3::X * 4.0).length() < 1e-9, "{table}");
+        let startup = InletVelocity::PoiseuilleStartup { half_width: 1.0, body_force: 0.1 };
+        assert_eq!(inertia(startup), DVec3::X * 0.1);
+    }
+
+    #[test]
+    fn a_metered_inlet_has_its_profile_times_its_rate() {
+        let read = |text| Expression::read(text, &Constants::default()).unwrap();
+        let (rate, profile) = (read("6*t"), read("1 - y^2"));
+        let inlet = inlet(InletVelocity::Metered { rate, profile, scale: 0.5 });
+        assert!(
+            (inlet.velocity_at(0.0, DVec3::Y * 0.6, 2.0) - DVec3::X * (0.5 * 12.0 * 0.64)).length() < 1e-14
+        );
+        let inertia = inlet.inertia(0.02, DVec3::Y * 0.3, 0.5, 0.01, 1e-4);
+        // dv/dt − ν ∇²v = ½ 6 (1 − y²) + ν ½ 6 t 2.
+        assert!((inertia - DVec3::X * (3.0 * 0.91 + 0.02 * 3.0)).length() < 1e-9, "{inertia}");
+    }
+
+    #[test]
+    fn at_the_start_only_what_follows_counts() {
+        let steps = InletVelocity::TimeTable(vec![(-1.0, 0.0), (0.0, 5.0), (1.0, 5.0)]);
+        assert_eq!(inlet(steps).inertia(0.0, DVec3::ZERO, 0.0, 0.01, 1e-3), DVec3::ZERO);
+    }
+}

@@ -1,0 +1,349 @@
+//! The validated scene: what a simulation is built from. Made only by [`load`](super::load); a value
+//! of these types obeys the rules that their doc lines state.
+//!
+//! Vectors are `DVec3` in 2D too, with z = 0 everywhere.
+
+use glam::DVec3;
+
+pub use super::body::{Body, BodyReference, ForcesEvery};
+use super::expression::Expression;
+use super::geometry::Shape;
+use super::lattice::Lattice;
+pub use super::probe::{Probe, ProbeKind, ProbeSight};
+pub use super::rings::Rings;
+pub use super::scheme::{EdacTvf, Scheme, Wcsph};
+use sphecs_core::physics::eos::Tait;
+use sphecs_core::physics::inlet::{Feed, InletPressure};
+use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_core::physics::wall::{Slip, WallModel};
+
+/// A complete, checked scene.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// File stem of the scene, used for the run folder.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// The scene as run: the RON text with `--set` values put in.
+    pub text: String,
+    /// The tables that it names: the path as written, and the text.
+    pub tables: Vec<(String, String)>,
+    /// 2 or 3.
+    pub dimensions: usize,
+    /// Scalar of the pair sums.
+    pub precision: Precision,
+    /// Initial particle spacing Δ, m, > 0.
+    pub spacing: f64,
+    /// Coarser spacing for quick tests, m.
+    pub smoke_spacing: f64,
+    /// The fluid.
+    pub fluid: FluidProperties,
+    /// Numerical scheme.
+    pub scheme: Scheme,
+    /// Body force per mass, m/s².
+    pub body_force: BodyForce,
+    /// The domain: what the fluid fills, zones not included.
+    pub domain: Shape,
+    /// Domain ∪ extruded zones: a particle outside it by more than a hair went through a wall.
+    pub container: Shape,
+    /// How particles are laid into domain, zones and walls.
+    pub layout: Layout,
+    /// Walls.
+    pub walls: Walls,
+    /// Parts of the wall whose force and torque are written.
+    pub bodies: Vec<Body>,
+    /// Inlets; a particle's `patch` is an index into this.
+    pub inlets: Vec<Inlet>,
+    /// Outlets; a particle's `patch` is an index into this.
+    pub outlets: Vec<Outlet>,
+    /// For each axis, lower and upper bound of the periodic direction, m.
+    pub periodic: [Option<(f64, f64)>; 3],
+    /// Initial fields.
+    pub initial: Initial,
+    /// Reservoir at the start, and what happens when it is empty.
+    pub reservoir: Reservoir,
+    /// End and time step.
+    pub time: TimeSettings,
+    /// What is written and when.
+    pub output: OutputSettings,
+    /// Velocity for Reynolds and Mach numbers, m/s: given in the scene or estimated from inlets and initial fields.
+    pub reference_velocity: f64,
+    /// Length for the Reynolds number, m: given in the scene or the narrowest patch or domain width.
+    pub reference_length: f64,
+}
+
+impl Scene {
+    /// Distance between the outermost patches along a direction, m, at least ten spacings.
+    pub fn extent_along(&self, direction: DVec3) -> f64 {
+        let inlets = self.inlets.iter().map(|inlet| inlet.patch.at);
+        let outlets = self.outlets.iter().map(|outlet| outlet.patch.at);
+        let (low, high) = inlets
+            .chain(outlets)
+            .map(|at| at.dot(direction))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        (high - low).max(10.0 * self.spacing)
+    }
+}
+
+/// Scalar type of the pair sums.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Precision {
+    /// Single.
+    F32,
+    /// Double.
+    #[default]
+    F64,
+}
+
+/// Material of the fluid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FluidProperties {
+    /// Reference density ρ0, kg/m³, > 0.
+    pub density: f64,
+    /// Kinematic viscosity ν, m²/s, ≥ 0.
+    pub viscosity: f64,
+    /// Sound speed c0, m/s, > 0.
+    pub sound_speed: f64,
+}
+
+impl FluidProperties {
+    /// Tait's equation with this fluid's constants.
+    pub fn tait(&self) -> Tait {
+        Tait { reference_density: self.density, sound_speed: self.sound_speed }
+    }
+}
+
+/// Force per mass on the fluid, m/s².
+#[derive(Clone, Debug)]
+pub enum BodyForce {
+    /// The same everywhere.
+    Constant(DVec3),
+    /// Components as expressions of x, y, z, t.
+    Expression([Expression; 3]),
+}
+
+/// The walls of a scene: everything at the domain's surface that is neither patch nor periodic.
+#[derive(Clone, Debug)]
+pub struct Walls {
+    /// How they enter the sums.
+    pub model: WallModel,
+    /// Parts, in the order of the scene; a wall particle's `patch` is an index into this. The first part is the rest.
+    pub parts: Vec<WallPart>,
+}
+
+/// How particles are laid into domain, zones and walls: what [`seeds`](super::spawn::seeds) goes by.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Arrangement of the particles.
+    pub fill: Fill,
+    /// Domain ∪ zones, each zone drawn out beyond its far end by more than the support, so that the far end
+    /// is no wall.
+    pub confines: Shape,
+    /// The zones so drawn out: inlets, then outlets.
+    pub zones: Vec<Shape>,
+    /// Regions of the wall parts from the second on; the first part is the rest.
+    pub wall_regions: Vec<Shape>,
+    /// Cylinders whose wall particles stand on rings.
+    pub rings: Vec<Rings>,
+    /// Whether there are walls at all.
+    pub walled: bool,
+}
+
+/// Arrangement of the particles.
+#[derive(Clone, Debug)]
+pub enum Fill {
+    /// Square or cubic lattice.
+    Lattice(Lattice),
+    /// Rows at constant fractions of the width of a 2D channel along x.
+    WallFitted {
+        /// y of the lower wall as a function of x, m.
+        lower: Expression,
+        /// y of the upper wall as a function of x, m.
+        upper: Expression,
+        /// Number of rows.
+        rows: usize,
+    },
+}
+
+/// A part of the wall.
+#[derive(Clone, Debug)]
+pub struct WallPart {
+    /// Name for outputs and messages.
+    pub name: String,
+    /// Slip condition.
+    pub slip: Slip,
+    /// Surface velocity, m/s, as expressions of x, y, z, t.
+    pub velocity: [Expression; 3],
+}
+
+/// A plane opening of the domain.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// Name for outputs and messages.
+    pub name: String,
+    /// A point of the plane inside the section, m.
+    pub at: DVec3,
+    /// Unit normal in the direction of the flow (into the domain for an inlet, out of it for an outlet).
+    pub towards: DVec3,
+    /// Unit vectors that span the plane; the second is zero in 2D.
+    pub across: [DVec3; 2],
+    /// Half extents of the section's bounding rectangle about `at` along `across`, m.
+    pub half_extent: [f64; 2],
+    /// Length of its zone, m, ≥ the kernel's support.
+    pub depth: f64,
+    /// Area of the section, m² (length in m in 2D).
+    pub area: f64,
+}
+
+impl Patch {
+    /// Signed distance of a point from the plane along the flow, m.
+    pub fn along(&self, point: DVec3) -> f64 {
+        (point - self.at).dot(self.towards)
+    }
+
+    /// Whether a point's projection on the plane lies in the section's bounding rectangle widened by `margin`, m.
+    pub fn covers(&self, point: DVec3, margin: f64) -> bool {
+        let offset = point - self.at;
+        offset.dot(self.across[0]).abs() <= self.half_extent[0] + margin
+            && offset.dot(self.across[1]).abs() <= self.half_extent[1] + margin
+    }
+}
+
+/// An inlet.
+#[derive(Clone, Debug)]
+pub struct Inlet {
+    /// Its plane and zone.
+    pub patch: Patch,
+    /// Velocity of inflow particles.
+    pub velocity: InletVelocity,
+    /// Pressure of inflow particles.
+    pub pressure: InletPressure,
+    /// What follows them.
+    pub feed: Feed,
+}
+
+/// Velocity of inflow particles.
+#[derive(Clone, Debug)]
+pub enum InletVelocity {
+    /// Speed along `towards`, m/s.
+    Normal(Expression),
+    /// Components, m/s.
+    Components([Expression; 3]),
+    /// Speed along `towards` from a table in time: (s, m/s), linear between rows, held at the ends.
+    TimeTable(Vec<(f64, f64)>),
+    /// Speed along `towards` from a table over time and the coordinate along `across[0]` from the section's middle
+    /// (times in s, positions in m, `speeds[time][position]` in m/s), bilinear, held at the ends.
+    ProfileTable {
+        /// Times, s, rising.
+        times: Vec<f64>,
+        /// Positions from the section's middle, m, rising.
+        positions: Vec<f64>,
+        /// Speeds, m/s.
+        speeds: Vec<Vec<f64>>,
+    },
+    /// Speed along `towards` by the mass that it brings: rate(t) × profile(x) × `scale`.
+    Metered {
+        /// kg/s (per metre of depth in 2D), or kg/(s m²), in time.
+        rate: Expression,
+        /// Shape over the plane.
+        profile: Expression,
+        /// Speed over rate and profile: see [`meter`](super::build::meter).
+        scale: f64,
+    },
+    /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about `at`,
+    /// driven by `body_force` (m/s²), with the fluid's viscosity.
+    PoiseuilleStartup {
+        /// Half the gap, m.
+        half_width: f64,
+        /// Force per mass along the flow, m/s².
+        body_force: f64,
+    },
+}
+
+/// An outlet.
+#[derive(Clone, Debug)]
+pub struct Outlet {
+    /// Its plane and zone.
+    pub patch: Patch,
+    /// What its particles do.
+    pub condition: OutletCondition,
+}
+
+/// Fields at t = 0.
+#[derive(Clone, Debug)]
+pub struct Initial {
+    /// Velocity, m/s.
+    pub velocity: [Expression; 3],
+    /// Pressure, Pa.
+    pub pressure: Expression,
+    /// Passive tag carried by each particle.
+    pub tag: Expression,
+}
+
+/// Particles stored for the inlets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reservoir {
+    /// Particles at the start.
+    pub initial: usize,
+    /// Whether what leaves is stored for what enters; else it is deleted, and what enters is created.
+    pub recycle: bool,
+    /// What happens when an inlet needs a particle and there is none.
+    pub when_empty: WhenEmpty,
+}
+
+/// What happens when the reservoir is empty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum WhenEmpty {
+    /// It grows; the ledger counts the grown particles.
+    #[default]
+    Grow,
+    /// The run stops with an error.
+    Stop,
+}
+
+/// End and time step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeSettings {
+    /// End of the run, s.
+    pub end: f64,
+    /// Courant factor.
+    pub cfl: f64,
+    /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
+    pub viscous: f64,
+}
+
+/// What is written and when.
+#[derive(Clone, Debug)]
+pub struct OutputSettings {
+    /// Interval between frames, s.
+    pub every: f64,
+    /// Interval between rows of `monitor.nc` and `probes.nc`, s.
+    pub monitor_every: f64,
+    /// Interval between checkpoints, s of wall time.
+    pub checkpoint_every: f64,
+    /// How often the forces on bodies are written.
+    pub forces: ForcesEvery,
+    /// Probes.
+    pub probes: Vec<Probe>,
+}
+
+/// A particle at t = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleSeed {
+    /// Position, m.
+    pub position: DVec3,
+    /// Zone and patch (or wall part) index.
+    pub zone: sphecs_core::particles::zone::Zone,
+    /// Index of inlet, outlet or wall part.
+    pub patch: u16,
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// Pressure, Pa.
+    pub pressure: f64,
+    /// Passive tag.
+    pub tag: f64,
+    /// Wall: distance behind the surface, m. Others: 0.
+    pub wall_distance: f64,
+    /// Wall: unit normal of the surface at the nearest point, into the fluid. Others: 0.
+    pub wall_normal: DVec3,
+}

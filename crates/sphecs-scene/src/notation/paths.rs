@@ -1,0 +1,177 @@
+//! `--set path=value`: a value put into the scene's text, comments kept.
+//!
+//! A path names fields, entries of maps and, from 0, items of lists: `fluid.sound_speed`,
+//! `constants.v0`, `outlets.0.condition`. A last name that the text lacks is written into its bracket;
+//! whether the schema knows it is for the typed reading to say.
+
+use super::reader;
+use super::tree::{Node, Span, Value};
+use crate::faults::{Fault, nearest};
+
+/// A scene's text with values put in.
+#[derive(Clone, Debug)]
+pub struct Edited {
+    /// The text as run.
+    pub text: String,
+    /// What was put in: where it stands, fields written anew with their names, and by which path it came.
+    put: Vec<(Span, String)>,
+}
+
+/// Puts values into a scene's text, one after the other.
+///
+/// # Errors
+/// All paths and values that make no sense.
+pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>> {
+    let mut edited = Edited { text: text.to_owned(), put: Vec::new() };
+    let mut faults = Vec::new();
+    for (path, value) in sets {
+        let written = reader::read(value);
+        if !written.faults.is_empty() {
+            let name = format!("--set {path}");
+            faults.extend(written.faults.into_iter().map(|f| f.in_text(&name, value)));
+            continue;
+        }
+        let reading = reader::read(&edited.text);
+        let root = reading.root;
+        if !reading.faults.is_empty() {
+            // The text itself is reported by the reading that follows.
+            return if faults.is_empty() { Ok(edited) } else { Err(faults) };
+        }
+        match find(&root, path) {
+            Some(Place::Value(span)) => edited.replace(span, path, value),
+            Some(Place::NewField(at, name)) => edited.insert(at, name, path, value),
+            None => faults.push(unknown_path(&root, path)),
+        }
+    }
+    if faults.is_empty() { Ok(edited) } else { Err(faults) }
+}
+
+impl Edited {
+    /// The path by which the text at a place came, if it was put in.
+    pub fn path_of(&self, place: Span) -> Option<&str> {
+        let around = |span: &Span| span.start <= place.start && place.end <= span.end;
+        // What was put in last may stand within what was put in before.
+        self.put.iter().rev().find(|(span, _)| around(span)).map(|(_, path)| path.as_str())
+    }
+
+    fn replace(&mut self, span: Span, path: &str, value: &str) {
+        self.text.replace_range(span.start..span.end, value);
+        let removed = span.end - span.start;
+        // Gone with what it stood in.
+        self.put.retain(|(place, _)| place.start < span.start || place.end > span.end);
+        for (place, _) in &mut self.put {
+            if place.start >= span.end {
+                place.start = place.start + value.len() - removed;
+            }
+            if place.end >= span.end {
+                place.end = place.end + value.len() - removed;
+            }
+        }
+        self.put.push((Span::new(span.start, span.start + value.len()), path.to_owned()));
+    }
+
+    fn insert(&mut self, at: usize, name: &str, path: &str, value: &str) {
+        let field = format!("{name}: {value}, ");
+        self.text.insert_str(at, &field);
+        for (place, _) in &mut self.put {
+            if place.start >= at {
+                place.start += field.len();
+            }
+            if place.end > at {
+                place.end += field.len();
+            }
+        }
+        self.put.push((Span::new(at, at + name.len() + 2 + value.len()), path.to_owned()));
+    }
+}
+
+enum Place<'a> {
+    Value(Span),
+    NewField(usize, &'a str),
+}
+
+fn find<'a>(root: &Node, path: &'a str) -> Option<Place<'a>> {
+    let mut node = root;
+    let mut segments = path.split('.').peekable();
+    while let Some(segment) = segments.next() {
+        match child(node, segment) {
+            Some(next) => node = next,
+            None if segments.peek().is_none() => {
+                return body(node, segment).map(|at| Place::NewField(at, segment));
+            }
+            None => return None,
+        }
+    }
+    Some(Place::Value(node.span))
+}
+
+fn child<'a>(node: &'a Node, segment: &str) -> Option<&'a Node> {
+    let index = || segment.parse::<usize>().ok();
+    match &node.value {
+        Value::Struct(..) => node.field(segment),
+        Value::Map(entries) => entries
+            .iter()
+            .find(
+                |(key, _)| matches!(&key.value, Value::Text(text, _) | Value::Name(text) if text == segment),
+            )
+            .map(|(_, value)| value),
+        Value::List(items) => items.get(index()?),
+        // `Circular((radius: …))` and the like: the one value of a choice is the choice's own.
+        Value::Tuple(Some(_), items) if items.len() == 1 => {
+            child(&items[0], segment).or_else(|| items.get(index()?))
+        }
+        Value::Tuple(_, items) => items.get(index()?),
+        _ => None,
+    }
+}
+
+/// Where a new field goes: behind the opening bracket of a struct.
+fn body(node: &Node, segment: &str) -> Option<usize> {
+    let is_name = segment.starts_with(|c: char| c.is_alphabetic() || c == '_')
+        && segment.chars().all(|c| c.is_alphanumeric() || c == '_');
+    match &node.value {
+        Value::Struct(_, fields) if is_name => fields.first().map(|field| field.name.span.start),
+        Value::Tuple(_, items) if is_name && items.is_empty() => Some(node.span.end - 1),
+        _ => None,
+    }
+}
+
+fn unknown_path(root: &Node, path: &str) -> Fault {
+    let mut paths = Vec::new();
+    collect(root, "", &mut paths);
+    let fault = Fault::placeless(format!("--set {path}: the scene has no such path"));
+    match nearest(path, paths.iter().map(String::as_str)) {
+        Some(near) => fault.help(format!("did you mean `{near}`?")),
+        None => fault.help("name fields and, from 0, items of lists: `fluid.sound_speed`, `outlets.0.depth`"),
+    }
+}
+
+fn collect(node: &Node, path: &str, paths: &mut Vec<String>) {
+    let join = |name: &str| match path {
+        "" => name.to_owned(),
+        _ => format!("{path}.{name}"),
+    };
+    if !path.is_empty() {
+        paths.push(path.to_owned());
+    }
+    match &node.value {
+        Value::Struct(_, fields) => {
+            for field in fields {
+                collect(&field.value, &join(&field.name.text), paths);
+            }
+        }
+        Value::Map(entries) => {
+            for (key, value) in entries {
+                if let Value::Text(text, _) | Value::Name(text) = &key.value {
+                    collect(value, &join(text), paths);
+                }
+            }
+        }
+        Value::List(items) | Value::Tuple(_, items) => {
+            for (index, item) in items.iter().enumerate() {
+                collect(item, &join(&index.to_string()), paths);
+            }
+        }
+        _ => {}
+    }
+}

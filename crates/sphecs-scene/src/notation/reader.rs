@@ -1,0 +1,332 @@
+//! Text → tree, with all syntax faults.
+//!
+//! After a fault the reader goes on behind the next comma of the same bracket, so that one run names
+//! every fault. When brackets do not match it stops: what follows would be guesses.
+
+use super::lexer::Cursor;
+use super::tree::{Field, Name, Node, Span, Value};
+use crate::faults::Fault;
+
+/// Deeper nesting than any scene needs; it bounds the recursion.
+const DEEPEST: usize = 48;
+
+/// What was read of a text.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// The values, [`Value::Broken`] where nothing could be read.
+    pub root: Node,
+    /// Syntax faults.
+    pub faults: Vec<Fault>,
+    /// Whether brackets do not match: then what is in the tree, and what is not, means nothing.
+    pub lost: bool,
+}
+
+/// Reads a RON text.
+pub fn read(text: &str) -> Reading {
+    let mut reader = Reader { cursor: Cursor::new(text), faults: Vec::new(), lost: false, depth: 0 };
+    reader.blanks();
+    reader.skip_attributes();
+    let root = reader.value();
+    reader.blanks();
+    if reader.cursor.peek().is_some() {
+        let here = reader.cursor.here();
+        let label = "the value ended before this";
+        reader.fault(Fault::new("text after the end", here, label));
+    }
+    Reading { root, faults: reader.faults, lost: reader.lost }
+}
+
+struct Reader<'a> {
+    cursor: Cursor<'a>,
+    faults: Vec<Fault>,
+    /// Brackets do not match: nothing more is reported.
+    lost: bool,
+    depth: usize,
+}
+
+impl Reader<'_> {
+    fn fault(&mut self, fault: Fault) {
+        if !self.lost {
+            self.faults.push(fault);
+        }
+    }
+
+    fn get_lost(&mut self, fault: Fault) {
+        self.fault(fault);
+        self.lost = true;
+    }
+
+    fn blanks(&mut self) {
+        if let Err(fault) = self.cursor.skip_blanks() {
+            self.get_lost(fault);
+        }
+    }
+
+    /// `#![enable(implicit_some)]` and the like: the scene reader has them all on.
+    fn skip_attributes(&mut self) {
+        while self.cursor.rest().starts_with("#!") {
+            let end = self.cursor.rest().find(']').map_or(2, |i| i + 1);
+            self.cursor.at += end;
+            self.blanks();
+        }
+    }
+
+    fn value(&mut self) -> Node {
+        let start = self.cursor.at;
+        let value = match self.cursor.peek() {
+            _ if self.depth >= DEEPEST => {
+                let here = self.cursor.here();
+                self.get_lost(Fault::new(
+                    "brackets are nested too deeply",
+                    here,
+                    format!("must be at most {DEEPEST} deep"),
+                ));
+                self.cursor.at += self.cursor.rest().len();
+                Value::Broken
+            }
+            Some('(') => self.brackets(None),
+            Some('[') => {
+                let open = self.cursor.here();
+                let mut items = Vec::new();
+                self.items(open, ']', |reader| {
+                    let item = reader.value();
+                    items.push(item);
+                });
+                Value::List(items)
+            }
+            Some('{') => self.map(),
+            Some('"') => match self.cursor.text() {
+                Ok((text, inner)) => Value::Text(text, inner),
+                Err(fault) => self.broken(fault),
+            },
+            Some('r') if self.raw_text_next() => match self.cursor.raw_text() {
+                Ok((text, inner)) => Value::Text(text, inner),
+                Err(fault) => self.broken(fault),
+            },
+            Some(c) if c.is_ascii_digit() || matches!(c, '+' | '-' | '.') => match self.cursor.number() {
+                Ok((value, whole)) => self.unless_expression(start, Value::Number(value, whole)),
+                Err(fault) => self.broken(fault),
+            },
+            Some(c) if c.is_alphabetic() || c == '_' => {
+                let value = self.named();
+                self.unless_expression(start, value)
+            }
+            other => {
+                let here = self.cursor.here();
+                let what = other.map_or("the text ends".to_owned(), |c| format!("found `{c}`"));
+                self.broken(Fault::new(
+                    "a value is missing",
+                    here,
+                    format!("{what}, must be a number, text in quotes, a name or a bracket"),
+                ))
+            }
+        };
+        Node { value, span: Span::new(start, self.cursor.at) }
+    }
+
+    /// The value, unless an operator follows: then somebody wrote an expression without quotes.
+    fn unless_expression(&mut self, start: usize, value: Value) -> Value {
+        let after = self.cursor.at;
+        self.blanks();
+        if self.cursor.peek().is_none_or(|next| !"*/+-^".contains(next)) {
+            self.cursor.at = after;
+            return value;
+        }
+        self.synchronise();
+        let place = Span::new(start, self.cursor.trimmed());
+        self.fault(
+            Fault::new("an expression has no quotes", place, "must be text in quotes")
+                .help("write it like \"2*h0\""),
+        );
+        Value::Broken
+    }
+
+    fn raw_text_next(&self) -> bool {
+        let rest = self.cursor.rest();
+        let after = rest[1..].trim_start_matches('#');
+        after.starts_with('"')
+    }
+
+    fn broken(&mut self, fault: Fault) -> Value {
+        self.fault(fault);
+        self.synchronise();
+        Value::Broken
+    }
+
+    /// Goes to the next comma or closing bracket of the present bracket.
+    fn synchronise(&mut self) {
+        let mut depth = 0_usize;
+        loop {
+            self.blanks();
+            match self.cursor.peek() {
+                None => return,
+                Some(',') if depth == 0 => return,
+                Some(')' | ']' | '}') if depth == 0 => return,
+                Some('"') => {
+                    if let Err(fault) = self.cursor.text() {
+                        self.get_lost(fault);
+                    }
+                    continue;
+                }
+                Some('(' | '[' | '{') => depth += 1,
+                Some(')' | ']' | '}') => depth -= 1,
+                Some(_) => {}
+            }
+            self.cursor.bump();
+        }
+    }
+
+    fn named(&mut self) -> Value {
+        let start = self.cursor.at;
+        let text = self.cursor.name();
+        let name = Name { text: text.to_owned(), span: Span::new(start, self.cursor.at) };
+        match text {
+            "true" => return Value::Bool(true),
+            "false" => return Value::Bool(false),
+            "inf" => return Value::Number(f64::INFINITY, false),
+            "NaN" => return Value::Number(f64::NAN, false),
+            _ => {}
+        }
+        let after_name = self.cursor.at;
+        self.blanks();
+        if self.cursor.peek() == Some('(') {
+            self.brackets(Some(name))
+        } else {
+            self.cursor.at = after_name;
+            Value::Name(name.text)
+        }
+    }
+
+    /// `(…)`: named fields or a tuple, told apart by `name:` at the first item.
+    fn brackets(&mut self, name: Option<Name>) -> Value {
+        let open = self.cursor.here();
+        let mut inside = self.cursor.clone();
+        inside.bump();
+        if self.field_next(inside) {
+            let mut fields = Vec::new();
+            self.items(open, ')', |reader| {
+                if let Some(field) = reader.field() {
+                    fields.push(field);
+                }
+            });
+            Value::Struct(name, fields)
+        } else {
+            let mut items = Vec::new();
+            self.items(open, ')', |reader| {
+                let item = reader.value();
+                items.push(item);
+            });
+            Value::Tuple(name, items)
+        }
+    }
+
+    /// Whether `name:` comes next.
+    fn field_next(&self, mut ahead: Cursor<'_>) -> bool {
+        if ahead.skip_blanks().is_err() || ahead.name().is_empty() {
+            return false;
+        }
+        ahead.skip_blanks().is_ok() && ahead.peek() == Some(':')
+    }
+
+    fn field(&mut self) -> Option<Field> {
+        let start = self.cursor.at;
+        let text = self.cursor.name().to_owned();
+        let name = Name { span: Span::new(start, self.cursor.at), text };
+        if name.text.is_empty() {
+            let here = self.cursor.here();
+            self.broken(Fault::new("a field has no name", here, "must be `name: value`"));
+            return None;
+        }
+        self.blanks();
+        if !self.cursor.eat(':') {
+            let help = match name.text.starts_with(|c: char| c.is_ascii_digit()) {
+                true => "a number has a point, not a comma: `1.5`".to_owned(),
+                false => format!("write `{}: …`", name.text),
+            };
+            let title = format!("field `{}` has no value", name.text);
+            let fault = Fault::new(title, name.span, "must be followed by `:` and a value");
+            self.broken(fault.help(help));
+            return None;
+        }
+        self.blanks();
+        let value = self.value();
+        Some(Field { name, value })
+    }
+
+    fn map(&mut self) -> Value {
+        let open = self.cursor.here();
+        let mut entries = Vec::new();
+        self.items(open, '}', |reader| {
+            let key = reader.value();
+            reader.blanks();
+            if key.value == Value::Broken {
+                return;
+            }
+            if !reader.cursor.eat(':') {
+                reader.broken(Fault::new(
+                    "an entry of a map has no value",
+                    key.head(),
+                    "must be followed by `:` and a value, as in `\"v0\": 0.1`",
+                ));
+                return;
+            }
+            reader.blanks();
+            let value = reader.value();
+            entries.push((key, value));
+        });
+        Value::Map(entries)
+    }
+
+    /// Items between brackets, separated by commas, the opening bracket next.
+    fn items(&mut self, open: Span, close: char, mut item: impl FnMut(&mut Self)) {
+        self.depth += 1;
+        self.cursor.bump();
+        loop {
+            self.blanks();
+            match self.cursor.peek() {
+                Some(c) if c == close => {
+                    self.cursor.bump();
+                    break;
+                }
+                Some(c @ (')' | ']' | '}')) => {
+                    let here = self.cursor.here();
+                    self.get_lost(Fault::new(
+                        "brackets do not match",
+                        here,
+                        format!("is `{c}`, must be `{close}`"),
+                    ));
+                    self.cursor.bump();
+                    break;
+                }
+                None => {
+                    self.get_lost(
+                        Fault::new("a bracket is never closed", open, "opened here")
+                            .help(format!("close it with `{close}`")),
+                    );
+                    break;
+                }
+                Some(_) => item(self),
+            }
+            self.blanks();
+            match self.cursor.peek() {
+                Some(',') => {
+                    self.cursor.bump();
+                }
+                Some(')' | ']' | '}') | None => {}
+                Some(_) => {
+                    let here = self.cursor.here();
+                    let label = format!("must be `,` or `{close}`");
+                    let fault = Fault::new("a comma is missing", here, label);
+                    // `a: 1 b: 2`: the next field is sound.
+                    if self.field_next(self.cursor.clone()) {
+                        self.fault(fault);
+                    } else {
+                        self.broken(fault);
+                        self.cursor.eat(',');
+                    }
+                }
+            }
+        }
+        self.depth -= 1;
+    }
+}

@@ -1,0 +1,187 @@
+//! A value about to be read: what kind it is, and what is reported if it is of another.
+
+use super::Context;
+use super::parts::{Entries, Variant};
+use crate::faults::{Fault, advice, nearest};
+use crate::notation::tree::{Field, Node, Value};
+
+/// A value about to be read; `node` is None for a placeholder.
+#[derive(Clone, Copy)]
+pub(super) struct Typed<'a> {
+    pub(super) node: Option<&'a Node>,
+    pub(super) context: &'a Context<'a>,
+    /// The field it stands in, for messages.
+    pub(super) field: &'a str,
+}
+
+impl<'a> Typed<'a> {
+    pub(super) fn new(node: Option<&'a Node>, context: &'a Context<'a>, field: &'a str) -> Self {
+        let node =
+            node.filter(|node| node.value != Value::Broken && !context.refused.borrow().contains(&node.span));
+        Self { node, context, field }
+    }
+
+    /// Reports a value of the wrong kind.
+    pub(super) fn mismatch(&self, node: &Node, wanted: &str) {
+        self.context.report(Fault::new(
+            format!("`{}` is not {wanted}", self.field),
+            node.head(),
+            format!("is {}, must be {wanted}", node.kind()),
+        ));
+        self.refuse(node);
+    }
+
+    /// From now on a placeholder stands in for the value.
+    pub(super) fn refuse(&self, node: &Node) {
+        self.context.refused.borrow_mut().insert(node.span);
+    }
+
+    pub(super) fn number(&self) -> f64 {
+        let Some(node) = self.node else { return 1.0 };
+        match &node.value {
+            Value::Number(value, _) => *value,
+            Value::Text(text, inner) => match self.context.constants.number(text) {
+                Ok(value) => value,
+                Err(fault) => {
+                    self.context.report(fault.into_fault(node.span, *inner));
+                    self.refuse(node);
+                    1.0
+                }
+            },
+            _ => {
+                self.mismatch(node, "a number or an expression in quotes");
+                1.0
+            }
+        }
+    }
+
+    pub(super) fn whole_number(&self) -> u64 {
+        let value = self.number();
+        // 2^53: every whole number up to there has its own double.
+        let exact = value.fract() == 0.0 && (0.0..=9.0e15).contains(&value);
+        match self.node {
+            Some(node) if !exact => {
+                self.mismatch(node, "a whole number from 0");
+                1
+            }
+            _ => value as u64,
+        }
+    }
+
+    pub(super) fn elements(&self) -> Option<&'a [Node]> {
+        match &self.node?.value {
+            Value::List(items) | Value::Tuple(None, items) => Some(items),
+            _ => None,
+        }
+    }
+
+    /// The named fields of a struct; None (reported) if there are none to be had.
+    pub(super) fn fields(&self, name: &str) -> Option<&'a [Field]> {
+        let node = self.node?;
+        match &node.value {
+            Value::Struct(given, fields) => {
+                if let Some(given) = given.as_ref().filter(|given| given.text != name) {
+                    self.context.report(
+                        Fault::new(
+                            format!("`{}` has the wrong name", self.field),
+                            given.span,
+                            format!("is `{}`, must be `{name}` or nothing", given.text),
+                        )
+                        .help(format!("write `{name}(…)` or `(…)`")),
+                    );
+                }
+                Some(fields)
+            }
+            Value::Tuple(_, items) if items.is_empty() => Some(&[]),
+            _ => {
+                self.mismatch(node, "a bracket with named fields `(name: value, …)`");
+                None
+            }
+        }
+    }
+
+    /// Known fields with values, unknown ones reported, missed ones as placeholders.
+    pub(super) fn entries(&self, name: &str, known: &'static [&'static str]) -> Entries<'a> {
+        let Some(fields) = self.fields(name) else {
+            let all = known.iter().map(|field| (*field, None)).collect();
+            return Entries::new(all, self.context);
+        };
+        let mut entries: Vec<(&str, Option<&Node>)> = Vec::new();
+        let mut unless_given = Vec::new();
+        for field in fields {
+            let text = field.name.text.as_str();
+            if !known.contains(&text) {
+                self.context.report(
+                    Fault::new(
+                        format!("unknown field `{text}`"),
+                        field.name.span,
+                        format!("`{}` has no such field", self.field),
+                    )
+                    .help(advice(text, known.iter().copied())),
+                );
+                // A misspelt field is not also missing.
+                let meant = nearest(text, known.iter().copied());
+                unless_given.extend(meant);
+            } else if entries.iter().any(|(old, _)| *old == text) {
+                self.context.report(Fault::new(
+                    format!("field `{text}` is given twice"),
+                    field.name.span,
+                    "must be given once",
+                ));
+            } else {
+                entries.push((text, Some(&field.value)));
+            }
+        }
+        for field in unless_given {
+            if !fields.iter().any(|given| given.name.text == field) {
+                entries.push((field, None));
+            }
+        }
+        if let Some(node) = self.node {
+            let missing = self.context.missing.borrow();
+            entries.extend(missing.get(&node.span).into_iter().flatten().map(|field| (*field, None)));
+        }
+        Entries::new(entries, self.context)
+    }
+
+    /// The variant chosen; a placeholder of the first one if there is no such variant.
+    pub(super) fn variant(&self, variants: &'static [&'static str]) -> Variant<'a> {
+        let placeholder =
+            Variant { name: variants.first().copied().unwrap_or(""), node: None, context: self.context };
+        let Some(node) = self.node else {
+            return placeholder;
+        };
+        let (name, span) = match &node.value {
+            Value::Name(name) => (name.as_str(), node.span),
+            Value::Tuple(Some(name), _) | Value::Struct(Some(name), _) => (name.text.as_str(), name.span),
+            _ => {
+                let all: Vec<String> = variants.iter().map(|name| format!("`{name}`")).collect();
+                self.mismatch(node, &format!("one of the choices {}", all.join(", ")));
+                return placeholder;
+            }
+        };
+        match variants.iter().find(|known| **known == name) {
+            Some(known) => Variant { name: known, node: Some(node), context: self.context },
+            None => {
+                self.context.report(
+                    Fault::new(
+                        format!("`{name}` is not a choice for `{}`", self.field),
+                        span,
+                        "unknown name",
+                    )
+                    .help(
+                        elsewhere(self.field, name).unwrap_or_else(|| advice(name, variants.iter().copied())),
+                    ),
+                );
+                self.refuse(node);
+                placeholder
+            }
+        }
+    }
+}
+
+/// What is said elsewhere in a scene than where it is looked for.
+fn elsewhere(field: &str, name: &str) -> Option<String> {
+    let periodic = "a flow that goes round has neither inlet nor outlet: leave them out and write `periodic: [\"x\"]` in the scene";
+    (field == "condition" && name == "Periodic").then(|| periodic.to_owned())
+}

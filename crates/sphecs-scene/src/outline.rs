@@ -1,0 +1,132 @@
+//! Points spread over the surface of a wall part, for integrals over it.
+//!
+//! ```text
+//! ∮ g dS = ∫ g(nearest point) δ(φ) dV,   δ(φ) = (1 + cos(π φ/Δ))/2Δ for |φ| < Δ
+//! ```
+//!
+//! The signed distance φ is sampled four times a spacing Δ along each axis; what falls into one cell of the spacing is one point.
+//! A band that reaches as far to either side of the surface has its area to second order in Δ/R.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::fill::confined_distance;
+use super::model::Scene;
+use super::walls::surface_at;
+
+/// A piece of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlinePoint {
+    /// Where it is, m.
+    pub point: DVec3,
+    /// Unit normal, into the fluid.
+    pub normal: DVec3,
+    /// Its area, m² (m in 2D).
+    pub area: f64,
+}
+
+/// The surface of a wall part in pieces of about a spacing, in an order that depends on the scene alone.
+pub fn outline(scene: &Scene, part: u16) -> Vec<OutlinePoint> {
+    let spacing = scene.spacing;
+    let (low, high) = band(scene, part);
+    let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+        if axis < scene.dimensions { samples(low[axis], high[axis], spacing) } else { vec![0.0] }
+    });
+    let mut volume = 1.0;
+    for axis in 0..scene.dimensions {
+        volume *= (high[axis] - low[axis]) / axes[axis].len() as f64;
+    }
+    let mut pieces: BTreeMap<[i64; 3], (f64, DVec3, DVec3)> = BTreeMap::new();
+    for &x in &axes[0] {
+        for &y in &axes[1] {
+            for &z in &axes[2] {
+                let sample = DVec3::new(x, y, z);
+                let distance = confined_distance(scene, sample);
+                if distance.abs() >= spacing {
+                    continue;
+                }
+                let (point, normal, of) = surface_at(scene, sample);
+                if of != part {
+                    continue;
+                }
+                let area = volume * (1.0 + (PI * distance / spacing).cos()) / (2.0 * spacing);
+                let cell = ((point - low) / spacing).floor().as_i64vec3().to_array();
+                let piece = pieces.entry(cell).or_default();
+                *piece = (piece.0 + area, piece.1 + area * point, piece.2 + area * normal);
+            }
+        }
+    }
+    let whole = |(area, point, normal): (f64, DVec3, DVec3)| OutlinePoint {
+        point: point / area,
+        normal: normal.normalize_or_zero(),
+        area,
+    };
+    pieces.into_values().filter(|piece| piece.0 > 0.0).map(whole).collect()
+}
+
+/// The box that holds a part's surface, a period wide where the scene is periodic, m.
+fn band(scene: &Scene, part: u16) -> (DVec3, DVec3) {
+    let region = usize::from(part).checked_sub(1).and_then(|index| scene.layout.wall_regions.get(index));
+    let (mut low, mut high) = scene.layout.confines.bounds();
+    if let Some((lower, upper)) = region.map(|region| region.bounds()) {
+        (low, high) = (low.max(lower), high.min(upper));
+    }
+    let (mut low, mut high) = (low - scene.spacing, high + scene.spacing);
+    for (axis, period) in scene.periodic.iter().enumerate() {
+        if let Some((from, to)) = *period {
+            (low[axis], high[axis]) = (from, to);
+        }
+    }
+    (low, high)
+}
+
+/// Middles of equal parts of an interval, at least four of them to a spacing.
+fn samples(low: f64, high: f64, spacing: f64) -> Vec<f64> {
+    let count = (4.0 * (high - low) / spacing).ceil().max(1.0) as usize;
+    (0..count).map(|at| low + (high - low) * (at as f64 + 0.5) / count as f64).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use glam::DVec3;
+
+    use super::outline;
+    use crate::load_str;
+
+    /// A drum of ten spacings in a box, in 2D and as a ball in 3D: the area of each, normals that point away from its middle and cancel.
+    #[test]
+    fn the_surface_of_a_body_has_its_area_and_is_closed() {
+        for (dimensions, ball, area) in [
+            (2, "Circle(center: (0.1, 0.2)", 2.0 * PI * 0.25),
+            (3, "Sphere(center: (0.1, 0.2, 0.0)", 4.0 * PI * 0.0625),
+        ] {
+            let corner = |at: f64| vec![format!("{at:?}"); dimensions].join(", ");
+            let text = format!(
+                r#"Scene(
+                    title: "Drum", dimensions: {dimensions}, spacing: 0.025, smoke: 0.05,
+                    fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+                    domain: Difference([Box(min: ({}), max: ({})), {ball}, radius: 0.25)]),
+                    walls: (parts: [(name: "drum", region: {ball}, radius: 0.35))]),
+                    reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 1.0),
+                )"#,
+                corner(-0.7),
+                corner(0.7)
+            );
+            let scene = load_str("drum", &text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+            let middle = DVec3::new(0.1, 0.2, 0.0);
+            let pieces = outline(&scene, 1);
+            let found: f64 = pieces.iter().map(|piece| piece.area).sum();
+            assert!((found / area - 1.0).abs() < 2e-3, "{found} of {area} m in {dimensions}D");
+            let closed: DVec3 = pieces.iter().map(|piece| piece.normal * piece.area).sum();
+            assert!(closed.length() < 2e-3 * area, "{closed}");
+            for piece in &pieces {
+                let out = (piece.point - middle) / 0.25;
+                assert!((out - piece.normal).length() < 0.05, "{piece:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Probes: where a scene measures, and what is seen there.
+
+use glam::DVec3;
+
+use sphecs_core::particles::zone::Zone;
+
+/// Particles that a probe sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+pub enum ProbeSight {
+    /// The fluid's: beyond the plane of an inlet or outlet there is nothing.
+    #[default]
+    Fluid,
+    /// Those of the zones behind inlets and outlets, too, as the fluid next to them does.
+    Flow,
+}
+
+impl ProbeSight {
+    /// Whether the particles of a zone are seen.
+    pub fn sees(self, zone: Zone) -> bool {
+        match self {
+            ProbeSight::Fluid => zone == Zone::Fluid,
+            ProbeSight::Flow => matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow),
+        }
+    }
+}
+
+/// A declared measurement.
+#[derive(Clone, Debug)]
+pub struct Probe {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// What is measured.
+    pub kind: ProbeKind,
+    /// Interval of the time mean in the results, s; None: no mean.
+    pub mean: Option<(f64, f64)>,
+    /// Whose velocity, pressure and density it measures.
+    pub sees: ProbeSight,
+}
+
+/// Where and what a probe measures: velocity, pressure and density.
+#[derive(Clone, Debug)]
+pub enum ProbeKind {
+    /// At one point, m.
+    Point(DVec3),
+    /// At `count` ≥ 2 points evenly from `from` to `to`, ends included, m.
+    Line {
+        /// First point, m.
+        from: DVec3,
+        /// Last point, m.
+        to: DVec3,
+        /// Number of points.
+        count: usize,
+    },
+    /// Mass flow (kg/s, per metre of depth in 2D) and mean pressure through a plane section of the domain.
+    Section {
+        /// A point of the section, m.
+        at: DVec3,
+        /// Unit normal.
+        normal: DVec3,
+    },
+}

@@ -1,0 +1,123 @@
+//! Wall particles on rings in a cylinder.
+//!
+//! ```text
+//! r_k = R − (k + ½) Δ,   n_k = 2π r_k/Δ, rounded,   k = 0, 1, … as far as the fluid feels
+//! ```
+//!
+//! Negi et al. (2020), section 4.6, put the first ring on the circumference itself and the others Δ apart, “such that the volume is
+//! consistent”; that is [`FirstRing::Circumference`], r_k = R − k Δ. By default the rings stand in the middle of the shells that they are to fill, half a
+//! spacing behind the surface as on a lattice, which makes their volume that of the cylinder (with a ring at R it is that of a radius Δ/2 larger).
+//! In 2D.
+
+use glam::DVec3;
+use serde::Deserialize;
+
+use super::fill::{Place, wall_thickness};
+use super::model::Scene;
+use sphecs_core::particles::zone::Zone;
+
+/// Where the first ring of a cylinder is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum FirstRing {
+    /// Half a spacing behind the surface.
+    #[default]
+    HalfSpacing,
+    /// On the surface: Negi et al. (2020).
+    Circumference,
+}
+
+impl FirstRing {
+    /// Its depth, over Δ.
+    fn depth(self) -> f64 {
+        match self {
+            FirstRing::HalfSpacing => 0.5,
+            FirstRing::Circumference => 0.0,
+        }
+    }
+}
+
+/// A cylinder whose wall particles stand on rings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rings {
+    /// Centre, m.
+    pub centre: DVec3,
+    /// Radius, m, > 0.
+    pub radius: f64,
+    /// Where its first ring is.
+    pub first: FirstRing,
+}
+
+/// Puts the rings of a scene in the places of the wall particles that the lattice has in their cylinders.
+pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
+    let spacing = scene.spacing;
+    // A lattice may have a wall particle up to a quarter of a spacing in front of its surface.
+    let reach = |rings: &Rings| rings.radius + 0.26 * spacing;
+    let within = |place: &Place| {
+        let inside = |rings: &Rings| place.position.distance(rings.centre) < reach(rings);
+        place.zone == Zone::Wall && scene.layout.rings.iter().any(inside)
+    };
+    places.retain(|place| !within(place));
+    for rings in &scene.layout.rings {
+        let deepest = wall_thickness(scene) - 1e-9 * spacing;
+        let radii = (0..).map(|ring| (f64::from(ring) + rings.first.depth()) * spacing);
+        for depth in radii.take_while(|depth| *depth < deepest.min(rings.radius + 1e-9 * spacing)) {
+            let radius = (rings.radius - depth).max(0.0);
+            let count = (std::f64::consts::TAU * radius / spacing).round().max(1.0) as u32;
+            places.extend((0..count).map(|index| {
+                let (sine, cosine) = (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
+                let position = rings.centre + radius * DVec3::new(cosine, sine, 0.0);
+                Place { position, zone: Zone::Wall, patch: 0 }
+            }));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::load_str;
+    use crate::spawn::seeds;
+    use sphecs_core::particles::zone::Zone;
+
+    const CYLINDER: &str = r#"Scene(
+        title: "Cylinder", dimensions: 2, spacing: 0.1, smoke: 0.2,
+        fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+        domain: Difference([Box(min: (-2.0, -2.0), max: (2.0, 2.0)), Circle(center: (0.1, 0.0), radius: 1.0)]),
+        walls: (parts: [(
+            name: "cylinder", region: Circle(center: (0.1, 0.0), radius: 1.5),
+            fill: Concentric(center: (0.1, 0.0), radius: 1.0),
+        )]),
+        initial: (velocity: (0.1, 0.0)),
+        time: (end: 1.0), output: (every: 1.0),
+    )"#;
+
+    #[test]
+    fn rings_fill_the_cylinder_as_far_as_the_fluid_feels() {
+        let scene = load_str("cylinder", CYLINDER, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let all = seeds(&scene);
+        let ring = all.iter().filter(|seed| seed.zone == Zone::Wall && seed.patch == 1);
+        let depths: Vec<(f64, f64)> = ring
+            .map(|seed| (1.0 - seed.position.distance(glam::DVec3::X * 0.1), seed.wall_distance))
+            .collect();
+        for (depth, found) in &depths {
+            assert!((depth - found).abs() < 1e-6, "{found} m behind the surface, not {depth} m");
+            let layer = depth / 0.1 - 0.5;
+            assert!((layer - layer.round()).abs() < 1e-9 && depth < &0.35, "{depth} m");
+        }
+        // Wendland at 1.5 Δ feels three layers: 2π (0.95 + 0.85 + 0.75)/0.1.
+        assert_eq!(depths.len(), 60 + 53 + 47);
+    }
+
+    #[test]
+    fn the_first_ring_may_be_the_circumference() {
+        let on_it =
+            CYLINDER.replace("radius: 1.0),\n        )]", "radius: 1.0, first: Circumference),\n        )]");
+        assert_ne!(on_it, CYLINDER);
+        let scene = load_str("cylinder", &on_it, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let all = seeds(&scene);
+        let ring = all.iter().filter(|seed| seed.zone == Zone::Wall && seed.patch == 1);
+        let radii: Vec<f64> = ring.map(|seed| seed.position.distance(glam::DVec3::X * 0.1)).collect();
+        // One layer more is within what it feels: 2π (1.0 + 0.9 + 0.8 + 0.7)/0.1.
+        assert_eq!(radii.len(), 63 + 57 + 50 + 44);
+        assert_eq!(radii.iter().filter(|radius| (**radius - 1.0).abs() < 1e-12).count(), 63);
+    }
+}

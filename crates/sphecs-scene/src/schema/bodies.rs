@@ -1,0 +1,32 @@
+//! Bodies of a scene file.
+
+use serde::Deserialize;
+
+use super::{Number, Text, Vector};
+use crate::notation::typed::Spanned;
+
+/// A part of the walls whose force and torque are written into `forces.nc`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Body", deny_unknown_fields)]
+pub struct BodyFile {
+    /// Name of the part among those of the walls; `walls` is the rest.
+    pub part: Text,
+    /// Point that torques are about, m, default the middle of the part's region.
+    #[serde(default)]
+    pub about: Option<Vector>,
+    /// Velocity u∞ of the coefficients, m/s; without velocity and area there are none.
+    #[serde(default)]
+    pub velocity: Option<Number>,
+    /// Area A of the coefficients, m²; in 2D the length, m, that it has per metre of depth, such as the diameter.
+    #[serde(default)]
+    pub area: Option<Number>,
+    /// Length of the Strouhal number, m, default in 2D `area`.
+    #[serde(default)]
+    pub length: Option<Number>,
+    /// Interval of the time mean of the coefficients and of the lift's spectrum, s, default the second half of the run.
+    #[serde(default)]
+    pub mean: Option<Spanned<(Number, Number)>>,
+    /// Whether means, amplitudes and spectrum are of the coefficients' running mean over five rows, default false.
+    #[serde(default)]
+    pub five_point_mean: bool,
+}

@@ -1,0 +1,164 @@
+//! Walls, inlets and outlets of a scene file.
+
+use serde::Deserialize;
+
+use super::{Formula, Number, ShapeFile, Text, Vector};
+use crate::notation::tree::Span;
+use crate::notation::typed::Spanned;
+use crate::rings::FirstRing;
+use sphecs_core::physics::inlet::{Feed, InletPressure};
+use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_core::physics::wall::{Slip, WallModel};
+
+/// The walls.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Walls", deny_unknown_fields)]
+pub struct WallsFile {
+    /// How walls enter the sums.
+    #[serde(default)]
+    pub model: WallModel,
+    /// Slip condition.
+    #[serde(default)]
+    pub slip: Slip,
+    /// Surface velocity, m/s, default rest.
+    #[serde(default)]
+    pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// Parts that differ from the rest.
+    #[serde(default)]
+    pub parts: Vec<WallPartFile>,
+}
+
+impl WallsFile {
+    /// The walls of a scene that says nothing about them.
+    pub fn standard() -> Option<Spanned<Self>> {
+        Some(Spanned { value: Self::default(), span: Span::PLACEHOLDER, head: Span::PLACEHOLDER })
+    }
+}
+
+/// A part of the walls: the surface inside a region.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "WallPart", deny_unknown_fields)]
+pub struct WallPartFile {
+    /// Name for outputs and messages.
+    pub name: Text,
+    /// The wall's surface within this region belongs to the part; the first part that claims it has it.
+    pub region: Spanned<ShapeFile>,
+    /// Slip condition, default that of the walls.
+    #[serde(default)]
+    pub slip: Option<Slip>,
+    /// Surface velocity, m/s, default rest.
+    #[serde(default)]
+    pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// How its particles stand behind the surface, default on the lattice of the fluid.
+    #[serde(default)]
+    pub fill: Option<Spanned<WallFillFile>>,
+}
+
+/// How the particles of a part of the walls stand behind its surface.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum WallFillFile {
+    /// On rings in a cylinder, in 2D, a spacing apart.
+    Concentric {
+        /// Centre of the cylinder, m.
+        center: Vector,
+        /// Its radius, m.
+        radius: Number,
+        /// Where the first ring is, default half a spacing behind the surface.
+        #[serde(default)]
+        first: FirstRing,
+    },
+}
+
+/// An inlet.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Inlet", deny_unknown_fields)]
+pub struct InletFile {
+    /// Name, default `inlet 0` and so on.
+    #[serde(default)]
+    pub name: Option<Text>,
+    /// A point of its plane inside the domain's section, m.
+    pub at: Vector,
+    /// Direction of the flow, into the domain.
+    pub towards: Vector,
+    /// Length of its zone, m, rounded up to whole spacings; default five spacings or the support.
+    #[serde(default)]
+    pub depth: Option<Number>,
+    /// Velocity of the inflow.
+    pub velocity: Spanned<InletVelocityFile>,
+    /// Pressure of the inflow.
+    #[serde(default)]
+    pub pressure: InletPressure,
+    /// What follows the particles of its zone, default `Fed`; `Once` wants a `depth`.
+    #[serde(default)]
+    pub feed: Feed,
+}
+
+/// Velocity of the inflow.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum InletVelocityFile {
+    /// Speed along `towards`, m/s, on the plane of the inlet: all of a row has it.
+    Normal(Formula),
+    /// Components, m/s, on the plane.
+    Components(Spanned<Vec<Formula>>),
+    /// Speed along `towards` in time: rows of (s, m/s), or a CSV file of two columns.
+    TimeTable {
+        /// Rows of time (s) and speed (m/s).
+        #[serde(default)]
+        rows: Option<Vec<(Number, Number)>>,
+        /// CSV file beside the scene: time (s), speed (m/s).
+        #[serde(default)]
+        file: Option<Text>,
+    },
+    /// Speed along `towards` over time and the position across: a CSV file whose first row holds the
+    /// positions from the section's middle (m) and whose first column holds the times (s).
+    ProfileTable {
+        /// CSV file beside the scene.
+        file: Text,
+    },
+    /// Mass that flows in, kg/s, in 2D kg/s per metre of depth; the speed along `towards` is the profile, scaled so that all rows of
+    /// particles together carry it.
+    MassFlow {
+        /// Rate, kg/s: a number or an expression of t.
+        rate: Formula,
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        #[serde(default)]
+        profile: Option<Formula>,
+    },
+    /// Mass that flows in per area of the inlet, kg/(s m²); otherwise as `MassFlow`.
+    MassFlux {
+        /// Flux, kg/(s m²): a number or an expression of t.
+        flux: Formula,
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        #[serde(default)]
+        profile: Option<Formula>,
+    },
+    /// Exact start-up of plane Poiseuille flow from rest.
+    PoiseuilleStartup {
+        /// Half the gap, m, default half the section.
+        #[serde(default)]
+        half_width: Option<Number>,
+        /// Force per mass along the flow, m/s².
+        body_force: Number,
+    },
+}
+
+/// An outlet.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Outlet", deny_unknown_fields)]
+pub struct OutletFile {
+    /// Name, default `outlet 0` and so on.
+    #[serde(default)]
+    pub name: Option<Text>,
+    /// A point of its plane inside the domain's section, m.
+    pub at: Vector,
+    /// Direction of the flow, out of the domain.
+    pub towards: Vector,
+    /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.
+    #[serde(default)]
+    pub depth: Option<Number>,
+    /// What its particles do, default `WaveEquation()`.
+    #[serde(default)]
+    pub condition: Option<Spanned<OutletCondition>>,
+}

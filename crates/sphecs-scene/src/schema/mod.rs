@@ -1,0 +1,292 @@
+//! What may stand in a scene file: the types that RON is read into, before any check of values.
+//!
+//! Numbers may be literals or expressions of the constants in quotes; a [`Formula`] may also depend on
+//! x, y, z (m) and t (s). Vectors have as many components as the scene has dimensions.
+
+use serde::Deserialize;
+use serde::de::{self, Deserializer, IgnoredAny, Visitor};
+
+use super::model::{Precision, WhenEmpty};
+use super::notation::typed::Spanned;
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::integrator::Integrator;
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_core::physics::viscosity::Viscosity;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
+
+mod bodies;
+mod boundaries;
+mod output;
+mod shapes;
+
+pub use bodies::BodyFile;
+pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile};
+pub use output::{OutputFile, ProbeFile, ProbeKindFile};
+pub use shapes::{SectionFile, ShapeFile};
+
+/// A number with its place.
+pub type Number = Spanned<f64>;
+/// Two or three numbers with their places.
+pub type Vector = Spanned<Vec<Number>>;
+/// A value of an enum or text with its place.
+pub type Text = Spanned<String>;
+
+/// A field of x, y, z, t: a number or an expression in quotes.
+pub type Formula = Spanned<FormulaText>;
+
+/// Content of a [`Formula`].
+#[derive(Clone, Debug)]
+pub enum FormulaText {
+    /// A number.
+    Number(f64),
+    /// An expression in quotes.
+    Text(String),
+}
+
+impl<'de> Deserialize<'de> for FormulaText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct FormulaVisitor;
+        impl Visitor<'_> for FormulaVisitor {
+            type Value = FormulaText;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number or an expression in quotes")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<FormulaText, E> {
+                Ok(FormulaText::Number(value))
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<FormulaText, E> {
+                Ok(FormulaText::Text(text.to_owned()))
+            }
+        }
+        deserializer.deserialize_any(FormulaVisitor)
+    }
+}
+
+/// A scene file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+pub struct SceneFile {
+    /// One line for people.
+    pub title: Text,
+    /// 2 or 3.
+    pub dimensions: Spanned<u64>,
+    /// Scalar of the pair sums, default `F64`.
+    #[serde(default)]
+    pub precision: Precision,
+    /// Particle spacing Δ, m.
+    pub spacing: Number,
+    /// Coarser spacing for quick tests, m.
+    pub smoke: Number,
+    /// Named constants: `{"v0": 4.45e-2, "D1": "2*R"}`, read before everything else.
+    #[serde(default)]
+    pub constants: Option<IgnoredAny>,
+    /// The fluid.
+    pub fluid: FluidFile,
+    /// Numerical scheme, default `Wcsph()`.
+    #[serde(default)]
+    pub scheme: SchemeFile,
+    /// What the fluid fills, zones of inlets and outlets not included.
+    pub domain: Spanned<ShapeFile>,
+    /// How it is filled, default `Lattice()`.
+    #[serde(default)]
+    pub fill: Option<Spanned<FillFile>>,
+    /// Everything at the domain's surface that is neither patch nor periodic, default no-slip images; `None` for no wall.
+    #[serde(default = "WallsFile::standard")]
+    pub walls: Option<Spanned<WallsFile>>,
+    /// Parts of the walls whose force and torque are written.
+    #[serde(default)]
+    pub bodies: Vec<BodyFile>,
+    /// Fields at t = 0, default rest.
+    #[serde(default)]
+    pub initial: InitialFile,
+    /// Inlets.
+    #[serde(default)]
+    pub inlets: Vec<InletFile>,
+    /// Outlets.
+    #[serde(default)]
+    pub outlets: Vec<OutletFile>,
+    /// Names of periodic axes.
+    #[serde(default)]
+    pub periodic: Vec<Text>,
+    /// Force per mass, m/s², default none.
+    #[serde(default)]
+    pub body_force: Option<Spanned<Vec<Formula>>>,
+    /// Particles stored for the inlets.
+    #[serde(default)]
+    pub reservoir: ReservoirFile,
+    /// End and time step.
+    pub time: TimeFile,
+    /// What is written and when.
+    pub output: OutputFile,
+    /// Velocity and length of the Reynolds number, default estimated.
+    #[serde(default)]
+    pub reference: ReferenceFile,
+}
+
+/// The fluid.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Fluid", deny_unknown_fields)]
+pub struct FluidFile {
+    /// Reference density ρ0, kg/m³.
+    pub density: Number,
+    /// Kinematic viscosity ν, m²/s.
+    pub viscosity: Number,
+    /// Sound speed c0, m/s; at least ten times the largest speed of the flow.
+    pub sound_speed: Number,
+}
+
+/// Numerical scheme.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SchemeFile {
+    /// Weakly compressible SPH of Alvarado-Rodríguez et al. (2017).
+    Wcsph {
+        /// Smoothing kernel, default `WendlandC2`.
+        #[serde(default)]
+        kernel: Option<Kernel>,
+        /// h/Δ, default by kernel and dimensions.
+        #[serde(default)]
+        smoothing_ratio: Option<Number>,
+        /// Viscous term.
+        #[serde(default)]
+        viscosity: Option<Spanned<Viscosity>>,
+        /// Damping of single particles' noise, default `Off`.
+        #[serde(default)]
+        noise_damping: Option<Spanned<NoiseDamping>>,
+        /// Particle shifting.
+        #[serde(default)]
+        shifting: Option<Spanned<Shifting>>,
+        /// p_b − p_a in place of p_a + p_b where p_a < 0, default true.
+        #[serde(default)]
+        tensile_control: Option<bool>,
+        /// How particles advance, default `KickDrift`.
+        #[serde(default)]
+        integrator: Option<Spanned<Integrator>>,
+    },
+    /// Evolved pressure and transport velocity of Negi et al. (2020).
+    EdacTvf {
+        /// Smoothing kernel, default `QuinticSpline`.
+        #[serde(default)]
+        kernel: Option<Kernel>,
+        /// h/Δ, default by kernel and dimensions.
+        #[serde(default)]
+        smoothing_ratio: Option<Number>,
+        /// α of the damping of the pressure, ν_edac = α h c0/8, default 0.5.
+        #[serde(default)]
+        alpha: Option<Number>,
+        /// Background pressure over ρ0 c0², default 1.
+        #[serde(default)]
+        background: Option<Number>,
+        /// Whether the mean pressure of the neighbours is subtracted, default true.
+        #[serde(default)]
+        average_pressure: Option<bool>,
+        /// Divide ν and ν_edac by their lattice coefficient, default true.
+        #[serde(default)]
+        lattice_normalised: Option<bool>,
+        /// Rate at which the pressure goes to that of the summed density, over c0/h, default 0, as published.
+        #[serde(default)]
+        relaxation: Option<Number>,
+        /// With the printed η² = 0.01 h² in the denominator of the viscous sums, default false.
+        #[serde(default)]
+        printed: Option<bool>,
+    },
+}
+
+impl Default for SchemeFile {
+    fn default() -> Self {
+        SchemeFile::Wcsph {
+            kernel: None,
+            smoothing_ratio: None,
+            viscosity: None,
+            noise_damping: None,
+            shifting: None,
+            tensile_control: None,
+            integrator: None,
+        }
+    }
+}
+
+/// How the domain is filled with particles.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum FillFile {
+    /// A square or cubic lattice.
+    Lattice {
+        /// A corner at which cells of the lattice meet, m; default chosen so that walls lie between cells.
+        #[serde(default)]
+        anchor: Option<Vector>,
+        /// How far fluid particles stand off the lattice at the start, as a share of the spacing: each by an even random
+        /// number from −jitter to jitter along each axis, always the same for the same place of the lattice. Default 0,
+        /// at most 0.2.
+        #[serde(default)]
+        jitter: Option<Number>,
+    },
+    /// Rows that follow the walls of a slanted or curved channel along x, in 2D.
+    WallFitted {
+        /// y of the lower wall as a function of x, m.
+        lower: Formula,
+        /// y of the upper wall as a function of x, m.
+        upper: Formula,
+    },
+}
+
+/// Fields at t = 0.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Initial", deny_unknown_fields)]
+pub struct InitialFile {
+    /// Velocity, m/s.
+    #[serde(default)]
+    pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// Pressure, Pa. That of the fluid has no effect: its density is summed before the first step, and its pressure
+    /// follows from it. Outflow particles begin with it.
+    #[serde(default)]
+    pub pressure: Option<Formula>,
+    /// Passive tag.
+    #[serde(default)]
+    pub tag: Option<Formula>,
+}
+
+/// Particles stored for the inlets.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Reservoir", deny_unknown_fields)]
+pub struct ReservoirFile {
+    /// How many, default as many as the inflow zones hold.
+    #[serde(default)]
+    pub particles: Option<Spanned<u64>>,
+    /// What happens when there are none.
+    #[serde(default)]
+    pub when_empty: WhenEmpty,
+    /// Whether what leaves is stored for what enters, default true; with false it is deleted, what enters is created, and numbers of
+    /// deleted particles are given anew.
+    #[serde(default)]
+    pub recycle: Option<Spanned<bool>>,
+}
+
+/// End and time step.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Time", deny_unknown_fields)]
+pub struct TimeFile {
+    /// End of the run, s.
+    pub end: Number,
+    /// Courant factor, default 0.5, with `Verlet` 0.3, of `EdacTvf` 0.25.
+    #[serde(default)]
+    pub cfl: Option<Number>,
+    /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
+    #[serde(default)]
+    pub viscous: Option<Number>,
+}
+
+/// Velocity and length of the Reynolds number.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "Reference", deny_unknown_fields)]
+pub struct ReferenceFile {
+    /// Velocity, m/s.
+    #[serde(default)]
+    pub velocity: Option<Number>,
+    /// Length, m.
+    #[serde(default)]
+    pub length: Option<Number>,
+}

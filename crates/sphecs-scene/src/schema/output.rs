@@ -1,0 +1,70 @@
+//! Output of a scene file.
+
+use serde::Deserialize;
+
+use super::{Number, Text, Vector};
+use crate::model::{ForcesEvery, ProbeSight};
+use crate::notation::typed::Spanned;
+
+/// What is written and when.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Output", deny_unknown_fields)]
+pub struct OutputFile {
+    /// Interval between frames, s.
+    pub every: Number,
+    /// Interval between rows of the monitor and the probes, s, default a tenth of `every`.
+    #[serde(default)]
+    pub monitor_every: Option<Number>,
+    /// How often the forces on bodies are written, default `Step`.
+    #[serde(default)]
+    pub forces: ForcesEvery,
+    /// Interval between checkpoints, s of wall time, default 600.
+    #[serde(default)]
+    pub checkpoint_every: Option<Number>,
+    /// Probes.
+    #[serde(default)]
+    pub probes: Vec<ProbeFile>,
+}
+
+/// A declared measurement.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "Probe", deny_unknown_fields)]
+pub struct ProbeFile {
+    /// Name, unique in the scene.
+    pub name: Text,
+    /// Where and what.
+    pub kind: Spanned<ProbeKindFile>,
+    /// Interval of the time mean, s.
+    #[serde(default)]
+    pub mean: Option<Spanned<(Number, Number)>>,
+    /// What it sees, default `Fluid`.
+    #[serde(default)]
+    pub sees: ProbeSight,
+}
+
+/// Where and what a probe measures.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ProbeKindFile {
+    /// At a point.
+    Point {
+        /// The point, m.
+        at: Vector,
+    },
+    /// At points along a line, ends included.
+    Line {
+        /// First point, m.
+        from: Vector,
+        /// Last point, m.
+        to: Vector,
+        /// How many, at least 2.
+        count: Spanned<u64>,
+    },
+    /// Mass flow and mean pressure through a plane section of the domain: what its particles carry, and what the fluid has between them.
+    Section {
+        /// A point of the section, m.
+        at: Vector,
+        /// Direction of positive flow.
+        normal: Vector,
+    },
+}

@@ -1,0 +1,88 @@
+//! Numerical schemes of a checked scene.
+
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::physics::edac::Edac;
+use sphecs_core::physics::integrator::Integrator;
+use sphecs_core::physics::shifting::Shifting;
+use sphecs_core::physics::viscosity::Viscosity;
+use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
+
+/// The numerical scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scheme {
+    /// Density by summation, pressure by Tait: Alvarado-Rodríguez et al. (2017).
+    Wcsph(Wcsph),
+    /// Evolved pressure and transport velocity: Negi et al. (2020).
+    EdacTvf(EdacTvf),
+}
+
+/// Parameters of the scheme of Alvarado-Rodríguez et al. (2017).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wcsph {
+    /// Smoothing kernel.
+    pub kernel: Kernel,
+    /// h/Δ, > 0.
+    pub smoothing_ratio: f64,
+    /// Viscous term.
+    pub viscosity: Viscosity,
+    /// Damping of single particles' noise.
+    pub noise_damping: NoiseDamping,
+    /// Particle shifting.
+    pub shifting: Shifting,
+    /// p_b − p_a in place of p_a + p_b where p_a < 0.
+    pub tensile_control: bool,
+    /// How particles advance.
+    pub integrator: Integrator,
+}
+
+/// Parameters of the scheme of Negi et al. (2020).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdacTvf {
+    /// Smoothing kernel.
+    pub kernel: Kernel,
+    /// h/Δ, > 0.
+    pub smoothing_ratio: f64,
+    /// Pressure equation, background pressure and viscous term.
+    pub terms: Edac,
+}
+
+impl Scheme {
+    /// Smoothing kernel.
+    pub fn kernel(&self) -> Kernel {
+        match self {
+            Scheme::Wcsph(scheme) => scheme.kernel,
+            Scheme::EdacTvf(scheme) => scheme.kernel,
+        }
+    }
+
+    /// h/Δ, > 0.
+    pub fn smoothing_ratio(&self) -> f64 {
+        match self {
+            Scheme::Wcsph(scheme) => scheme.smoothing_ratio,
+            Scheme::EdacTvf(scheme) => scheme.smoothing_ratio,
+        }
+    }
+
+    /// Radius of the kernel's support for particles of a spacing, m.
+    pub fn support(&self, spacing: f64) -> f64 {
+        self.kernel().support_ratio() * self.smoothing_ratio() * spacing
+    }
+
+    /// The parameters of `Wcsph`, if it is the scheme.
+    pub fn wcsph(&self) -> Option<&Wcsph> {
+        match self {
+            Scheme::Wcsph(scheme) => Some(scheme),
+            Scheme::EdacTvf(_) => None,
+        }
+    }
+
+    /// Whether particles carry a sub-particle stress.
+    pub fn has_stress(&self) -> bool {
+        self.wcsph().is_some_and(|scheme| matches!(scheme.viscosity, Viscosity::Sps { .. }))
+    }
+
+    /// Whether the fluid's kinematic viscosity ν acts; an artificial viscosity takes its place.
+    pub fn is_viscous(&self) -> bool {
+        !self.wcsph().is_some_and(|scheme| matches!(scheme.viscosity, Viscosity::Artificial { .. }))
+    }
+}

@@ -1,0 +1,63 @@
+//! The particles of a scene at t = 0.
+
+use glam::DVec3;
+use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
+
+use super::expression::Expression;
+use super::fill::{Place, places};
+use super::model::{ParticleSeed, Scene};
+use super::walls;
+use sphecs_core::particles::zone::Zone;
+
+/// All particles at t = 0: fluid, wall, inflow, outflow, reservoir, each zone in the order of its lattice.
+/// The same scene gives the same list, bit for bit.
+pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
+    let mut places = places(scene);
+    places.sort_by_key(|place| place.zone);
+    let mut seeds = Vec::with_capacity(places.len() + scene.reservoir.initial);
+    seeds.par_extend(places.into_par_iter().map(|place| seed(scene, place)));
+    let parked = scene.inlets.first().map_or(DVec3::ZERO, |inlet| inlet.patch.at);
+    let reservoir = ParticleSeed {
+        position: parked,
+        zone: Zone::Reservoir,
+        patch: 0,
+        velocity: DVec3::ZERO,
+        pressure: 0.0,
+        tag: 0.0,
+        wall_distance: 0.0,
+        wall_normal: DVec3::ZERO,
+    };
+    seeds.extend(std::iter::repeat_n(reservoir, scene.reservoir.initial));
+    seeds
+}
+
+fn seed(scene: &Scene, place: Place) -> ParticleSeed {
+    let position = place.position;
+    let at = |expression: &Expression| expression.value(position.x, position.y, position.z, 0.0);
+    let mut seed = ParticleSeed {
+        position,
+        zone: place.zone,
+        patch: place.patch,
+        velocity: DVec3::from(scene.initial.velocity.each_ref().map(at)),
+        pressure: at(&scene.initial.pressure),
+        tag: at(&scene.initial.tag),
+        wall_distance: 0.0,
+        wall_normal: DVec3::ZERO,
+    };
+    match place.zone {
+        Zone::Wall => {
+            let surface = walls::surface(scene, position);
+            let part = &scene.walls.parts[usize::from(surface.part)];
+            seed.patch = surface.part;
+            seed.velocity = part.velocity_at(position + surface.normal * surface.distance, 0.0);
+            seed.wall_distance = surface.distance;
+            seed.wall_normal = surface.normal;
+        }
+        Zone::Inflow => {
+            let inlet = &scene.inlets[usize::from(place.patch)];
+            seed.velocity = inlet.velocity_at(scene.fluid.viscosity, position, 0.0);
+        }
+        Zone::Fluid | Zone::Outflow | Zone::Reservoir => {}
+    }
+    seed
+}

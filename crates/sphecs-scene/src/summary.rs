@@ -1,0 +1,267 @@
+//! What a scene will be, without running it: the figures of `sphecs check`.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::geometry::Shape;
+use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::inlet::Feed;
+
+/// Memory of a particle in components, arrays, cell list and output, B: a generous round figure (docs/performance.md).
+pub const BYTES_PER_PARTICLE: f64 = 500.0;
+
+/// Bytes of a particle in a frame before compression: its position in f64, velocity, density, pressure and tag in f32, its zone and its
+/// passages.
+pub fn frame_bytes(dimensions: usize) -> f64 {
+    (12 * dimensions + 3 * 4 + 1 + 4) as f64
+}
+
+/// The figures of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Particles by zone, in the order of [`Zone::ALL`].
+    pub by_zone: [usize; 5],
+    /// Reynolds number of the reference velocity and length.
+    pub reynolds: f64,
+    /// Mach number of the reference velocity.
+    pub mach: f64,
+    /// Time step that the sound speed allows, s.
+    pub courant_step: f64,
+    /// Time step that the viscosity allows, s; infinite without viscosity.
+    pub viscous_step: f64,
+    /// Steps to the end.
+    pub steps: f64,
+    /// Frames written.
+    pub frames: f64,
+    /// Memory, B.
+    pub memory: f64,
+    /// Output before compression, B.
+    pub output: f64,
+    /// The straight wall that lies worst in the lattice: axis, coordinate (m) and misfit in spacings.
+    pub worst_fit: Option<(char, f64, f64)>,
+    /// What a reader should know: low sound speed, misfit, no free surface.
+    pub notes: Vec<String>,
+}
+
+/// The figures of a scene, its particles laid out.
+pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
+    let mut by_zone = [0; 5];
+    for seed in seeds {
+        by_zone[seed.zone as usize] += 1;
+    }
+    let speed = scene.reference_velocity;
+    let viscosity = scene.fluid.viscosity;
+    let courant_step = courant_step(scene);
+    let viscous_step = viscous_step(scene);
+    let steps = steps_to(scene, scene.time.end);
+    let frames = (scene.time.end / scene.output.every).floor().min(steps) + 1.0;
+    let moving = (seeds.len() - by_zone[Zone::Wall as usize]) as f64;
+    let worst_fit = worst_fit(scene);
+    Summary {
+        by_zone,
+        reynolds: speed * scene.reference_length / viscosity,
+        mach: speed / scene.fluid.sound_speed,
+        courant_step,
+        viscous_step,
+        steps,
+        frames,
+        memory: seeds.len() as f64 * BYTES_PER_PARTICLE,
+        output: frames * moving * frame_bytes(scene.dimensions),
+        worst_fit,
+        notes: notes(scene, worst_fit),
+    }
+}
+
+fn smoothing_length(scene: &Scene) -> f64 {
+    scene.scheme.smoothing_ratio() * scene.spacing
+}
+
+/// The step that sound allows, s, with the signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
+fn courant_step(scene: &Scene) -> f64 {
+    scene.time.cfl * smoothing_length(scene) / (scene.fluid.sound_speed + scene.reference_velocity)
+}
+
+/// The step that viscosity allows, s.
+fn viscous_step(scene: &Scene) -> f64 {
+    scene.time.viscous * smoothing_length(scene).powi(2) / scene.fluid.viscosity
+}
+
+/// Steps to a time, s.
+pub fn steps_to(scene: &Scene, until: f64) -> f64 {
+    (until / courant_step(scene).min(viscous_step(scene))).ceil()
+}
+
+fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
+    let lattice = super::build::lattice(&scene.layout.fill)?;
+    let worst = lattice.fits.iter().max_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
+    let axis = ['x', 'y', 'z'][worst.axis];
+    Some((axis, worst.coordinate, worst.misfit))
+}
+
+fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
+    let mut notes = Vec::new();
+    if scene.reference_velocity > 0.1 * scene.fluid.sound_speed {
+        notes.push(format!(
+            "the sound speed, {} m/s, is less than ten times the reference velocity, {:.3} m/s: \
+             density errors grow with the square of the Mach number",
+            scene.fluid.sound_speed, scene.reference_velocity
+        ));
+    }
+    if !scene.inlets.is_empty() && scene.outlets.is_empty() {
+        notes.push("there is no outlet: what the inlets bring stays, and the pressure rises".to_owned());
+    }
+    if scene.inlets.is_empty() && !scene.outlets.is_empty() {
+        notes.push("there is no inlet: the outlets alone decide what comes and goes".to_owned());
+    }
+    if let Some((axis, coordinate, misfit)) = worst_fit.filter(|(_, _, misfit)| *misfit > 0.1) {
+        notes.push(format!(
+            "the wall at {axis} = {:.6} m misses the middle between two rows by {misfit:.2} spacings: \
+             a spacing that divides the widths fits better",
+            // No digits of rounding, and no minus before nought.
+            (coordinate / scene.spacing * 1e6).round() * 1e-6 * scene.spacing + 0.0
+        ));
+    }
+    if scene.scheme.wcsph().is_some() && scene.initial.pressure.constant() != Some(0.0) {
+        notes.push(
+            "`initial.pressure` does not reach the fluid: its density is summed before the first step and its pressure \
+             follows from it; a pressure that acts from the start is a matter of spacings or of a body force"
+                .to_owned(),
+        );
+    }
+    for inlet in scene.inlets.iter().filter(|inlet| inlet.feed == Feed::Once) {
+        let lasts = inlet.patch.depth / inlet_speed(inlet, scene);
+        if lasts < scene.time.end {
+            notes.push(format!(
+                "{} is filled once and its fastest stream drained after {lasts:.3} s, the run ends at {} s: it stops there",
+                inlet.patch.name, scene.time.end
+            ));
+        }
+    }
+    notes.push("there is no free surface: every side of the domain is wall, opening or periodic".to_owned());
+    notes
+}
+
+/// Largest speed that inlets, walls and initial fields prescribe, sampled, m/s.
+pub fn largest_given_speed(scene: &Scene) -> f64 {
+    let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
+    inlets.max(initial_speed(scene)).max(forced_speed(scene))
+}
+
+/// Largest speed that an inlet prescribes, sampled, m/s.
+pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
+    let times: Vec<f64> = (0..=20).map(|k| scene.time.end * f64::from(k) / 20.0).collect();
+    let patch = &inlet.patch;
+    let places: Vec<DVec3> = (-10..=10)
+        .flat_map(|i| {
+            let offset = f64::from(i) / 10.0;
+            (0..2).map(move |axis| patch.at + offset * patch.half_extent[axis] * patch.across[axis])
+        })
+        .collect();
+    match &inlet.velocity {
+        InletVelocity::TimeTable(rows) => rows.iter().map(|row| row.1.abs()).fold(0.0, f64::max),
+        InletVelocity::ProfileTable { speeds, .. } => {
+            speeds.iter().flatten().map(|speed| speed.abs()).fold(0.0, f64::max)
+        }
+        InletVelocity::PoiseuilleStartup { half_width, body_force } => {
+            steady_poiseuille(*body_force, *half_width, scene.fluid.viscosity)
+        }
+        InletVelocity::Metered { .. } => places
+            .iter()
+            .flat_map(|p| times.iter().map(|t| inlet.velocity_at(0.0, *p, *t).length()))
+            .fold(0.0, f64::max),
+        InletVelocity::Normal(speed) => places
+            .iter()
+            .flat_map(|p| times.iter().map(move |t| speed.value(p.x, p.y, p.z, *t).abs()))
+            .fold(0.0, f64::max),
+        InletVelocity::Components(components) => places
+            .iter()
+            .flat_map(|p| {
+                times.iter().map(move |t| {
+                    DVec3::from(components.each_ref().map(|c| c.value(p.x, p.y, p.z, *t))).length()
+                })
+            })
+            .fold(0.0, f64::max),
+    }
+}
+
+/// Peak of plane Poiseuille flow, g H²/2ν, m/s.
+fn steady_poiseuille(force: f64, half_width: f64, viscosity: f64) -> f64 {
+    if viscosity > 0.0 { force.abs() * half_width * half_width / (2.0 * viscosity) } else { 0.0 }
+}
+
+/// Speed that a constant body force reaches between plates without inlets, m/s.
+fn forced_speed(scene: &Scene) -> f64 {
+    match &scene.body_force {
+        BodyForce::Constant(force) if scene.inlets.is_empty() && scene.layout.walled => {
+            let half_width = 0.5 * scene.reference_length;
+            steady_poiseuille(force.length(), half_width, scene.fluid.viscosity)
+        }
+        _ => 0.0,
+    }
+}
+
+fn initial_speed(scene: &Scene) -> f64 {
+    let (low, high) = scene.domain.bounds();
+    let count = if scene.dimensions == 2 { 32 } else { 12 };
+    let mut largest = 0.0_f64;
+    for index in 0..count * count * if scene.dimensions == 3 { count } else { 1 } {
+        let share = |place: i32| (f64::from(index / place % count) + 0.5) / f64::from(count);
+        let mut at = DVec3::ZERO;
+        for (axis, place) in [1, count, count * count].into_iter().enumerate().take(scene.dimensions) {
+            at[axis] = low[axis] + share(place) * (high[axis] - low[axis]);
+        }
+        let velocity = scene.initial.velocity.each_ref().map(|c| c.value(at.x, at.y, at.z, 0.0));
+        let speed = DVec3::from(velocity).length();
+        if scene.domain.contains(at, 0.0) && speed.is_finite() {
+            largest = largest.max(speed);
+        }
+    }
+    largest
+}
+
+/// Volume (area in 2D) within `reach` of a domain, m³ (m²), from samples: right to a per cent or two.
+pub fn estimated_volume(domain: &Shape, reach: f64, dimensions: usize) -> f64 {
+    let (low, high) = domain.bounds();
+    let (low, high) = (low - DVec3::splat(reach), high + DVec3::splat(reach));
+    // Samples by an additive recurrence with powers of the root of x^(d+1) = x + 1: even in all directions, where those of a grid would
+    // run beside a thin duct or along it.
+    const SAMPLES: u32 = 1 << 14;
+    let root: f64 = if dimensions == 2 { 1.324_717_957_244_746 } else { 1.220_744_084_605_759_6 };
+    let mut hits = 0;
+    for index in 0..SAMPLES {
+        let mut at = DVec3::ZERO;
+        for axis in 0..dimensions {
+            let share = (0.5 + f64::from(index) * root.powi(-1 - axis as i32)).fract();
+            at[axis] = low[axis] + share * (high[axis] - low[axis]);
+        }
+        hits += u32::from(domain.signed_distance(at) <= reach);
+    }
+    let extent = high - low;
+    let volume: f64 = (0..dimensions).map(|axis| extent[axis]).product();
+    volume * f64::from(hits) / f64::from(SAMPLES)
+}
+
+/// Memory that is free for this process, B: of the machine, or of its control group if that has less, as under a batch system. None where the
+/// system does not tell.
+pub fn available_memory() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(
+        group_memory(Path::new("/sys/fs/cgroup"))
+            .map_or(kilobytes * 1024.0, |left| left.min(kilobytes * 1024.0)),
+    )
+}
+
+/// What the control group of this process and those above it leave, B; None without a limit.
+fn group_memory(root: &Path) -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let own = text.lines().find_map(|line| line.strip_prefix("0::/"))?;
+    let number = |path: PathBuf| std::fs::read_to_string(path).ok()?.trim().parse::<f64>().ok();
+    let left =
+        |folder: &Path| Some(number(folder.join("memory.max"))? - number(folder.join("memory.current"))?);
+    let folder = root.join(own);
+    folder.ancestors().take_while(|place| place.starts_with(root)).filter_map(left).min_by(f64::total_cmp)
+}

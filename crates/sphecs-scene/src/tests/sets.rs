@@ -1,0 +1,109 @@
+//! `--set path=value`.
+
+use super::shipped::path;
+use crate::faults::SceneFaults;
+use crate::load;
+use crate::model::Scene;
+use sphecs_core::physics::outlet::OutletCondition;
+
+fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneFaults> {
+    let sets: Vec<_> = sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
+    load(&path("constricted_r2.ron"), &sets)
+}
+
+fn sound(sets: &[(&str, &str)]) -> Scene {
+    match with(sets) {
+        Ok(scene) => scene,
+        Err(faults) => panic!("{:?}", miette::Report::new(faults)),
+    }
+}
+
+fn advice(sets: &[(&str, &str)]) -> String {
+    let faults = match with(sets) {
+        Ok(_) => panic!("{sets:?} was taken"),
+        Err(faults) => faults,
+    };
+    let lines = faults
+        .faults()
+        .iter()
+        .map(|fault| format!("{}: {}; {}", fault.title, fault.label, fault.help.clone().unwrap_or_default()));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_number_is_replaced_and_the_text_keeps_its_comments() {
+    let scene = sound(&[("fluid.sound_speed", "1.0"), ("constants.v0", "0.05")]);
+    assert_eq!(scene.fluid.sound_speed, 1.0);
+    assert!(scene.text.contains("sound_speed: 1.0"));
+    assert!(scene.text.contains("\"v0\": 0.05, // m/s, peak of the inflow"));
+    assert!((scene.reference_velocity - 2.0 / 3.0 * 0.05 * 0.0889 / 0.0133).abs() < 1e-12);
+}
+
+#[test]
+fn a_choice_is_replaced() {
+    let scene = sound(&[("outlets.0.condition", "Orlanski(frame: Fixed)")]);
+    assert!(matches!(scene.outlets[0].condition, OutletCondition::Orlanski { .. }));
+}
+
+#[test]
+fn a_field_that_the_file_leaves_out_is_put_in() {
+    let scene = sound(&[
+        ("scheme.tensile_control", "false"),
+        ("outlets.0.depth", "0.02"),
+        ("precision", "F32"),
+        ("outlets.0.condition.frame", "Fixed"),
+        ("scheme.shifting", "Off"),
+        ("spacing", "1.9e-3"),
+    ]);
+    assert!(scene.scheme.wcsph().is_some_and(|scheme| !scheme.tensile_control));
+    assert!((scene.outlets[0].patch.depth - 11.0 * 1.9e-3).abs() < 1e-12);
+    assert!(scene.text.contains("precision: F32"));
+    // The text as run is itself a scene.
+    let again = crate::load_str("again", &scene.text, &[])
+        .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    assert_eq!((again.outlets[0].condition, again.spacing), (scene.outlets[0].condition, scene.spacing));
+    assert_eq!(again.text, scene.text);
+}
+
+#[test]
+fn a_wrong_path_is_answered_with_the_nearest() {
+    assert!(advice(&[("fluid.sound_sped", "1.0")]).contains("did you mean `sound_speed`"));
+    assert!(advice(&[("fluid.sound_sped", "1.0")]).contains("--set fluid.sound_sped"));
+    assert!(advice(&[("fluids.viscosity", "1.0")]).contains("did you mean `fluid.viscosity`"));
+    assert!(advice(&[("outlets.3.condition", "Orlanski()")]).contains("did you mean `outlets.0.condition`"));
+    assert!(advice(&[("", "1.0")]).contains("no such path"));
+}
+
+#[test]
+fn a_value_of_the_wrong_kind_is_a_fault() {
+    assert!(advice(&[("fluid.viscosity", "[1]")]).contains("is a list, must be a number"));
+    assert!(advice(&[("fluid.viscosity", "2*v0")]).contains("an expression has no quotes"));
+    assert!(advice(&[("fluid.viscosity", "-1")]).contains("must be finite and not negative"));
+    assert!(advice(&[("fluid.viscosity", "(")]).contains("never closed"));
+}
+
+/// What stands in no file is said to come from the command line, whatever was put in before and behind it.
+#[test]
+fn a_fault_in_a_value_says_by_which_set_it_came() {
+    let sets = [
+        ("fluid.density", "-1"),
+        ("outlets.0.condition", "WaveEquation(pressure: Reference())"),
+        ("precision", "F31"),
+        ("constants.v0", "0.0445000000"),
+        ("inlets.0.velocity", "Normal()"),
+    ];
+    let all = advice(&sets);
+    for (said, count) in [
+        ("--set fluid.density: `density` must be finite and greater than 0", 1),
+        ("--set outlets.0.condition: `Reference` is not a number or an expression in quotes", 1),
+        ("--set precision: `F31` is not a choice", 1),
+        ("--set inlets.0.velocity: must be a number or an expression in quotes", 1),
+        ("--set", 4),
+    ] {
+        assert_eq!(all.matches(said).count(), count, "{said} in\n{all}");
+    }
+    // The later value stands within the earlier.
+    let within =
+        advice(&[("outlets.0.condition", "Orlanski(frame: Fixed)"), ("outlets.0.condition.frame", "Fxed")]);
+    assert!(within.contains("--set outlets.0.condition.frame: `Fxed`"), "{within}");
+}

@@ -1,0 +1,101 @@
+//! The scenes under scenes/.
+
+use std::path::{Path, PathBuf};
+
+use crate::faults::SceneFaults;
+use crate::model::{BodyForce, Scene};
+use crate::{load, load_smoke, seeds, summary};
+use sphecs_core::particles::zone::Zone;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
+}
+
+/// Paths of all shipped scenes.
+pub fn shipped() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder()).unwrap();
+    let mut paths: Vec<PathBuf> = entries
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "ron"))
+        .collect();
+    paths.sort();
+    paths
+}
+
+/// File names of all shipped scenes.
+pub fn names() -> Vec<String> {
+    let name = |path: PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
+    shipped().into_iter().map(name).collect()
+}
+
+/// Path of a shipped scene.
+pub fn path(name: &str) -> PathBuf {
+    folder().join(name)
+}
+
+fn sound(scene: Result<Scene, SceneFaults>) -> Scene {
+    match scene {
+        Ok(scene) => scene,
+        Err(faults) => panic!("{:?}", miette::Report::new(faults)),
+    }
+}
+
+/// A shipped scene.
+pub fn scene(name: &str) -> Scene {
+    sound(load(&path(name), &[]))
+}
+
+/// A shipped scene at its smoke spacing.
+pub fn smoke(name: &str) -> Scene {
+    sound(load_smoke(&path(name), &[]))
+}
+
+#[test]
+fn every_shipped_scene_loads_and_has_fluid() {
+    for name in names() {
+        for scene in [scene(&name), smoke(&name)] {
+            let seeds = seeds(&scene);
+            let summary = summary::summary(&scene, &seeds);
+            assert!(summary.by_zone[Zone::Fluid as usize] > 0, "{name}");
+            assert!(summary.mach < 0.11 && summary.steps > 100.0, "{name}: {summary:?}");
+            // A wall that misses the middle between rows by more than Δ/4 would cost or gain a row.
+            let misfit = summary.worst_fit.map_or(0.0, |(_, _, misfit)| misfit);
+            assert!(misfit < 0.15, "{name}: {summary:?}");
+        }
+    }
+}
+
+#[test]
+fn every_shipped_scene_is_ron_for_the_ron_crate() {
+    use ron::extensions::Extensions;
+    let options = ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES);
+    for path in shipped() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let value: Result<ron::Value, _> = options.from_str(&text);
+        assert!(value.is_ok(), "{}: {value:?}", path.display());
+    }
+}
+
+#[test]
+fn every_shipped_scene_says_what_it_is() {
+    for path in shipped() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        for needed in ["// Runs for", "// Look at:", "smoke:"] {
+            assert!(text.contains(needed), "{} lacks `{needed}`", path.display());
+        }
+    }
+}
+
+#[test]
+fn the_inclined_plates_are_driven_by_the_published_force() {
+    let scene = scene("inclined_plates.ron");
+    // Eqs. 34 and 35 of the paper that the scene names: 8.0022e-4 m/s² at the inlet, 1.0302e-4 m/s² at the outlet.
+    let BodyForce::Expression(force) = &scene.body_force else {
+        panic!("the force depends on x");
+    };
+    assert!((force[0].value(0.0, 0.0, 0.0, 0.0) / 8.002_238e-4 - 1.0).abs() < 1e-6);
+    let ratio = force[0].value(4.0e-3, 0.0, 0.0, 0.0) / force[0].value(0.0, 0.0, 0.0, 0.0);
+    let widening: f64 = 1.0 + 4.0e-3 * 3.503_f64.to_radians().tan() / 2.5e-4;
+    assert!((ratio * widening.powi(3) - 1.0).abs() < 1e-12);
+}

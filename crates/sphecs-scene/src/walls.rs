@@ -1,0 +1,136 @@
+//! Where wall particles stand behind their surface, and to which part of the wall they belong.
+
+use glam::DVec3;
+
+use super::fill::confined_distance;
+use super::model::{Scene, WallPart};
+
+impl WallPart {
+    /// Whether its surface ever moves.
+    pub fn moves(&self) -> bool {
+        self.velocity.iter().any(|component| component.constant() != Some(0.0))
+    }
+
+    /// Velocity at a point of its surface (m) and time (s), m/s.
+    pub fn velocity_at(&self, point: DVec3, time: f64) -> DVec3 {
+        DVec3::from(self.velocity.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
+    }
+
+    /// Acceleration v·∇v of what moves with the surface at a point of it (m) and time (s), m/s², by a central difference over a thousandth of `length` (m)
+    /// to either side: that of a cylinder that turns is ω² R to its axis.
+    pub fn turning_at(&self, point: DVec3, time: f64, length: f64) -> DVec3 {
+        let velocity = self.velocity_at(point, time);
+        let speed = velocity.length();
+        if speed == 0.0 {
+            return DVec3::ZERO;
+        }
+        let way = velocity * (1e-3 * length / speed);
+        let difference = self.velocity_at(point + way, time) - self.velocity_at(point - way, time);
+        difference * (speed / (2e-3 * length))
+    }
+}
+
+/// A wall particle's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Distance behind it, m, ≥ 0.
+    pub distance: f64,
+    /// Unit normal at the nearest point, into the fluid.
+    pub normal: DVec3,
+    /// Index of the wall part.
+    pub part: u16,
+}
+
+/// The surface in front of a wall particle.
+///
+/// A particle that the lattice puts up to Δ/4 in front of its surface has distance 0.
+pub fn surface(scene: &Scene, point: DVec3) -> Surface {
+    let step = probing_step(scene);
+    let nearest = nearest_point(scene, point);
+    let outside = confined_distance(scene, point) > 0.0;
+    let distance = if outside { point.distance(nearest) } else { 0.0 };
+    let direction =
+        if distance > step { (nearest - point) / distance } else { -gradient(scene, point, step) };
+    Surface { distance, normal: snapped(direction), part: part(scene, nearest) }
+}
+
+/// The nearest surface point of a point on either side of it, m, with the unit normal there, into the fluid, and the wall part.
+pub fn surface_at(scene: &Scene, point: DVec3) -> (DVec3, DVec3, u16) {
+    let nearest = nearest_point(scene, point);
+    (nearest, snapped(-gradient(scene, nearest, probing_step(scene))), part(scene, nearest))
+}
+
+/// The step of differences of the signed distance, m.
+fn probing_step(scene: &Scene) -> f64 {
+    1e-4 * scene.spacing
+}
+
+/// The nearest surface point, by walks along the gradient of the signed distance.
+fn nearest_point(scene: &Scene, point: DVec3) -> DVec3 {
+    let step = probing_step(scene);
+    let mut nearest = point;
+    for _ in 0..8 {
+        let distance = confined_distance(scene, nearest);
+        if distance.abs() < 1e-3 * step {
+            break;
+        }
+        nearest -= distance * gradient(scene, nearest, step);
+    }
+    nearest
+}
+
+/// Gradient of the signed distance by central differences, made a unit vector.
+fn gradient(scene: &Scene, point: DVec3, step: f64) -> DVec3 {
+    let mut gradient = DVec3::ZERO;
+    for (axis, unit) in DVec3::AXES.iter().enumerate().take(scene.dimensions) {
+        gradient[axis] =
+            confined_distance(scene, point + step * *unit) - confined_distance(scene, point - step * *unit);
+    }
+    gradient.normalize_or_zero()
+}
+
+/// A normal along an axis, freed from the rounding of differences.
+fn snapped(normal: DVec3) -> DVec3 {
+    let clean = normal.map(|component| if component.abs() < 1e-9 { 0.0 } else { component });
+    clean.normalize_or_zero()
+}
+
+/// The first part whose region has the surface point, or the rest.
+fn part(scene: &Scene, surface: DVec3) -> u16 {
+    let tolerance = 1e-3 * scene.spacing;
+    scene
+        .layout
+        .wall_regions
+        .iter()
+        .position(|region| region.contains(surface, tolerance))
+        .map_or(0, |index| index as u16 + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::load_str;
+
+    /// A drum that turns with 2/s and, later, faster: ω² R to its axis whatever it does along itself.
+    #[test]
+    fn what_turns_is_accelerated_to_its_axis() {
+        let text = r#"Scene(
+            title: "Drum", dimensions: 2, spacing: 0.05, smoke: 0.05,
+            fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
+            domain: Circle(center: (0.0, 0.0), radius: 0.5),
+            walls: (parts: [(
+                name: "drum", region: Circle(center: (0.0, 0.0), radius: 1.0), velocity: ("-2*(1 + t)*y", "2*(1 + t)*x"),
+            )]),
+            reference: (velocity: 1.0), time: (end: 1.0), output: (every: 1.0),
+        )"#;
+        let scene = load_str("drum", text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let drum = scene.walls.parts.iter().find(|part| part.moves()).expect("a part that moves");
+        let point = DVec3::new(0.3, -0.4, 0.0);
+        for (time, rate) in [(0.0, 2.0), (0.5, 3.0)] {
+            let found = drum.turning_at(point, time, scene.spacing);
+            assert!((found + point * rate * rate).length() < 1e-9, "{found} m/s² at {time} s");
+        }
+        assert_eq!(drum.turning_at(DVec3::ZERO, 0.0, scene.spacing), DVec3::ZERO);
+    }
+}

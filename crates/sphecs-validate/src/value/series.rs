@@ -1,0 +1,137 @@
+//! Columns over time, and what is taken of them.
+
+use super::{FORCES, MONITOR, RunResults, slope};
+use crate::schema::{CoefficientFile, TakeFile};
+
+/// Times, s, and values of a column of the monitor, of the forces on bodies or of a probe with one point.
+///
+/// # Errors
+/// That there is no such column.
+pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
+    if table != MONITOR && table != FORCES {
+        let probe = run.probe(table)?;
+        let values = probe.column(column).ok_or_else(|| format!("probe `{table}` has no `{column}`"))?;
+        if probe.places.len() != 1 {
+            return Err(format!("probe `{table}` has many points"));
+        }
+        return Ok((probe.times.clone(), values.to_vec()));
+    }
+    let (columns, what) = match table {
+        MONITOR => (&run.monitor, "the monitor has"),
+        _ => (&run.forces.columns, "the forces on bodies have"),
+    };
+    let of = |name: &str| columns.iter().find(|(known, _)| known == name).map(|(_, values)| values.clone());
+    let values = of(column).ok_or_else(|| format!("{what} no `{column}`"))?;
+    Ok((of("time").ok_or_else(|| format!("{what} no times"))?, values))
+}
+
+/// A coefficient of a body over the interval that its scene gives it.
+///
+/// # Errors
+/// That the run has no such body, or one without coefficients.
+pub fn coefficient(run: &RunResults, body: &str, take: CoefficientFile) -> Result<f64, String> {
+    let found = run.forces.means.iter().find(|(name, _)| name == body);
+    let (_, means) = found.ok_or_else(|| format!("the run has no coefficients of a body `{body}`"))?;
+    Ok(means.get(match take {
+        CoefficientFile::DragMean => "c_d_mean",
+        CoefficientFile::DragAmplitude => "c_d_amplitude",
+        CoefficientFile::LiftMean => "c_l_mean",
+        CoefficientFile::LiftAmplitude => "c_l_amplitude",
+        CoefficientFile::Strouhal => "strouhal",
+    }))
+}
+
+/// What is taken of a column from one time to another, s.
+///
+/// # Errors
+/// That there is nothing then.
+pub fn take(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> Result<f64, String> {
+    let inside: Vec<(f64, f64)> = times
+        .iter()
+        .copied()
+        .zip(values.iter().copied())
+        .filter(|(time, _)| (over.0..=over.1).contains(time))
+        .collect();
+    let Some(&(_, last)) = inside.last() else {
+        return Err(format!("nothing from {} to {} s", over.0, over.1));
+    };
+    let all = || inside.iter().map(|(_, value)| *value);
+    let mean = all().sum::<f64>() / inside.len() as f64;
+    // A value that is none must show.
+    let extreme = |better: fn(f64, f64) -> bool| {
+        all()
+            .fold(inside[0].1, |best, value| if better(value, best) || value.is_nan() { value } else { best })
+    };
+    Ok(match take {
+        TakeFile::Mean => mean,
+        TakeFile::Deviation => {
+            (all().map(|value| (value - mean).powi(2)).sum::<f64>() / inside.len() as f64).sqrt()
+        }
+        TakeFile::Largest => extreme(|value, best| value > best),
+        TakeFile::Smallest => extreme(|value, best| value < best),
+        TakeFile::Last => last,
+        TakeFile::Drift => slope(&inside),
+    })
+}
+
+/// Times, s, and values of a column.
+type Column<'a> = (&'a [f64], &'a [f64]);
+
+/// √(Σ (f − f_other)²/Σ f_other²) over the samples of the first column from one time to another (s) at which the other is known.
+///
+/// # Errors
+/// That there is nothing to compare, or that the other column is 0 throughout.
+pub fn departure(
+    (times, values): Column<'_>,
+    (other_times, other): Column<'_>,
+    over: (f64, f64),
+) -> Result<f64, String> {
+    let (mut squares, mut whole) = (0.0, 0.0);
+    for (&time, &value) in times.iter().zip(values).filter(|(time, _)| (over.0..=over.1).contains(*time)) {
+        let behind = other_times.partition_point(|&other| other < time);
+        let expected = match (behind.checked_sub(1), other_times.get(behind)) {
+            (_, Some(&at)) if at == time => other[behind],
+            (Some(before), Some(&at)) => {
+                let share = (time - other_times[before]) / (at - other_times[before]);
+                other[before] + share * (other[behind] - other[before])
+            }
+            _ => continue,
+        };
+        squares += (value - expected).powi(2);
+        whole += expected * expected;
+    }
+    if whole > 0.0 {
+        Ok((squares / whole).sqrt())
+    } else {
+        Err(format!("the other run has nothing but 0 from {} to {} s", over.0, over.1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_departure_is_relative_to_the_other_and_interpolated() {
+        let other = (&[0.0, 2.0, 4.0][..], &[0.0, 4.0, 8.0][..]);
+        let of = |values: [f64; 3], over| departure((&[1.0, 2.0, 3.0], &values), other, over);
+        assert_eq!(of([2.0, 4.0, 6.0], (0.0, 4.0)), Ok(0.0));
+        assert_eq!(of([2.0, 4.0, 9.0], (2.5, 9.0)), Ok(0.5));
+        assert_eq!(of([4.0, 0.0, 6.0], (0.0, 2.5)), Ok((20.0_f64 / 20.0).sqrt()));
+        // What is beyond the other's end is left out, and without anything left there is no figure.
+        assert_eq!(departure((&[3.0, 5.0], &[6.0, 77.0]), other, (0.0, 9.0)), Ok(0.0));
+        assert!(departure((&[5.0], &[77.0]), other, (0.0, 9.0)).is_err());
+    }
+
+    #[test]
+    fn what_is_taken_is_of_the_interval() {
+        let times = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let values = [100.0, 1.0, 5.0, 3.0, -100.0];
+        let of = |what| take(&times, &values, (1.0, 3.0), what).expect("a value");
+        assert_eq!(of(TakeFile::Mean), 3.0);
+        assert_eq!((of(TakeFile::Largest), of(TakeFile::Smallest), of(TakeFile::Last)), (5.0, 1.0, 3.0));
+        assert!((of(TakeFile::Deviation) - (8.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(of(TakeFile::Drift), 1.0);
+        assert!(take(&times, &values, (5.0, 6.0), TakeFile::Mean).is_err());
+    }
+}
