@@ -41,7 +41,7 @@ Differences:
   the length of a shift. Tensile control is in sphecs only. Damping of noise is off in both.
 - Neighbours: sphecs sorts all particles into cells at every step; PySPH has linked lists and keeps what it finds within
   a step (--cache-nnps, the fastest of its ways that were tried).
-- Beside the flow: sphecs counts every particle, watches for a blow-up and keeps integral figures at every step.
+- Besides the flow, sphecs counts every particle, checks for divergence and records integral figures at every step.
 - Compiler: PySPH compiles with -O3, its default; sphecs chooses its instructions at run time."""
 
 
@@ -143,10 +143,10 @@ def measure_pysph(
     measurement: Measurement, python: Path, particles: Path, time_step: float, work: Path, warm_up: int, steps: int
 ) -> dict[str, Any]:
     """One repetition."""
-    # PySPH keeps settings and compiled code in the home folder. Busy-waiting threads would stall it while other
+    # PySPH keeps settings and compiled code in $HOME. Busy-waiting threads would stall it while other
     # work uses a core.
     environment = {
-        "HOME": str(work / "home"),
+        "HOME": str(work / "pysph_user"),
         "OMP_NUM_THREADS": str(measurement.threads),
         "OMP_WAIT_POLICY": "passive",
     }
@@ -163,7 +163,7 @@ def compare(options: argparse.Namespace, work: Path) -> None:
     """Installs, runs in turn, prints."""
     python = installed(work)
     sphecs = options.sphecs or built(work)
-    (work / "home").mkdir(exist_ok=True)
+    (work / "pysph_user").mkdir(exist_ok=True)
     load_before = os.getloadavg()[0]
 
     rows: list[Measurement] = []

@@ -134,7 +134,7 @@ def main():
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
         trial = Trial(options.sphecs.resolve(), work)
-        steps = [("run", trial.clear, trial.begin), ("resume", trial.half, trial.go_on)]
+        steps = [("run", trial.clear, trial.begin), ("resume", trial.half, trial.resume)]
         steps = [step for step in steps if options.only in (None, step[0])]
         filled = sum(trial.fill_at_many(*step, options.full) for step in steps)
         killed = sum(trial.kill_at_each(*step, options.every) for step in steps)
