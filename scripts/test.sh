@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
 say "cargo test"
-cargo test --locked "${FEATURES[@]}"
+cargo test --workspace --locked "${FEATURES[@]}"
 
 say "pytest"
 make_venv || { echo "no python3 with venv: install python3-venv" >&2; exit 1; }
