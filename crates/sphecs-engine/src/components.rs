@@ -1,15 +1,17 @@
-//! Components of a particle: its state between two steps, for output, inspection and selection by role.
+//! Components of a particle: its state between two steps, for output, inspection and selection by
+//! role.
 //!
-//! Every particle has a [`ParticleId`], the state components and exactly one role: [`Fluid`], [`Wall`],
-//! [`Inflow`], [`Outflow`] or [`Reservoir`]. bevy stores 8 B of change ticks per component and entity, so the
-//! components are few and wide. Values that only the integrator needs remain in the
-//! [arrays](crate::arrays::Arrays).
+//! Every particle has a [`ParticleId`], the state components and exactly one role: [`Fluid`],
+//! [`Wall`], [`Inflow`], [`Outflow`] or [`Reservoir`]. bevy stores 8 B of change ticks per
+//! component and entity, so the components are few and wide. Values that only the integrator needs
+//! remain in the [arrays](crate::arrays::Arrays).
 
 use bevy_ecs::bundle::Bundle;
 use bevy_ecs::component::Component;
 use glam::DVec3;
 
-/// Number of a particle: dense from 0, constant during a run, and the `particle` index of `particles.nc`.
+/// Number of a particle: dense from 0, constant during a run, and the `particle` index of
+/// `particles.nc`.
 ///
 /// In a scene that deletes outflowing particles, the number of a deleted particle is reused.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -68,8 +70,8 @@ pub struct Inflow {
     pub inlet: u16,
 }
 
-/// Mark of an inflow particle that came back from the fluid. The particle that was injected behind it may
-/// still be there.
+/// Mark of an inflow particle that returned from the fluid. The particle that was injected behind
+/// it may still be there.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Returned;
 

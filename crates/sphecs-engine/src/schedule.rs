@@ -1,8 +1,8 @@
 //! The two schedules of a simulation and their sets.
 //!
 //! A step runs [`Step`], whose `Advance` set runs [`Stage`] once per evaluation of the rates. Both
-//! integrators evaluate them once per step. Sets are chained, systems inside a set are not: two systems of
-//! one set that access the same data without an explicit order are an error.
+//! integrators evaluate them once per step. Sets are chained, systems inside a set are not: two
+//! systems of one set that access the same data without an explicit order are an error.
 
 use bevy_ecs::schedule::{
     IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,

@@ -75,14 +75,14 @@ pub(crate) struct SavedParticle {
     pub zone: Zone,
     /// Index of inlet, outlet or wall part.
     pub patch: u16,
-    /// True if it came back from the fluid through its inlet.
+    /// True if it returned from the fluid through its inlet.
     pub returned: bool,
     /// Position relative to the wall surface, for a wall particle.
     pub surface: WallSurface,
 }
 
-/// Spawns the particles of a saved state, in the order of their numbers, and fills the entity index; a free
-/// number has no particle.
+/// Spawns the particles of a saved state, in the order of their numbers, and fills the entity
+/// index; a free number has no particle.
 pub(crate) fn spawn_saved(world: &mut World, scene: &Scene, particles: &[Option<SavedParticle>]) {
     let turbulent = scene.scheme.has_stress();
     let mut index = vec![Entity::PLACEHOLDER; particles.len()];
@@ -115,7 +115,8 @@ pub(crate) fn spawn_saved(world: &mut World, scene: &Scene, particles: &[Option<
     world.insert_resource(EntityIndex(index));
 }
 
-/// Spawns the particles of one role in one batch, so that their table is allocated in the exact size.
+/// Spawns the particles of one role in one batch, so that their table is allocated in the exact
+/// size.
 struct Spawn<'a> {
     world: &'a mut World,
     /// True if the particles carry a sub-particle stress.

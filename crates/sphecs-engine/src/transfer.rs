@@ -1,8 +1,8 @@
 //! Transfer of the particle state between the components of the world and the sorted arrays.
 //!
-//! The arrays persist from step to step, so neither direction runs inside a step: [`gather`] only after a
-//! caller changed components, [`scatter`] only before components are read. Changes of role concern single
-//! entities and are made in both copies at once (`systems/transitions/`).
+//! The arrays persist from step to step, so neither direction runs inside a step: [`gather`] only
+//! after a caller changed components, [`scatter`] only before components are read. Changes of role
+//! concern single entities and are made in both copies at once (`systems/transitions/`).
 
 use bevy_ecs::query::{Has, With, Without};
 use bevy_ecs::world::World;
@@ -20,9 +20,9 @@ use sphecs_core::particles::zone::Zone;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///
-/// A particle whose velocity, and under `EdacTvf` pressure, the caller left unchanged keeps its previous
-/// velocity and pressure and its drift. A changed or new particle takes a corrective step next: the
-/// integrator would start from the previous velocity and lose the change.
+/// A particle whose velocity, and under `EdacTvf` pressure, the caller left unchanged keeps its
+/// previous velocity and pressure and its drift. A changed or new particle takes a corrective step
+/// next: the integrator would start from the previous velocity and lose the change.
 pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
     let history = History::take(arrays);
     arrays.clear();
@@ -64,7 +64,8 @@ pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut Pa
     }
 }
 
-/// Columns of the arrays that only the integrator needs, before the arrays are filled from the components.
+/// Columns of the arrays that only the integrator needs, before the arrays are filled from the
+/// components.
 struct History<R, const D: usize> {
     row_of: Vec<u32>,
     fresh: Vec<bool>,
@@ -99,8 +100,8 @@ impl<R: Real, const D: usize> History<R, D> {
         }
     }
 
-    /// Returns the past of a particle if its velocity (m/s) and, under `EdacTvf`, its pressure (Pa) are
-    /// unchanged.
+    /// Returns the past of a particle if its velocity (m/s) and, under `EdacTvf`, its pressure (Pa)
+    /// are unchanged.
     fn of(&self, id: u32, velocity: DVec3, pressure: f64) -> Option<Past> {
         let row = *self.row_of.get(id as usize).filter(|&&row| row != u32::MAX)? as usize;
         let evolves = !self.pressure.is_empty();
@@ -127,7 +128,8 @@ pub(crate) fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &Parti
         &mut Velocity,
         &mut Thermodynamics,
     ), Without<Reservoir>>();
-    // One slice per table, that is, per set of components. All components of particles are stored in tables.
+    // One slice per table, that is, per set of components. All components of particles are stored
+    // in tables.
     let Ok(tables) = state.contiguous_iter_mut(world) else {
         unreachable!("all components of particles are stored in tables")
     };

@@ -1,8 +1,8 @@
 //! Named columns of numbers: the form in which a state is saved and restored.
 //!
 //! A column has one of five types, so that every number is saved in the precision in which it is
-//! computed. Columns are compared and written bit by bit: `==` on numbers would equate −0 and 0, and
-//! a NaN would differ from itself.
+//! computed. Columns are compared and written bit by bit: `==` on numbers would equate −0 and 0,
+//! and a NaN would differ from itself.
 
 /// Numbers of one type.
 #[derive(Clone, Debug)]
@@ -142,9 +142,9 @@ impl Column {
 
 impl PartialEq for Column {
     fn eq(&self, other: &Self) -> bool {
-        let same_bits = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        let have_equal_bits = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         match (self, other) {
-            (Column::F64(a), Column::F64(b)) => a.len() == b.len() && a.iter().zip(b).all(same_bits),
+            (Column::F64(a), Column::F64(b)) => a.len() == b.len() && a.iter().zip(b).all(have_equal_bits),
             (Column::F32(a), Column::F32(b)) => {
                 a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
             }

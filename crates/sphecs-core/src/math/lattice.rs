@@ -6,10 +6,10 @@
 //! C_ν = −2 Σ_b Δ^D (x_b²/2) F(r_b) R(r_b)       Lo–Shao sum over ν ∇²v:       1,   R = r²/(r² + η²)
 //! ```
 //!
-//! The Lo–Shao sum of a field v is 2 ν Σ V_b (v_a − v_b) F; for v = y²/2, whose Laplacian is 1, it is
-//! ν C_ν, and without η² (R = 1) C_ν = C_g. On the lattice all sums differ from 1 by a percent or more.
-//! The scheme divides by them, so that a uniform lattice has the reference density and a parabolic
-//! profile the exact viscous force.
+//! The Lo–Shao sum of a field v is 2 ν Σ V_b (v_a − v_b) F; for v = y²/2, whose Laplacian is 1, it
+//! is ν C_ν, and without η² (R = 1) C_ν = C_g. On the lattice all sums differ from 1 by a percent
+//! or more. The scheme divides by them, so that a uniform lattice has the reference density and a
+//! parabolic profile the exact viscous force.
 
 use super::kernel::Kernel;
 
@@ -32,7 +32,8 @@ pub struct LatticeSums {
 pub const ETA_SQUARED: f64 = 0.01;
 
 impl LatticeSums {
-    /// Computes the sums on a lattice of spacing 1 with the smoothing length `smoothing_ratio` = h/Δ.
+    /// Computes the sums on a lattice of spacing 1 with the smoothing length
+    /// `smoothing_ratio` = h/Δ.
     pub fn new(kernel: Kernel, smoothing_ratio: f64, dimensions: usize) -> Self {
         let h = smoothing_ratio;
         let reach = (kernel.support_ratio() * h).ceil() as i32;
@@ -68,7 +69,8 @@ mod tests {
 
     #[test]
     fn wendland_loses_viscosity_on_a_coarse_lattice() {
-        // Published with the description of the scheme: 0.964, 0.974, 0.999 and, with η², 0.953, 0.963, 0.985.
+        // Published with the description of the scheme: 0.964, 0.974, 0.999 and, with η², 0.953,
+        // 0.963, 0.985.
         for (ratio, plain, printed) in [(1.2, 0.964, 0.953), (1.3, 0.974, 0.963), (2.0, 0.999, 0.985)] {
             let sums = LatticeSums::new(Kernel::WendlandC2, ratio, 2);
             assert!((sums.viscosity - plain).abs() < 6e-4, "h = {ratio} Δ: {}", sums.viscosity);

@@ -47,10 +47,11 @@ pub fn invert<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     Some(inverse)
 }
 
-/// Returns the inverse of a symmetric matrix of two or three rows by cofactors, without branches for hot
-/// loops.
+/// Returns the inverse of a symmetric matrix of two or three rows by cofactors, without branches
+/// for hot loops.
 ///
-/// Zero if its determinant is not finite or below 1e-10 of the square (3D: cube) of its largest entry.
+/// Zero if its determinant is not finite or below 1e-10 of the square (3D: cube) of its largest
+/// entry.
 #[inline(always)]
 pub fn invert_symmetric<const N: usize>(matrix: [[f64; N]; N]) -> [[f64; N]; N] {
     const SINGULAR: f64 = 1e-10;

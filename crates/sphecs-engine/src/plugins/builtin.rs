@@ -62,7 +62,8 @@ fn add_arrays<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
     context.stage.add_systems(sort_particles::<R, D>.in_set(StageSet::Neighbours));
 }
 
-/// Adds the scheme of Alvarado-Rodríguez et al. (2017): density, gradients, rates, forces, kick, shifting.
+/// Adds the scheme of Alvarado-Rodríguez et al. (2017): density, gradients, rates, forces, kick,
+/// shifting.
 fn add_wcsph<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
     context.save_resource::<Clock>("clock");
     context.save_resource::<RatesFound>("rates_found");
@@ -93,8 +94,8 @@ fn stores_drift(scene: &Scene) -> bool {
     has_sections && shifts
 }
 
-/// Adds the scheme of Negi et al. (2020): volumes, rates, forces, kick–drift–kick with the transport
-/// velocity.
+/// Adds the scheme of Negi et al. (2020): volumes, rates, forces, kick–drift–kick with the
+/// transport velocity.
 fn add_edac_tvf<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
     context.save_resource::<Clock>("clock");
     context.save_resource::<RatesFound>("rates_found");
@@ -128,7 +129,8 @@ fn add_boundaries<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
     context.stage.add_systems(
         (apply_inlets::<R, D>, apply_outlets::<R, D>, apply_walls::<R, D>).chain().in_set(StageSet::Boundary),
     );
-    // Only the systems of one scheme are in the schedule; an order relative to the other has no effect.
+    // Only the systems of one scheme are in the schedule; an order relative to the other has no
+    // effect.
     context.stage.add_systems(
         outlet_rates::<R, D>
             .in_set(StageSet::Rates)

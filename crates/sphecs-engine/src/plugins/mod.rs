@@ -40,7 +40,7 @@ impl PluginContext<'_> {
 pub trait Plugin {
     /// Inserts resources and adds systems. The particles are spawned after all plugins are built.
     ///
-    /// A resource that later steps depend on is inserted by [`PluginContext::save_resource`]; a resumed run
-    /// would otherwise start without its value.
+    /// A resource that later steps depend on is inserted by [`PluginContext::save_resource`]; a
+    /// resumed run would otherwise start without its value.
     fn build(&self, context: &mut PluginContext<'_>);
 }

@@ -17,8 +17,8 @@ pub struct Grid<const D: usize>(pub CellGrid<D>);
 #[derive(Resource, Default)]
 pub struct SortBuffers<R: Real>(pub SpareColumns<R>);
 
-/// Distance from the initial particles to the bounds of the grid, in supports. A particle that leaves the
-/// grid is lost.
+/// Distance from the initial particles to the bounds of the grid, in supports. A particle that
+/// leaves the grid is lost.
 const MARGIN_IN_SUPPORTS: f64 = 1.5;
 
 /// Creates the grid of a scene from the initial positions.

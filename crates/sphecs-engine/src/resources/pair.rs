@@ -31,7 +31,8 @@ pub fn pair_settings(scene: &Scene) -> PairSettings {
         }
         Scheme::EdacTvf(scheme) => {
             pair.pressure = PressureLaw::Evolved(scheme.terms);
-            // The transport velocity replaces shifting, and the mean pressure p̄ replaces the tensile control.
+            // The transport velocity replaces shifting, and the mean pressure p̄ replaces the
+            // tensile control.
             pair.shifting = Shifting::Off;
             pair.tensile_control = false;
         }

@@ -23,8 +23,8 @@ pub struct RatesFound {
     pub largest_divergence: f64,
     /// Largest kinematic viscosity, eddy viscosity included, m²/s.
     pub largest_viscosity: f64,
-    /// Largest rate at which the viscous term damps a particle, 1/s; under `Wcsph` only of particles with
-    /// no wall in their support.
+    /// Largest rate at which the viscous term damps a particle, 1/s; under `Wcsph` only of
+    /// particles with no wall in their support.
     pub largest_damping: f64,
     /// Largest damping rate of particles with a wall in their support, 1/s; 0 under `EdacTvf`.
     pub largest_damping_at_walls: f64,

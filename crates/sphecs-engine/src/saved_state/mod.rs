@@ -3,13 +3,14 @@
 //! - [`particles`]: the particles, from arrays and components
 //!
 //! A resource that later steps depend on is saved by one line where it is inserted,
-//! [`PluginContext::save_resource`](crate::plugins::PluginContext::save_resource). It is stored whole by its
-//! `serde` derive, so that a new field is saved without further code. The test `tests/restart.rs` inspects
-//! every resource of a world, and fails for one that is neither saved nor listed there with a reason.
+//! [`PluginContext::save_resource`](crate::plugins::PluginContext::save_resource). It is stored
+//! whole by its `serde` derive, so that a new field is saved without further code. The test
+//! `tests/restart.rs` inspects every resource of a world, and fails for one that is neither saved
+//! nor listed there with a reason.
 //!
 //! To save something new: for a resource, derive `Serialize` and `Deserialize` and insert it by
-//! `save_resource`; for a column of the arrays, add it to `particles/saved.rs`, which does not compile
-//! without it; for a component, add it to [`particles`].
+//! `save_resource`; for a column of the arrays, add it to `particles/saved.rs`, which does not
+//! compile without it; for a component, add it to [`particles`].
 
 pub(crate) mod particles;
 
@@ -55,7 +56,8 @@ impl SavedResources {
         }
     }
 
-    /// Returns the first name that could not be added, and the name of the resource that it collides with.
+    /// Returns the first name that could not be added, and the name of the resource that it
+    /// collides with.
     pub(crate) fn collision(&self) -> Option<[&'static str; 2]> {
         self.collision
     }
@@ -68,7 +70,8 @@ impl SavedResources {
     /// Saves all resources as records.
     pub(crate) fn save(world: &World, to: &mut Columns) {
         for entry in &world.resource::<Self>().entries {
-            // A resource that its plugin never inserted is reported as missing when the state is restored.
+            // A resource that its plugin never inserted is reported as missing when the state is
+            // restored.
             if let Some(bytes) = (entry.save)(world) {
                 to.put(format!("{RECORD}{}", entry.name), bytes);
             }
@@ -78,7 +81,8 @@ impl SavedResources {
     /// Replaces all saved resources by their records.
     ///
     /// # Errors
-    /// [`ColumnMismatch`] if a record is missing, cannot be decoded, or belongs to no resource of this world.
+    /// [`ColumnMismatch`] if a record is missing, cannot be decoded, or belongs to no resource of
+    /// this world.
     pub(crate) fn restore(world: &mut World, from: &mut Columns) -> Result<(), ColumnMismatch> {
         let entries: Vec<_> =
             world.resource::<Self>().entries.iter().map(|entry| (entry.name, entry.restore)).collect();
@@ -98,8 +102,8 @@ impl SavedResources {
 
 /// Encodes a value as a record.
 ///
-/// A record is MessagePack with the names of the fields: a record with other fields is an error, never another
-/// value, and numbers keep their bits.
+/// A record is MessagePack with the names of the fields: a record with other fields is an error,
+/// never another value, and numbers keep their bits.
 pub fn encode_record<T: Serialize>(value: &T) -> Vec<u8> {
     // Writing to memory fails only for a map of unknown length, which no record contains.
     rmp_serde::to_vec_named(value).expect("a record can be written to memory")

@@ -3,7 +3,7 @@
 //! ```text
 //! arrays.*      rows in their order, or by number after a caller changed components: zone, patch, flags,
 //!               positions, velocities at both time levels, density, pressure, walls
-//! particle.*    by number, free numbers included: tag, passages, whether it came back through an inlet
+//! particle.*    by number, free numbers included: tag, passages, whether it returned through an inlet
 //! wall.*        distance and normal of the wall particles, in double precision
 //! stored.*      the reservoir in the order in which it is emptied, from its end
 //! grid.*        the box of the cell grid, which follows from the initial particles
@@ -41,8 +41,8 @@ use sphecs_scene::model::Scene;
 pub(crate) fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
     let order = match *world.resource::<StateLocation>() {
         StateLocation::Components => {
-            // The next step starts from the components. Their order in the world depends on every change of
-            // zone since the start and is not part of the state.
+            // The next step starts from the components. Their order in the world depends on every
+            // change of zone since the start and is not part of the state.
             state_location::gather::<R, D>(world);
             Order::ByNumber
         }
@@ -63,11 +63,11 @@ fn save_components(world: &mut World, to: &mut Columns) {
     let mut returned = vec![0_u8; count];
     let mut walls: Vec<(u32, WallSurface)> = Vec::new();
     let mut particles = world.query::<(&ParticleId, &Tracer, Has<Returned>, Option<&WallSurface>)>();
-    for (id, tracer, came_back, surface) in particles.iter(world) {
+    for (id, tracer, has_returned, surface) in particles.iter(world) {
         let slot = id.0 as usize;
         tag[slot] = tracer.tag;
         passages[slot] = tracer.passages;
-        returned[slot] = u8::from(came_back);
+        returned[slot] = u8::from(has_returned);
         walls.extend(surface.map(|surface| (id.0, *surface)));
     }
     walls.sort_unstable_by_key(|(id, _)| *id);

@@ -74,16 +74,18 @@ impl SimulationBuilder {
 
     /// Starts from these particles in place of those that the scene fills in.
     ///
-    /// They are the particles of [`sphecs_scene::seeds`](sphecs_scene::spawn::seeds), displaced or with other
-    /// velocities.
+    /// They are the particles of [`sphecs_scene::seeds`](sphecs_scene::spawn::seeds), displaced or
+    /// with other velocities.
     pub fn particles(mut self, particles: Vec<ParticleSeed>) -> Self {
         self.start = Start::Particles(particles);
         self
     }
 
-    /// Starts from a state that [`Simulation::state`] returned for the same scene with the same plugins.
+    /// Starts from a state that [`Simulation::state`] returned for the same scene with the same
+    /// plugins.
     ///
-    /// The results are bitwise identical to those of an uninterrupted run, with any number of threads.
+    /// The results are bitwise identical to those of an uninterrupted run, with any number of
+    /// threads.
     pub fn state(mut self, state: Columns) -> Self {
         self.start = Start::State(state);
         self
@@ -118,8 +120,8 @@ impl SimulationBuilder {
         world.insert_resource(pair);
         let schedules = build_plugins::<R, D>(&scene, &plugins, &mut world)?;
         add_schedules(&mut world, schedules)?;
-        // The particles come last: bevy keeps each resource in a table whose size is the index of its entity,
-        // 4 B per particle for each resource inserted after the particles.
+        // The particles come last: bevy keeps each resource in a table whose size is the index of
+        // its entity, 4 B per particle for each resource inserted after the particles.
         match contents {
             Contents::Particles(particles) => spawn_particles(&mut world, &scene, &particles),
             Contents::State(mut state) => {

@@ -36,8 +36,8 @@ pub struct Simulation {
     world: World,
     scene: Arc<Scene>,
     functions: TypedFunctions,
-    /// True if the arrays are sorted and have the density at the present positions, so that monitor rows,
-    /// samples and frames of one time share one sort.
+    /// True if the arrays are sorted and have the density at the present positions, so that monitor
+    /// rows, samples and frames of one time share one sort.
     is_refreshed: bool,
 }
 
@@ -84,7 +84,8 @@ impl Simulation {
         SimulationBuilder::new(scene)
     }
 
-    /// Returns everything that the next steps and their output depend on: the contents of a checkpoint.
+    /// Returns everything that the next steps and their output depend on: the contents of a
+    /// checkpoint.
     ///
     /// Later steps are bitwise identical whether it is called or not.
     pub fn state(&mut self) -> Columns {
@@ -97,12 +98,14 @@ impl Simulation {
     /// Advances by one time step.
     ///
     /// # Errors
-    /// [`Stop`] if the flow diverged or an inlet found no particle. The world keeps the state of that step.
+    /// [`Stop`] if the flow diverged or an inlet found no particle. The world keeps the state of
+    /// that step.
     pub fn step(&mut self) -> Result<(), Stop> {
         self.world.resource_mut::<Stopwatch>().start();
         self.is_refreshed = false;
         let world = &mut self.world;
-        // On a thread of the pool: from any other thread, each parallel loop would wake the pool and wait for it.
+        // On a thread of the pool: from any other thread, each parallel loop would wake the pool
+        // and wait for it.
         rayon::scope(|_| world.run_schedule(Step));
         // Otherwise bevy's list of removed components and resources grows with every step.
         self.world.clear_trackers();
@@ -139,14 +142,15 @@ impl Simulation {
         &self.scene
     }
 
-    /// Returns the world with up-to-date components, density and pressure at the present positions included.
+    /// Returns the world with up-to-date components, density and pressure at the present positions
+    /// included.
     pub fn world(&mut self) -> &World {
         self.update_components();
         &self.world
     }
 
-    /// Returns the world with up-to-date components; the next step starts from the components that the
-    /// caller leaves in it.
+    /// Returns the world with up-to-date components; the next step starts from the components that
+    /// the caller leaves in it.
     pub fn world_mut(&mut self) -> &mut World {
         self.update_components();
         self.is_refreshed = false;
@@ -171,12 +175,14 @@ impl Simulation {
         *self.world.resource::<Clock>()
     }
 
-    /// Returns the particle with an impossible value that stopped the flow, with the particles around it.
+    /// Returns the particle with an impossible value that stopped the flow, with the particles
+    /// around it.
     pub fn diverged_particle(&self) -> Option<&DivergedParticle> {
         self.world.resource::<Failure>().diverged.as_ref()
     }
 
-    /// Returns the notes on outlets that do not behave as intended, in the order of their detection.
+    /// Returns the notes on outlets that do not behave as intended, in the order of their
+    /// detection.
     pub fn notes(&self) -> &[String] {
         &self.world.resource::<OutletWatch>().notes
     }
@@ -186,20 +192,21 @@ impl Simulation {
         self.world.resource::<Ledger>()
     }
 
-    /// Returns the integral quantities at the present time; the mass flows are means since the previous
-    /// call.
+    /// Returns the integral quantities at the present time; the mass flows are means since the
+    /// previous call.
     pub fn monitor_row(&mut self) -> MonitorRow {
         self.refresh();
         (self.functions.monitor_row)(&mut self.world)
     }
 
-    /// Returns force and torque of the fluid on the bodies of the scene at the beginning of the last step.
+    /// Returns force and torque of the fluid on the bodies of the scene at the beginning of the
+    /// last step.
     pub fn body_forces(&self) -> &BodyForcesRow {
         &self.world.resource::<Bodies>().row
     }
 
-    /// Returns velocity (m/s), pressure (Pa) and density (kg/m³) of the fluid at points, m, by corrected
-    /// kernel sums; None at a point without fluid nearby.
+    /// Returns velocity (m/s), pressure (Pa) and density (kg/m³) of the fluid at points, m, by
+    /// corrected kernel sums; None at a point without fluid nearby.
     pub fn sample(&mut self, points: &[DVec3]) -> Vec<Option<Sample>> {
         let fluid: Vec<_> = points.iter().map(|&point| (point, ProbeSight::Fluid)).collect();
         self.sample_seeing(&fluid)
@@ -213,8 +220,8 @@ impl Simulation {
 
     /// Returns the mass flow through sections along their normals, kg/s (per metre of depth in 2D).
     ///
-    /// It includes the displacement by shifting if the scene has a section among its probes. Otherwise
-    /// `Wcsph` does not store that displacement, and the flow is that of the velocities.
+    /// It includes the displacement by shifting if the scene has a section among its probes.
+    /// Otherwise `Wcsph` does not store that displacement, and the flow is that of the velocities.
     pub fn mass_flows(&mut self, sections: &[&Section]) -> Vec<f64> {
         (self.functions.gather)(&mut self.world);
         (self.functions.mass_flows)(&self.world, sections)

@@ -1,4 +1,5 @@
-//! Parts of a step that the schemes share: largest acceleration, motion of the zones, end of the step.
+//! Parts of a step that the schemes share: largest acceleration, motion of the zones, end of the
+//! step.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! Systems of the scheme `EdacTvf` of Negi et al. (2020): density, rates, kick, shifting in outflow zones.
+//! Systems of the scheme `EdacTvf` of Negi et al. (2020): density, rates, kick, shifting in outflow
+//! zones.
 
 use std::ops::Range;
 
@@ -33,8 +34,9 @@ fn terms(scene: &Scene) -> Option<&Edac> {
 
 /// Computes the density of fluid, inflow and outflow particles by summation.
 ///
-/// At the outer end of a zone the support is truncated, and the sum with it. Particles there get the
-/// reference density; otherwise their volumes would double and push their neighbours into the fluid.
+/// At the outer end of a zone the support is truncated, and the sum with it. Particles there get
+/// the reference density; otherwise their volumes would double and push their neighbours into the
+/// fluid.
 pub(crate) fn sum_volumes<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
@@ -57,8 +59,8 @@ pub(crate) fn sum_volumes<R: Real, const D: usize>(
     }
 }
 
-/// Computes pair forces, pressure rate and acceleration by the background pressure, and the extremes that
-/// limit the time step.
+/// Computes pair forces, pressure rate and acceleration by the background pressure, and the
+/// extremes that limit the time step.
 pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
@@ -139,8 +141,8 @@ fn advance_fluid<R: Real, const D: usize>(
     for_each_part(0..zone.len(), columns, &work);
 }
 
-/// Columns of some rows: positions; velocities, velocities half a step earlier, drifts; pressures, pressures
-/// half a step earlier.
+/// Columns of some rows: positions; velocities, velocities half a step earlier, drifts; pressures,
+/// pressures half a step earlier.
 type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
 
 /// Rates that the passes summed.
@@ -195,7 +197,8 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
 }
 
 impl<R: Real, const D: usize> DriftPart<'_, R, D> {
-    /// Advances fluid rows, which are `part` of the written columns and either all `fresh` or all not.
+    /// Advances fluid rows, which are `part` of the written columns and either all `fresh` or all
+    /// not.
     #[inline(always)]
     fn advance(&mut self, rows: Range<usize>, part: Range<usize>, fresh: bool) {
         let scheme = self.scheme;
@@ -222,7 +225,8 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
     }
 }
 
-/// Shifts the particles of outflow zones as the background pressure shifts the fluid: δx = −2 Δt² (p_b/ρ0) ∇C.
+/// Shifts the particles of outflow zones as the background pressure shifts the fluid: δx = −2 Δt²
+/// (p_b/ρ0) ∇C.
 ///
 /// For a uniform distribution, Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0.
 pub(crate) fn shift_outlets<R: Real, const D: usize>(

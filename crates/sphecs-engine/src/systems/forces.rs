@@ -49,8 +49,8 @@ pub struct ParticleState {
 }
 
 impl AddedForces {
-    /// Adds a force per mass, m/s². It must be a pure function of the particle's state: it is called from
-    /// several threads in no fixed order.
+    /// Adds a force per mass, m/s². It must be a pure function of the particle's state: it is
+    /// called from several threads in no fixed order.
     pub fn add(&mut self, force: impl Fn(&ParticleState) -> DVec3 + Send + Sync + 'static) {
         self.0.push(Box::new(force));
     }
@@ -69,8 +69,8 @@ pub(crate) fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3
 
 /// Adds the body force and the added forces to the accelerations of fluid and outflow particles.
 ///
-/// The body force acts on outflow particles too. Without it, the wave equation of an outlet loses 40 % of
-/// a Poiseuille profile that the body force drives.
+/// The body force acts on outflow particles too. Without it, the wave equation of an outlet loses
+/// 40 % of a Poiseuille profile that the body force drives.
 pub(crate) fn add_forces<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,

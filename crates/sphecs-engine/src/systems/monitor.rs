@@ -34,11 +34,11 @@ pub struct MonitorRow {
     pub count: [u64; 5],
     /// Mass by zone, kg (per metre of depth in 2D).
     pub mass: [f64; 5],
-    /// Mean mass flow into the domain through each inlet since the previous row, kg/s (per metre of depth
-    /// in 2D).
+    /// Mean mass flow into the domain through each inlet since the previous row, kg/s (per metre of
+    /// depth in 2D).
     pub inlet_mass_flow: Vec<f64>,
-    /// Mean mass flow out of the domain through each outlet since the previous row, kg/s (per metre of depth
-    /// in 2D).
+    /// Mean mass flow out of the domain through each outlet since the previous row, kg/s (per metre
+    /// of depth in 2D).
     pub outlet_mass_flow: Vec<f64>,
     /// Kinetic energy of the fluid, J (per metre of depth in 2D).
     pub kinetic_energy: f64,
@@ -73,7 +73,8 @@ pub struct PreviousRow {
 /// Distance, over the spacing, below which two fluid particles count as a close pair.
 const CLOSE: f64 = 0.5;
 
-/// Distance outside the container, over the spacing, beyond which a particle counts as behind a wall.
+/// Distance outside the container, over the spacing, beyond which a particle counts as behind a
+/// wall.
 const BEHIND: f64 = 1e-6;
 
 /// Returns the net crossings of each patch.
@@ -175,7 +176,8 @@ impl FluidSums {
     }
 }
 
-/// Rows per partial sum: constant, so that the sums are bitwise independent of the number of threads.
+/// Rows per partial sum: constant, so that the sums are bitwise independent of the number of
+/// threads.
 const CHUNK: usize = 4096;
 
 fn fluid_sums<R: Real, const D: usize>(
@@ -199,7 +201,8 @@ fn fluid_sums<R: Real, const D: usize>(
             sums.largest_density_deviation = sums.largest_density_deviation.max(deviation);
             sums.pressure += arrays.pressure[a].to_f64();
             let point = arrays.position_of(a);
-            // The signed distance of a scene is costly, and only a particle next to a wall can be behind it.
+            // The signed distance of a scene is costly, and only a particle next to a wall can be
+            // behind it.
             let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;
             if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
                 sums.through_walls += 1;

@@ -13,7 +13,8 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::wall_distance::find_wall_distance;
 
-/// Sorts the arrays into cells, computes the distances to the walls and finds the rows of each patch.
+/// Sorts the arrays into cells, computes the distances to the walls and finds the rows of each
+/// patch.
 pub(crate) fn sort_particles<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,

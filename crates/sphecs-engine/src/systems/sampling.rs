@@ -1,4 +1,5 @@
-//! Evaluation of a world between two steps: density at the present positions, fields at points, mass flows.
+//! Evaluation of a world between two steps: density at the present positions, fields at points,
+//! mass flows.
 
 use bevy_ecs::world::World;
 use glam::DVec3;
@@ -17,10 +18,11 @@ use sphecs_core::pass::sampling::Sampler;
 use sphecs_core::pass::section::{self, Section};
 use sphecs_scene::model::ProbeSight;
 
-/// Sorts the particles at their present positions and sums their density, so that all values belong to one
-/// time.
+/// Sorts the particles at their present positions and sums their density, so that all values belong
+/// to one time.
 ///
-/// The next step repeats this from the same positions, so that results are bitwise independent of reads.
+/// The next step repeats this from the same positions, so that results are bitwise independent of
+/// reads.
 pub(crate) fn refresh<R: Real, const D: usize>(world: &mut World) {
     state_location::gather::<R, D>(world);
     for run in [
@@ -33,8 +35,8 @@ pub(crate) fn refresh<R: Real, const D: usize>(world: &mut World) {
     }
 }
 
-/// Sorts the particles and sums their density as [`refresh`] does, under `EdacTvf`. The pressure is that of
-/// the last step.
+/// Sorts the particles and sums their density as [`refresh`] does, under `EdacTvf`. The pressure is
+/// that of the last step.
 pub(crate) fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
     state_location::gather::<R, D>(world);
     for run in [
@@ -46,8 +48,8 @@ pub(crate) fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
     }
 }
 
-/// Returns the fields at each point, from the particles that its [`ProbeSight`] selects; None at a point
-/// without such particles nearby.
+/// Returns the fields at each point, from the particles that its [`ProbeSight`] selects; None at a
+/// point without such particles nearby.
 pub(crate) fn sample<R: Real, const D: usize>(
     world: &World,
     points: &[(DVec3, ProbeSight)],

@@ -1,10 +1,11 @@
 //! Cell grid over a box fixed by the scene, with the rows of the particles in each cell.
 //!
-//! Origin and cells never follow the particles, so the order of a sum does not depend on the outermost
-//! particles. Cells are numbered with x fastest: consecutive cells in x are one contiguous run of rows.
-//! In a periodic direction the cells divide the period exactly. Neighbours are searched by *unwrapped*
-//! cell indices, each a wrapped cell plus a shift by whole periods. A period of one cell, or one shorter
-//! than the support, is therefore no special case: the same cell is visited once per image.
+//! Origin and cells never follow the particles, so the order of a sum does not depend on the
+//! outermost particles. Cells are numbered with x fastest: consecutive cells in x are one
+//! contiguous run of rows. In a periodic direction the cells divide the period exactly. Neighbours
+//! are searched by *unwrapped* cell indices, each a wrapped cell plus a shift by whole periods. A
+//! period of one cell, or one shorter than the support, is therefore no special case: the same cell
+//! is visited once per image.
 
 mod runs;
 mod sort;
@@ -31,17 +32,17 @@ pub struct CellGrid<const D: usize> {
 
 /// Fraction of the support at its edge within which pairs may be omitted.
 ///
-/// There both kernels are below 1e-30 of their peak, and rounding must not make a support of exactly one
-/// cell reach into a second one.
+/// There both kernels are below 1e-30 of their peak, and rounding must not make a support of
+/// exactly one cell reach into a second one.
 const REACH_TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> CellGrid<D> {
-    /// Creates a grid over the box from `lower` to `upper`, m, with cells of about `cell_size`, m, that
-    /// finds all pairs within `support`, m.
+    /// Creates a grid over the box from `lower` to `upper`, m, with cells of about `cell_size`, m,
+    /// that finds all pairs within `support`, m.
     ///
     /// # Panics
-    /// If the box is empty or not finite, or `support` or `cell_size` is not positive. The checks of a
-    /// scene exclude both.
+    /// If the box is empty or not finite, or `support` or `cell_size` is not positive. The checks
+    /// of a scene exclude both.
     pub fn new(lower: [f64; D], upper: [f64; D], periodic: [bool; D], support: f64, cell_size: f64) -> Self {
         assert!(support > 0.0 && cell_size > 0.0, "support and cell size must be positive");
         let mut cells = [1; D];
@@ -116,8 +117,8 @@ impl<const D: usize> CellGrid<D> {
 
     /// Returns the first row of each cell, followed by the number of rows.
     ///
-    /// Cell `c` holds the rows `starts[c]..starts[c + 1]` once the particles are in the order of the last
-    /// [`Self::build`].
+    /// Cell `c` holds the rows `starts[c]..starts[c + 1]` once the particles are in the order of
+    /// the last [`Self::build`].
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }

@@ -7,7 +7,8 @@ use super::CellGrid;
 impl<const D: usize> CellGrid<D> {
     /// Visits the rows of all cells within the support of a point of the unwrapped cell `index`.
     ///
-    /// The rows come in contiguous runs, each with the shift, m, to its periodic image, in a fixed order.
+    /// The rows come in contiguous runs, each with the shift, m, to its periodic image, in a fixed
+    /// order.
     #[inline(always)]
     pub fn for_each_run(&self, index: [i64; D], visit: impl FnMut(Range<usize>, [f64; D])) {
         let first = std::array::from_fn(|d| index[d] - self.reach[d]);
@@ -100,7 +101,8 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
-    /// Visits the cells from `from` to `last` of the line along x through `at`, with one run per period.
+    /// Visits the cells from `from` to `last` of the line along x through `at`, with one run per
+    /// period.
     #[inline(always)]
     fn visit_line(
         &self,
@@ -132,8 +134,8 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
-    /// Returns the number of periods from the box to an unwrapped index. Most cells are inside, where the
-    /// division is skipped.
+    /// Returns the number of periods from the box to an unwrapped index. Most cells are inside,
+    /// where the division is skipped.
     #[inline]
     fn image(&self, d: usize, index: i64) -> i64 {
         let cells = self.cells[d] as i64;
@@ -145,7 +147,8 @@ impl<const D: usize> CellGrid<D> {
 mod tests {
     use super::*;
 
-    /// Every row within the support of a point of the box is visited once per image, and few others are.
+    /// Every row within the support of a point of the box is visited once per image, and few others
+    /// are.
     #[test]
     fn runs_near_a_box_contain_all_its_neighbours() {
         let (lengths, support) = ([1.0, 0.35, 0.8], 0.2);

@@ -1,8 +1,9 @@
-//! Counting sort of particles: by cell, inside a cell by its parts along x, inside a part by number.
+//! Counting sort of particles: by cell, inside a cell by its parts along x, inside a part by
+//! number.
 //!
-//! With parts, particles that are adjacent in the order are adjacent in space, so that fewer SIMD vectors
-//! of a neighbourhood contain particles inside the support. In 3D, where neighbourhoods are culled, a cell
-//! has one part.
+//! With parts, particles that are adjacent in the order are adjacent in space, so that fewer SIMD
+//! vectors of a neighbourhood contain particles inside the support. In 3D, where neighbourhoods are
+//! culled, a cell has one part.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
@@ -25,8 +26,8 @@ const CELLS_PER_TASK: usize = 2048;
 /// Place of a row that is not sorted.
 const NO_PLACE: u32 = u32::MAX;
 
-/// Parts of a cell along x. On a lattice with cells of three spacings, no column of particles lies on the
-/// edge of one of three parts.
+/// Parts of a cell along x. On a lattice with cells of three spacings, no column of particles lies
+/// on the edge of one of three parts.
 const PARTS: u32 = 3;
 
 /// Returns the number of bits for the part of a cell.
@@ -47,8 +48,9 @@ pub(super) struct SortBuffers {
 }
 
 impl<const D: usize> CellGrid<D> {
-    /// Sorts the rows for which `keep` holds and returns the order: row indices by cell, inside a cell by
-    /// part and `id`. A sum over neighbours therefore does not depend on the previous order.
+    /// Sorts the rows for which `keep` holds and returns the order: row indices by cell, inside a
+    /// cell by part and `id`. A sum over neighbours therefore does not depend on the previous
+    /// order.
     ///
     /// # Errors
     /// The first kept row outside the box or with a position that is not finite.
@@ -140,7 +142,8 @@ impl<const D: usize> CellGrid<D> {
                     }
                 }
             }
-            // Most rows are still in order: one atomic addition per run of rows is cheaper than one per row.
+            // Most rows are still in order: one atomic addition per run of rows is cheaper than one
+            // per row.
             for run in place_of.chunk_by(same_cell::<D>) {
                 if run[0] != NO_PLACE {
                     cursor[(run[0] >> part_bits::<D>()) as usize].fetch_add(run.len() as u32, Relaxed);
@@ -151,12 +154,12 @@ impl<const D: usize> CellGrid<D> {
     }
 }
 
-/// Finds the places of points: the cells that [`CellGrid::cell_of`] gives and their parts along x, or
-/// [`NO_PLACE`] outside the box.
+/// Finds the places of points: the cells that [`CellGrid::cell_of`] gives and their parts along x,
+/// or [`NO_PLACE`] outside the box.
 ///
-/// Computed in floating point, since a conversion to integers that is correct for all numbers takes more
-/// than one instruction. Written over lanes, since the compiler vectorised the scalar loop with AVX2 but
-/// not with AVX-512.
+/// Computed in floating point, since a conversion to integers that is correct for all numbers takes
+/// more than one instruction. Written over lanes, since the compiler vectorised the scalar loop
+/// with AVX2 but not with AVX-512.
 struct FindPlaces<'a, const D: usize> {
     grid: &'a CellGrid<D>,
     position: [&'a [f64]; D],
@@ -189,12 +192,12 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
                     let (cells, last) = (grid.cells[d] as f64, (grid.cells[d] - 1) as f64);
                     let x = L::read(&self.position[d][group * GROUP + first..]);
                     let along = (x - lower) * L::constant(grid.inverse_cell_size[d]);
-                    let whole = floor(along);
+                    let whole = round_down(along);
                     let last = L::constant(last);
                     // `min` is not used here: it may drop a NaN.
                     place = place * L::constant(cells) + L::select(last.less(whole), last, whole);
                     if d == 0 && part_bits::<D>() > 0 {
-                        let part = floor((along - whole) * parts).min(last_part);
+                        let part = round_down((along - whole) * parts).min(last_part);
                         place = place * numbered + part;
                     }
                     place = L::select(x.less(lower), outside, place);
@@ -211,14 +214,14 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
     }
 }
 
-/// Lower end of an interval up to twice this number in which all `f64` are integers: a number added to it
-/// is rounded to an integer, which is in the lowest bits of the sum.
+/// Lower end of an interval up to twice this number in which all `f64` are integers: a number added
+/// to it is rounded to an integer, which is in the lowest bits of the sum.
 const INTEGERS: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
-/// Returns the largest integer not above a number from 0 to [`INTEGERS`]; for other numbers the result is
-/// arbitrary.
+/// Returns the largest integer not above a number from 0 to [`INTEGERS`]; for other numbers the
+/// result is arbitrary.
 #[inline(always)]
-fn floor<L: Lanes>(x: L) -> L {
+fn round_down<L: Lanes>(x: L) -> L {
     let nearest = (x + L::constant(INTEGERS)) - L::constant(INTEGERS);
     L::select(x.less(nearest), nearest - L::constant(1.0), nearest)
 }
@@ -231,8 +234,8 @@ fn same_cell<const D: usize>(a: &u32, b: &u32) -> bool {
 
 /// Sorts the slots of each cell by part and particle number and writes their rows.
 ///
-/// `starts` are the bounds of these cells within the whole order; `slots` and `order` hold only the rows
-/// of these cells.
+/// `starts` are the bounds of these cells within the whole order; `slots` and `order` hold only the
+/// rows of these cells.
 fn sort_inside_cells(starts: &[u32], slots: &mut [AtomicU64], order: &mut [u32]) {
     let cells = starts.len() - 1;
     if cells > CELLS_PER_TASK {
@@ -272,8 +275,8 @@ mod tests {
     #[test]
     fn rows_of_a_cell_are_ordered_by_thirds_along_x_only_in_2d() {
         let mut grid = CellGrid::new([-1.0; 2], [1.0; 2], [false, true], 1.0, 1.0);
-        // Both cells of the lower row: thirds 2, 0, 0, 2 of the first, then 0 and 0 of the second, with one
-        // particle on its edge.
+        // Both cells of the lower row: thirds 2, 0, 0, 2 of the first, then 0 and 0 of the second,
+        // with one particle on its edge.
         let position = [vec![-0.1, -0.9, -0.99, -0.3, 0.3, 0.0], vec![-0.5; 6]];
         assert_eq!(grid.build(&position, &[1, 5, 4, 2, 3, 9], |_| true), Ok(&[2, 1, 0, 3, 4, 5][..]));
         let [x, y] = position;

@@ -8,8 +8,8 @@
 //! F is finite at r = 0 for both kernels, so `∇W = F x_ab` needs no special case for a particle and
 //! itself. The pair loops sum with f; the factor β is applied once, to the sum.
 //!
-//! To add a kernel: a file with a unit type that implements [`KernelShape`], a variant of [`Kernel`] and
-//! its arms below. The tests take the kernels from `Kernel::ALL`.
+//! To add a kernel: a file with a unit type that implements [`KernelShape`], a variant of
+//! [`Kernel`] and its arms below. The tests take the kernels from `Kernel::ALL`.
 
 mod quintic;
 mod wendland;
@@ -47,14 +47,15 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
     /// Returns w(q), which is zero beyond the support.
     fn value<L: Lanes>(q: L) -> L;
 
-    /// Returns `sum` + w(q), with the last multiplication fused into the addition where the shape allows it.
+    /// Returns `sum` + w(q), with the last multiplication fused into the addition where the shape
+    /// allows it.
     #[inline(always)]
     fn add_value<L: Lanes>(q: L, sum: L) -> L {
         sum + Self::value(q)
     }
 
-    /// Returns f(q) ≥ 0, which is finite at q = 0 and zero beyond the support. `inverse_q` is 1/q, or any
-    /// finite number where q = 0.
+    /// Returns f(q) ≥ 0, which is finite at q = 0 and zero beyond the support. `inverse_q` is 1/q,
+    /// or any finite number where q = 0.
     fn slope<L: Lanes>(q: L, inverse_q: L) -> L;
 }
 
@@ -118,7 +119,8 @@ impl Kernel {
         self.norm(dimensions) * self.slope_norm() * slope / power(h, dimensions + 2)
     }
 
-    /// Runs a task with the shape of this kernel as a type, so that the kernel is matched once per task.
+    /// Runs a task with the shape of this kernel as a type, so that the kernel is matched once per
+    /// task.
     #[inline(always)]
     pub fn with_shape<T: WithShape>(self, task: T) -> T::Output {
         match self {
@@ -128,8 +130,8 @@ impl Kernel {
     }
 }
 
-/// Returns h to a power. Sampling needs it for every neighbour, and `powi` with an exponent known only at
-/// run time is a call with a loop.
+/// Returns h to a power. Sampling needs it for every neighbour, and `powi` with an exponent known
+/// only at run time is a call with a loop.
 #[inline]
 fn power(h: f64, exponent: usize) -> f64 {
     let square = h * h;
@@ -180,7 +182,8 @@ mod tests {
                     let difference = kernel.value(dimensions, H, r + e) - kernel.value(dimensions, H, r - e);
                     let slope = difference / (2.0 * e * r);
                     let found = kernel.slope(dimensions, H, r);
-                    // Central differences have an error of e² from truncation and 1e-16/e from rounding.
+                    // Central differences have an error of e² from truncation and 1e-16/e from
+                    // rounding.
                     assert!((found - slope).abs() < 1e-8 * scale, "{kernel:?} at {r}: {found}, not {slope}");
                     assert!(found <= 0.0);
                 }

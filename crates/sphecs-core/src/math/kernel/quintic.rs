@@ -7,8 +7,9 @@
 //! α_2 = 7/(478π),   α_3 = 1/(120π)
 //! ```
 //!
-//! As in Negi et al. (2020), Eq. 5. Below q = 1 the three fourth powers are multiplied out. Their sum is
-//! proportional to q at small q, and dividing the rounded sum by q would lose all digits in single precision.
+//! As in Negi et al. (2020), Eq. 5. Below q = 1 the three fourth powers are multiplied out. Their
+//! sum is proportional to q at small q, and dividing the rounded sum by q would lose all digits in
+//! single precision.
 
 use std::f64::consts::PI;
 

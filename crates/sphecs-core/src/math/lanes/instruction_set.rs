@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use super::Vectorised;
 use super::portable::Array;
 
-/// Instruction set that this machine supports. A value for an unsupported set cannot be constructed.
+/// Instruction set that this machine supports. A value for an unsupported set cannot be
+/// constructed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstructionSet(Kind);
 
@@ -47,8 +48,8 @@ impl InstructionSet {
         vec![Self::PORTABLE]
     }
 
-    /// Returns the widest set of this machine, or the one that the environment variable `SPHECS_LANES`
-    /// names (`portable`, `avx2` or `avx512`) if the machine supports it.
+    /// Returns the widest set of this machine, or the one that the environment variable
+    /// `SPHECS_LANES` names (`portable`, `avx2` or `avx512`) if the machine supports it.
     ///
     /// The variable is read once per process.
     pub fn best() -> InstructionSet {
@@ -125,9 +126,9 @@ unsafe fn with_avx512<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Ou
 
 /// Local variable that aligns the stack frame of its function to a cache line.
 ///
-/// Vectors that the compiler spills to the stack then lie in one cache line each. Without it they start at
-/// any multiple of 16 B: half of the AVX2 vectors and nearly all AVX-512 vectors straddle two lines, which
-/// delays the reload of a spilled sum by many cycles.
+/// Vectors that the compiler spills to the stack then lie in one cache line each. Without it they
+/// start at any multiple of 16 B: half of the AVX2 vectors and nearly all AVX-512 vectors straddle
+/// two lines, which delays the reload of a spilled sum by many cycles.
 #[derive(Default)]
 #[repr(align(64))]
 struct CacheLine(#[expect(dead_code, reason = "only the alignment matters")] u8);

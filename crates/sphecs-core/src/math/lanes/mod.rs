@@ -1,9 +1,10 @@
 //! SIMD vectors in which the pair terms are written, one neighbour per lane.
 //!
-//! A pair function is generic over `L: Lanes`: one source for f64 and f32 and for every instruction set.
-//! [`Real::dispatch`] chooses the set once per task: it calls [`Vectorised::run`] inside a function that is
-//! compiled for that set. Everything from there to the arithmetic is `#[inline(always)]`; otherwise the
-//! compiler could move the inner loop to a function compiled without these instructions.
+//! A pair function is generic over `L: Lanes`: one source for f64 and f32 and for every instruction
+//! set. [`Real::dispatch`] chooses the set once per task: it calls [`Vectorised::run`] inside a
+//! function that is compiled for that set. Everything from there to the arithmetic is
+//! `#[inline(always)]`; otherwise the compiler could move the inner loop to a function compiled
+//! without these instructions.
 //!
 //! | instruction set | lanes of f64 | lanes of f32 |
 //! |---|---|---|
@@ -53,8 +54,8 @@ pub trait Lanes:
     type Mask: Copy;
     /// Number of lanes.
     const COUNT: usize;
-    /// True if [`roots`](Lanes::roots) uses the instructions for square root and division, whose latency
-    /// would dominate a loop that has one in every vector.
+    /// True if [`roots`](Lanes::roots) uses the instructions for square root and division, whose
+    /// latency would dominate a loop that has one in every vector.
     const COSTLY_ROOTS: bool = false;
 
     /// Returns a vector with the same number in every lane.
@@ -107,8 +108,8 @@ pub trait Lanes:
         unsafe { self.store(numbers.as_mut_ptr()) }
     }
 
-    /// Loads `COUNT` consecutive positions relative to an origin, as `(x − origin) · scale`; converted to
-    /// the type of the lanes at the end.
+    /// Loads `COUNT` consecutive positions relative to an origin, as `(x − origin) · scale`;
+    /// converted to the type of the lanes at the end.
     ///
     /// # Safety
     /// `from` must be valid for reading `COUNT` numbers.
@@ -165,8 +166,8 @@ pub trait Lanes:
     /// Returns the mask as bits, with the first lane in the lowest bit.
     fn bits(mask: Self::Mask) -> u32;
 
-    /// Returns one bit per pair of lanes, the first pair in the lowest bit: set if at least one of the two
-    /// is under the mask.
+    /// Returns one bit per pair of lanes, the first pair in the lowest bit: set if at least one of
+    /// the two is under the mask.
     #[inline(always)]
     fn pair_bits(mask: Self::Mask) -> u32 {
         let [lower, upper, ..] = Self::bits(mask).to_le_bytes();
@@ -211,7 +212,8 @@ pub fn dot<L: Lanes, const D: usize>(a: [L; D], b: [L; D]) -> L {
 
 /// Returns the sum over the lanes of each vector.
 ///
-/// Replaces `map`, which the compiler may compile to a function without the instructions of the set.
+/// Replaces `map`, which the compiler may compile to a function without the instructions of the
+/// set.
 #[inline(always)]
 pub fn sums<L: Lanes, const N: usize>(vectors: [L; N]) -> [f64; N] {
     let mut sums = [0.0; N];

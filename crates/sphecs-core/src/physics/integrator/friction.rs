@@ -1,19 +1,19 @@
 //! Implicit treatment of fast friction at walls.
 //!
-//! A particle next to a no-slip wall is damped by the image velocities of the wall at a rate λ that can be
-//! many times that of the fluid. To keep this from limiting the time step, the part of λ beyond C_λ/Δt is
-//! treated implicitly:
+//! A particle next to a no-slip wall is damped by the image velocities of the wall at a rate λ that
+//! can be many times that of the fluid. To keep this from limiting the time step, the part of λ
+//! beyond C_λ/Δt is treated implicitly:
 //!
 //! ```text
 //! dv/dt → dv/dt/(1 + T (λ − C_λ/Δt))
 //! ```
 //!
-//! With the interval of a kick as T, this is the Rosenbrock form of an implicit Euler step for that part:
-//! Hairer & Wanner (1996), section IV.7. Verlet's scheme uses this T. Kick–drift–kick evaluates the rates
-//! at a predicted velocity, which contains half of the last kick a second time. It uses the interval of two
-//! kicks as T: a particle then keeps 0.64 of its velocity per step, however large λ is, without oscillation.
-//! A steady flow is unaffected, and an unsteady one changes only on the scale of a few steps (test
-//! `fast_damping_decays_without_oscillation`).
+//! With the interval of a kick as T, this is the Rosenbrock form of an implicit Euler step for that
+//! part: Hairer & Wanner (1996), section IV.7. Verlet's scheme uses this T. Kick–drift–kick
+//! evaluates the rates at a predicted velocity, which contains half of the last kick a second time.
+//! It uses the interval of two kicks as T: a particle then keeps 0.64 of its velocity per step,
+//! however large λ is, without oscillation. A steady flow is unaffected, and an unsteady one
+//! changes only on the scale of a few steps (test `fast_damping_decays_without_oscillation`).
 
 use super::Advance;
 
@@ -37,8 +37,8 @@ mod tests {
     use crate::physics::integrator::kick_drift::KickDrift;
     use crate::physics::integrator::verlet::Verlet;
 
-    /// Damps a particle from 1 m/s for 200 steps of 4 ms. `scheme` returns the integrator and whether the
-    /// damping uses the previous velocity.
+    /// Damps a particle from 1 m/s for 200 steps of 4 ms. `scheme` returns the integrator and
+    /// whether the damping uses the previous velocity.
     fn decay<A: Advance>(rate: f64, scheme: impl Fn(usize) -> (A, bool)) {
         let mut velocities = [1.0, 1.0];
         for step in 0..200 {

@@ -6,21 +6,22 @@
 //! predict    u(n+1) = u(n+½) + ½ Δt(n) du/dt(n),   at which du/dt(n+1) is evaluated
 //! ```
 //!
-//! u is the velocity, and the pressure under `EdacTvf`; w is the difference of the transport velocity and v.
-//! These are the kicks of Adami et al. (2013), Sec. 2.5, with one difference: they evaluate the rates at n+1
-//! with v(n+½). Here they are evaluated with a prediction of v(n+1), so that terms that depend on velocity or
-//! pressure are of second order too (test `second_order_on_a_damped_oscillator`). Position and velocity are
-//! staggered, so that the rates are evaluated once per step.
+//! u is the velocity, and the pressure under `EdacTvf`; w is the difference of the transport
+//! velocity and v. These are the kicks of Adami et al. (2013), Sec. 2.5, with one difference: they
+//! evaluate the rates at n+1 with v(n+½). Here they are evaluated with a prediction of v(n+1), so
+//! that terms that depend on velocity or pressure are of second order too (test
+//! `second_order_on_a_damped_oscillator`). Position and velocity are staggered, so that the rates
+//! are evaluated once per step.
 //!
 //! Under `Wcsph` the pressure depends only on positions, and acoustic waves neither grow nor decay
 //! (`mod.rs`). With dissipative terms the scheme is stable for λ Δt ≤ 0.7 up to ω Δt = 1.
 //!
-//! Under `EdacTvf` an acoustic wave is an oscillation between velocity and pressure, which the scheme
-//! integrates as the two-step method of Adams and Bashforth does: an undamped oscillation of frequency ω
-//! grows by (ω Δt)⁴/4 per step. The damping of the pressure outweighs this. At Δt = 0.25 h/c_s a wave of wave
-//! number k grows by 1e-3 (k h)⁴ and is damped by 8e-3 (k h)² for α = 0.5, and the gradient sum of the
-//! quintic spline resolves no wave beyond k h = 0.88 (test `sound_is_stable_at_the_usual_step`). A purely
-//! dissipative term is stable up to λ Δt = 1.
+//! Under `EdacTvf` an acoustic wave is an oscillation between velocity and pressure, which the
+//! scheme integrates as the two-step method of Adams and Bashforth does: an undamped oscillation of
+//! frequency ω grows by (ω Δt)⁴/4 per step. The damping of the pressure outweighs this. At
+//! Δt = 0.25 h/c_s a wave of wave number k grows by 1e-3 (k h)⁴ and is damped by 8e-3 (k h)² for
+//! α = 0.5, and the gradient sum of the quintic spline resolves no wave beyond k h = 0.88 (test
+//! `sound_is_stable_at_the_usual_step`). A purely dissipative term is stable up to λ Δt = 1.
 
 use super::Advance;
 use crate::math::real::Real;
@@ -38,8 +39,8 @@ pub struct KickDrift {
 }
 
 impl KickDrift {
-    /// Returns the value at n+½, from the value at n−½ and the rate at n; for a `fresh` row from the value
-    /// at n.
+    /// Returns the value at n+½, from the value at n−½ and the rate at n; for a `fresh` row from
+    /// the value at n.
     #[inline(always)]
     pub fn half<R: Real>(&self, fresh: bool, present: R, before: R, rate: R) -> R {
         if fresh {
@@ -55,7 +56,8 @@ impl KickDrift {
         half + R::from_f64(0.5 * self.time_step) * rate
     }
 
-    /// Returns the position at n+1, m, from the position at n, the velocity at n+½ and the drift w, m/s.
+    /// Returns the position at n+1, m, from the position at n, the velocity at n+½ and the drift w,
+    /// m/s.
     #[inline(always)]
     pub fn position(&self, position: f64, velocity: f64, drift: f64) -> f64 {
         position + self.time_step * (velocity + drift)
@@ -88,8 +90,8 @@ impl Advance for KickDrift {
 mod tests {
     use super::*;
 
-    /// Integrates dv/dt = −ω² x − λ v over one unit of time from x = 1 at rest, and returns the error of x.
-    /// The step size varies by ±`unevenness`.
+    /// Integrates dv/dt = −ω² x − λ v over one unit of time from x = 1 at rest, and returns the
+    /// error of x. The step size varies by ±`unevenness`.
     fn oscillator(steps: usize, damping: f64, unevenness: f64) -> f64 {
         let (mut x, mut v, mut half, mut last, mut time) = (1.0, 0.0, 0.0, 0.0, 0.0);
         for step in 0..steps {

@@ -4,10 +4,10 @@
 //! - [`kick_drift`]: kick–drift–kick with one evaluation of the rates per step
 //! - [`verlet`]: leapfrog with a corrective step at intervals
 //!
-//! With a summed density, acoustic waves depend only on positions, and kick–drift–kick is symplectic: a wave
-//! of frequency ω neither grows nor decays up to ω Δt = 2. Under Verlet's scheme it grows by 8e-4 per step
-//! at ω Δt = 0.3, and by 5e-3 at 0.5, with a corrective step every 50 steps (test
-//! `sound_grows_under_verlet_and_does_not_under_kick_drift`).
+//! With a summed density, acoustic waves depend only on positions, and kick–drift–kick is
+//! symplectic: a wave of frequency ω neither grows nor decays up to ω Δt = 2. Under Verlet's scheme
+//! it grows by 8e-4 per step at ω Δt = 0.3, and by 5e-3 at 0.5, with a corrective step every 50
+//! steps (test `sound_grows_under_verlet_and_does_not_under_kick_drift`).
 
 pub mod friction;
 pub mod kick_drift;
@@ -54,8 +54,8 @@ pub trait Advance: Copy + Sync {
     /// Returns the interval T of [`friction`], s.
     fn friction_span(&self, fresh: bool) -> f64;
 
-    /// Advances a particle: returns its position, velocity and previous velocity after the step, from those
-    /// before it and the acceleration at its beginning.
+    /// Advances a particle: returns its position, velocity and previous velocity after the step,
+    /// from those before it and the acceleration at its beginning.
     fn advance<R: Real>(
         &self,
         fresh: bool,
@@ -71,8 +71,8 @@ mod tests {
     use super::verlet::Verlet;
     use super::*;
 
-    /// Returns the largest |x| in the last tenth of `steps` of an oscillator that starts from rest at x = 1,
-    /// with ω Δt = `frequency` and λ Δt = `damping`.
+    /// Returns the largest |x| in the last tenth of `steps` of an oscillator that starts from rest
+    /// at x = 1, with ω Δt = `frequency` and λ Δt = `damping`.
     ///
     /// `scheme` returns the integrator and whether the damping uses the previous velocity.
     fn amplitude<A: Advance>(

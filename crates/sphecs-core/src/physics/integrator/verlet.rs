@@ -6,18 +6,18 @@
 //! position     x(n+1) = x(n) + Δt(n) v(n) + ½ Δt(n)² dv/dt(n)
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Eqs. 16 and 17. They write 2 Δt for a constant step. With a varying
-//! step the interval between n−1 and n+1 is Δt(n−1) + Δt(n), and 2 Δt(n) would give a wrong velocity under a
-//! constant force (test `constant_force_is_exact_with_varying_steps`). The corrective (Euler) step replaces
-//! the leapfrog at regular intervals, and for a particle whose role has just changed, since its v(n−1) is
-//! not that of the fluid.
+//! Alvarado-Rodríguez et al. (2017), Eqs. 16 and 17. They write 2 Δt for a constant step. With a
+//! varying step the interval between n−1 and n+1 is Δt(n−1) + Δt(n), and 2 Δt(n) would give a wrong
+//! velocity under a constant force (test `constant_force_is_exact_with_varying_steps`). The
+//! corrective (Euler) step replaces the leapfrog at regular intervals, and for a particle whose
+//! role has just changed, since its v(n−1) is not that of the fluid.
 //!
-//! The viscous terms use the velocities at n−1 in a leapfrog step and those at n in a corrective step. A
-//! leapfrog damped with v(n) has a second solution that grows as exp(λ t) until the next corrective step.
-//! With a corrective step every 50 steps it is stable only below 0.0125 h²/ν, and unstable next to a wall,
-//! whose images damp faster than the fluid (a Poiseuille flow at h = 2.2 Δ diverged within 0.04 s). Damped
-//! with v(n−1) it decays for λ Δt < 1 (test `viscous_decay_is_stable_without_corrective_steps`), at the
-//! same cost.
+//! The viscous terms use the velocities at n−1 in a leapfrog step and those at n in a corrective
+//! step. A leapfrog damped with v(n) has a second solution that grows as exp(λ t) until the next
+//! corrective step. With a corrective step every 50 steps it is stable only below 0.0125 h²/ν, and
+//! unstable next to a wall, whose images damp faster than the fluid (a Poiseuille flow at h = 2.2 Δ
+//! diverged within 0.04 s). Damped with v(n−1) it decays for λ Δt < 1 (test
+//! `viscous_decay_is_stable_without_corrective_steps`), at the same cost.
 
 use super::Advance;
 use crate::math::real::Real;
@@ -34,7 +34,8 @@ pub struct Verlet {
 }
 
 impl Verlet {
-    /// Returns the velocity at n+1, m/s, from those at n and n−1, m/s, and the acceleration at n, m/s².
+    /// Returns the velocity at n+1, m/s, from those at n and n−1, m/s, and the acceleration at n,
+    /// m/s².
     #[inline(always)]
     pub fn velocity<R: Real>(&self, fresh: bool, velocity: R, previous_velocity: R, acceleration: R) -> R {
         if self.is_corrective || fresh {
@@ -77,7 +78,8 @@ impl Advance for Verlet {
 mod tests {
     use super::*;
 
-    /// Integrates dv/dt = f(x, v) from rest at x0 over one unit of time with steps from `sizes`, repeated.
+    /// Integrates dv/dt = f(x, v) from rest at x0 over one unit of time with steps from `sizes`,
+    /// repeated.
     fn integrate(
         x0: f64,
         sizes: &[f64],

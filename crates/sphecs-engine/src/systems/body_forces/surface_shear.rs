@@ -1,7 +1,7 @@
 //! Shear on a body with a rotating or deforming surface that the pair sums omit.
 //!
-//! The Laplacian form of the pair sums lacks the traction of the transposed velocity gradient, which does
-//! not vanish on a surface whose velocity varies along it.
+//! The Laplacian form of the pair sums lacks the traction of the transposed velocity gradient,
+//! which does not vanish on a surface whose velocity varies along it.
 
 use glam::DVec3;
 
@@ -74,8 +74,8 @@ mod tests {
     use super::SurfaceShear;
     use sphecs_scene::load_str;
 
-    /// A sphere that rotates about z with increasing ω has the torque −2 μ ω V about any point, and no
-    /// force. A sphere that slips or translates has neither.
+    /// A sphere that rotates about z with increasing ω has the torque −2 μ ω V about any point, and
+    /// no force. A sphere that slips or translates has neither.
     #[test]
     fn rotating_sphere_has_the_analytical_torque() {
         let scene = |wall: &str| {

@@ -1,7 +1,7 @@
 //! Detection of a diverging flow after each step.
 //!
-//! A flow has diverged if a value is not finite, if a density, a speed or the time step is out of bounds, or
-//! if a particle is outside the grid.
+//! A flow has diverged if a value is not finite, if a density, a speed or the time step is out of
+//! bounds, or if a particle is outside the grid.
 //!
 //! - [`failure`]: the reasons to stop that a step found
 //! - [`neighbourhood`]: the particles around a diverged particle
@@ -29,20 +29,21 @@ use sphecs_core::physics::integrator::friction;
 use sphecs_core::physics::timestep::TimeStepLimits;
 use sphecs_scene::model::{Scene, Scheme};
 
-/// Largest speed of a flow that has not diverged, over the sound speed. Weakly compressible flow needs a
-/// tenth of the sound speed.
+/// Largest speed of a flow that has not diverged, over the sound speed. Weakly compressible flow
+/// needs a tenth of the sound speed.
 const LARGEST_MACH: f64 = 3.0;
 
-/// Largest deviation of the density of a flow that has not diverged, over the reference density. The scheme
-/// is meant for 1 %.
+/// Largest deviation of the density of a flow that has not diverged, over the reference density.
+/// The scheme is meant for 1 %.
 const LARGEST_DENSITY_DEVIATION: f64 = 0.5;
 
-/// Smallest time step of a flow that has not diverged, over the step that sound speed and viscosity allow in
-/// a fluid at rest. Only an acceleration a million times as large as a physical one causes a smaller step,
-/// with which the run would not end.
+/// Smallest time step of a flow that has not diverged, over the step that sound speed and viscosity
+/// allow in a fluid at rest. Only an acceleration a million times as large as a physical one causes
+/// a smaller step, with which the run would not end.
 const SMALLEST_STEP: f64 = 1e-3;
 
-/// Checks every particle after the step, and records the one with the smallest number that has diverged.
+/// Checks every particle after the step, and records the one with the smallest number that has
+/// diverged.
 pub fn check_state<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
@@ -112,8 +113,9 @@ impl Bounds {
             squared += v * v;
         }
         let deviation = (arrays.density[row].to_f64() / self.density - 1.0).abs();
-        // Under `EdacTvf` the pressure does not follow from the density, and an outflow zone that its condition
-        // does not keep uniform may have any density, such as one at rest that an impulsively started flow enters.
+        // Under `EdacTvf` the pressure does not follow from the density, and an outflow zone that
+        // its condition does not keep uniform may have any density, such as one at rest that an
+        // impulsively started flow enters.
         let has_any_density = arrays.evolves_pressure && arrays.zone[row] == Zone::Outflow;
         let limit = if has_any_density { f64::INFINITY } else { LARGEST_DENSITY_DEVIATION };
         // The comparisons are false for a NaN.
@@ -161,14 +163,15 @@ struct QuickBounds<R> {
 
 impl<R: Real> QuickBounds<R> {
     fn new(Bounds { density, speed }: &Bounds) -> Self {
-        // The bound of a component is half the largest speed: a velocity of three such components is below it.
+        // The bound of a component is half the largest speed: a velocity of three such components
+        // is below it.
         let [speed, density, deviation] =
             [0.5 * speed, *density, 0.98 * LARGEST_DENSITY_DEVIATION * density].map(R::from_f64);
         Self { speed, density, deviation }
     }
 
-    /// Returns true if all rows are within the bounds. Without branches, so that the compiler vectorises the
-    /// loops; false if a value is a NaN.
+    /// Returns true if all rows are within the bounds. Without branches, so that the compiler
+    /// vectorises the loops; false if a value is a NaN.
     fn hold<const D: usize>(&self, arrays: &ParticleArrays<R, D>, rows: Range<usize>) -> bool {
         let is_slow = arrays.velocity.iter().fold(true, |slow, column| {
             column[rows.clone()].iter().fold(slow, |all, v| all & (v.abs() <= self.speed))

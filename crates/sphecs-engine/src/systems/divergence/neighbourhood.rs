@@ -8,15 +8,16 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::real_vector;
 use sphecs_core::particles::zone::Zone;
 
-/// Reach of a neighbourhood, in supports of the kernel: it contains the neighbours and their neighbours.
+/// Reach of a neighbourhood, in supports of the kernel: it contains the neighbours and their
+/// neighbours.
 const REACH_IN_SUPPORTS: f64 = 2.5;
 
-/// Rows before and after a particle, in the order of the cells, whose mean position replaces its own if that
-/// is not finite.
+/// Rows before and after a particle, in the order of the cells, whose mean position replaces its
+/// own if that is not finite.
 const ROWS_AROUND: usize = 8;
 
-/// Particle near a diverged particle: position and velocity after the failed step, density, pressure and
-/// acceleration at its beginning.
+/// Particle near a diverged particle: position and velocity after the failed step, density,
+/// pressure and acceleration at its beginning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearbyParticle {
     /// Number of the particle.
@@ -42,7 +43,8 @@ pub struct NearbyParticle {
 /// Particles in a box around a particle, in the order of their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Neighbourhood {
-    /// Centre of the box, m: the position of the particle, or of the rows next to it if that is not finite.
+    /// Centre of the box, m: the position of the particle, or of the rows next to it if that is not
+    /// finite.
     pub centre: DVec3,
     /// Half the edge length of the box, m.
     pub reach: f64,
@@ -76,8 +78,8 @@ impl Neighbourhood {
         self.particles.iter().find(|particle| particle.id == id)
     }
 
-    /// Returns the number of particles in the support of a particle, and the nearest of them with its
-    /// distance, m.
+    /// Returns the number of particles in the support of a particle, and the nearest of them with
+    /// its distance, m.
     pub fn neighbours(&self, id: u32) -> (usize, Option<(&NearbyParticle, f64)>) {
         let Some(own) = self.particle(id) else { return (0, None) };
         let others = self.particles.iter().filter(|other| other.id != id);
@@ -102,7 +104,8 @@ fn nearby<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) ->
     }
 }
 
-/// Returns the position of a row, or the mean position of the rows next to it if that is not finite.
+/// Returns the position of a row, or the mean position of the rows next to it if that is not
+/// finite.
 fn centre<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) -> DVec3 {
     let own = arrays.position_of(row);
     if own.is_finite() {

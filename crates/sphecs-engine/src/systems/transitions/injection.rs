@@ -18,8 +18,9 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_scene::model::Scene;
 
-/// Smallest distance, over the spacing, from an injected particle to the others: closer pairs would clump.
-const ROOM: f64 = 0.5;
+/// Smallest distance, over the spacing, from an injected particle to the others: closer pairs would
+/// clump.
+const MIN_DISTANCE: f64 = 0.5;
 
 /// Injection of a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,18 +35,19 @@ pub(super) struct Injection {
     pub velocity: DVec3,
     /// Pressure of the particle that crossed the plane, Pa.
     pub pressure: f64,
-    /// True if the particle that crossed had come back, so that one may have been injected here before.
-    pub came_back: bool,
+    /// True if the particle that crossed had returned from the fluid, so that one may have been
+    /// injected here before.
+    pub returned: bool,
 }
 
-/// Injects a particle if there is room for it and the reservoir has one.
+/// Injects a particle if its place is free and the reservoir has a particle.
 pub(super) fn inject<R: Real, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
     injection: &Injection,
 ) {
-    if injection.came_back && !has_room(world, scene, arrays, injection) {
+    if injection.returned && !is_possible(world, scene, arrays, injection) {
         return;
     }
     let Some(id) = take_particle(world, scene) else { return };
@@ -86,8 +88,9 @@ pub(super) fn inject<R: Real, const D: usize>(
     }
 }
 
-/// Returns true if the zone of an injection has lost particles, for an inlet, and its place is free.
-fn has_room<R: Real, const D: usize>(
+/// Returns true if the zone of an injection has lost particles, for an inlet, and its place is
+/// free.
+fn is_possible<R: Real, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
@@ -97,10 +100,10 @@ fn has_room<R: Real, const D: usize>(
         return false;
     }
     let sorted = world.resource::<Grid<D>>().0.starts().last().map_or(0, |&end| end as usize);
-    is_free(world, arrays, sorted, injection.place, ROOM * scene.spacing)
+    is_free(world, arrays, sorted, injection.place, MIN_DISTANCE * scene.spacing)
 }
 
-/// Returns true if no particle is within the distance `room`, m, of a place.
+/// Returns true if no particle is within `distance`, m, of a place.
 ///
 /// Rows from `sorted` on were added after the last sort.
 fn is_free<R: Real, const D: usize>(
@@ -108,18 +111,20 @@ fn is_free<R: Real, const D: usize>(
     arrays: &ParticleArrays<R, D>,
     sorted: usize,
     place: DVec3,
-    room: f64,
+    distance: f64,
 ) -> bool {
     let mut free = true;
-    // Since the sort, positions changed by less than the difference of the support and the room.
+    // Since the sort, positions changed by less than the difference of the support and `distance`.
     let neighbours = Neighbours::new(&world.resource::<Grid<D>>().0, arrays);
     neighbours.for_each(std::array::from_fn(|axis| place[axis]), |row, _, r_squared| {
-        free &= arrays.zone[row] == Zone::Reservoir || r_squared > room * room;
+        free &= arrays.zone[row] == Zone::Reservoir || r_squared > distance * distance;
     });
-    free && (sorted..arrays.len()).all(|row| arrays.position_of(row).distance_squared(place) > room * room)
+    free && (sorted..arrays.len())
+        .all(|row| arrays.position_of(row).distance_squared(place) > distance * distance)
 }
 
-/// Returns true if an inflow zone has all its particles, not counting those that came back from the fluid.
+/// Returns true if an inflow zone has all its particles, not counting those that returned from the
+/// fluid.
 fn is_full(world: &mut World, inlet: u16) -> bool {
     let mut inflow = world.query_filtered::<&Inflow, Without<Returned>>();
     let present = inflow.iter(world).filter(|inflow| inflow.inlet == inlet).count() as u64;

@@ -4,7 +4,7 @@
 //! - [`reservoir`]: storage and creation of particles
 //!
 //! ```text
-//! Inflow → Fluid       across the inlet plane; a stored particle is injected upstream (`boundaries/entrance.rs`)
+//! Inflow → Fluid       across the inlet plane; a stored particle is injected upstream
 //! Fluid → Inflow       back across the inlet plane
 //! Inflow → Reservoir   beyond the upstream end of the zone
 //! Fluid → Outflow      across the outlet plane
@@ -12,12 +12,13 @@
 //! Outflow → Reservoir  beyond the downstream end of the zone, with zero velocity
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; they do not treat backflow. A particle that oscillates
-//! across a plane would inject a particle at each crossing (test `trembling_on_a_plane_adds_nothing`). For a
-//! particle that came back, an injection therefore needs a free position within half a spacing, and at an
-//! inlet also a zone that has lost particles at its upstream end. All other crossings inject always: an
-//! omitted injection would leave a permanent gap in the zone. An oblique inlet keeps its lines of particles
-//! as long as its zone. An inlet that is filled once injects nothing, and the run stops when it is drained.
+//! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; they do not treat backflow. A particle that
+//! oscillates across a plane would inject a particle at each crossing (test
+//! `trembling_on_a_plane_adds_nothing`). For a particle that returned, an injection therefore needs
+//! a free position within half a spacing, and at an inlet also a zone that has lost particles at
+//! its upstream end. All other crossings inject always: an omitted injection would leave a
+//! permanent gap in the zone. An oblique inlet keeps its lines of particles as long as its zone. An
+//! inlet that is filled once injects nothing, and the run stops when it is drained.
 
 pub(crate) mod injection;
 pub(crate) mod reservoir;
@@ -112,8 +113,8 @@ fn wrap_periodic<R: Real, const D: usize>(world: &mut World, scene: &Scene) {
     }
 }
 
-/// Returns true if a point at the distance `beyond`, m, behind the plane of a patch is in its zone or in
-/// front of it.
+/// Returns true if a point at the distance `beyond`, m, behind the plane of a patch is in its zone
+/// or in front of it.
 fn is_through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
     beyond < patch.depth && patch.covers(point, spacing)
 }
@@ -199,8 +200,8 @@ fn apply<R: Real, const D: usize>(
     count_crossing(&mut world.resource_mut::<Ledger>(), from, change);
     match (from, change.zone) {
         (Zone::Inflow, Zone::Fluid) => {
-            let came_back = world.entity(entity).contains::<Returned>();
-            follow_inflow(world, scene, arrays, change, came_back, injections);
+            let returned = world.entity(entity).contains::<Returned>();
+            follow_inflow(world, scene, arrays, change, returned, injections);
         }
         (Zone::Outflow, Zone::Fluid) => injections.push(follow_backflow(scene, arrays, change)),
         _ => {}
@@ -235,7 +236,7 @@ fn follow_inflow<R: Real, const D: usize>(
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
     change: &Change,
-    came_back: bool,
+    returned: bool,
     injections: &mut Vec<Injection>,
 ) {
     let patch = change.patch;
@@ -249,13 +250,13 @@ fn follow_inflow<R: Real, const D: usize>(
         return;
     }
     let velocity = arrays.velocity_of(change.row);
-    let injection = |place: DVec3, came_back: bool| Injection {
+    let injection = |place: DVec3, returned: bool| Injection {
         place,
         zone: Zone::Inflow,
         patch,
         velocity,
         pressure: 0.0,
-        came_back,
+        returned,
     };
     if is_slantwise(inlet) {
         // The particle that crossed no longer counts in its line.
@@ -267,12 +268,12 @@ fn follow_inflow<R: Real, const D: usize>(
         let last = last.unwrap_or(inlet.along(point));
         injections.extend(line.vacancies(inlet, last).map(|place| injection(place, false)));
     } else {
-        injections.push(injection(point - inlet.towards * inlet.depth, came_back));
+        injections.push(injection(point - inlet.towards * inlet.depth, returned));
     }
 }
 
-/// Returns the injection at the downstream end of an outflow zone after one of its particles entered the
-/// fluid.
+/// Returns the injection at the downstream end of an outflow zone after one of its particles
+/// entered the fluid.
 fn follow_backflow<R: Real, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
@@ -285,7 +286,7 @@ fn follow_backflow<R: Real, const D: usize>(
         patch: change.patch,
         velocity: arrays.velocity_of(change.row),
         pressure: arrays.pressure[change.row].to_f64(),
-        came_back: true,
+        returned: true,
     }
 }
 

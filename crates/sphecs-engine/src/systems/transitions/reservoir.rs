@@ -3,8 +3,8 @@
 //! ```text
 //! recycle: true    Outflow → Reservoir → Inflow, as in Alvarado-Rodríguez et al. (2017), Fig. 1;
 //!                  an empty reservoir grows or stops the run
-//! recycle: false   outflowing particles are deleted, injected ones created, as in Negi et al. (2020), Sec. 3.4;
-//!                  the numbers of deleted particles are reused
+//! recycle: false   outflowing particles are deleted, injected ones created, as in
+//!                  Negi et al. (2020), Sec. 3.4; the numbers of deleted particles are reused
 //! ```
 //!
 //! The counts balance in both cases: total = initial + grown + created − deleted.
@@ -37,8 +37,8 @@ pub struct FreeNumber {
     pub passages: u32,
 }
 
-/// Returns the components of a particle at rest in the reservoir, except those that it keeps: tag and
-/// passages.
+/// Returns the components of a particle at rest in the reservoir, except those that it keeps: tag
+/// and passages.
 fn stored_bundle(scene: &Scene, id: u32, position: DVec3) -> impl Bundle {
     (
         ParticleId(id),
@@ -62,8 +62,8 @@ pub(super) fn store(world: &mut World, scene: &Scene, id: u32, point: DVec3) {
         return;
     }
     let mut entity = world.entity_mut(entity);
-    // The next sort removes the row from the arrays. The components may be older than the arrays, so all of
-    // them are set.
+    // The next sort removes the row from the arrays. The components may be older than the arrays,
+    // so all of them are set.
     entity.insert((stored_bundle(scene, id, point), Reservoir));
     if let Some(mut stress) = entity.get_mut::<SpsStress>() {
         *stress = SpsStress::default();
@@ -71,8 +71,8 @@ pub(super) fn store(world: &mut World, scene: &Scene, id: u32, point: DVec3) {
     world.resource_mut::<FreeParticles>().0.push(id);
 }
 
-/// Returns the number of a particle for an injection: a stored one, or a new one if the scene has no
-/// reservoir or an empty one may grow. None if the run has to stop.
+/// Returns the number of a particle for an injection: a stored one, or a new one if the scene has
+/// no reservoir or an empty one may grow. None if the run has to stop.
 ///
 /// A new particle counts as in the reservoir until it is injected.
 pub(super) fn take_particle(world: &mut World, scene: &Scene) -> Option<u32> {

@@ -24,7 +24,8 @@ use sphecs_core::physics::integrator::{Advance, Integrator, friction};
 /// Rows per task of a thread.
 const CHUNK: usize = 4096;
 
-/// Chooses the time step and advances velocities and positions of fluid, inflow and outflow particles.
+/// Chooses the time step and advances velocities and positions of fluid, inflow and outflow
+/// particles.
 pub(crate) fn kick<R: Real, const D: usize>(
     (scene, settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
@@ -57,7 +58,8 @@ pub(crate) fn kick<R: Real, const D: usize>(
     zones.finish_step(time_step, arrays);
 }
 
-/// Advances velocities and positions of the fluid; `largest_damping` and `damping`, 1/s, are those at walls.
+/// Advances velocities and positions of the fluid; `largest_damping` and `damping`, 1/s, are those
+/// at walls.
 fn advance_fluid<A: Advance, R: Real, const D: usize>(
     scheme: &A,
     largest_damping: f64,

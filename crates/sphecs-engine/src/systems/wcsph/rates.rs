@@ -23,7 +23,7 @@ fn needs_strain(scheme: &Wcsph) -> bool {
 
 /// Computes the density of fluid particles by summation and their pressure by the Tait equation.
 ///
-/// The same pass sums the velocity gradient among the neighbours, if the noise damping or the shifting
+/// It also sums the velocity gradient among the neighbours, if the noise damping or the shifting
 /// needs it.
 pub(crate) fn sum_density<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
@@ -83,7 +83,8 @@ pub(crate) fn sum_rates<R: Real, const D: usize>(
     };
 }
 
-/// Adds the friction at walls with a wall function, with the velocities of the other dissipative terms.
+/// Adds the friction at walls with a wall function, with the velocities of the other dissipative
+/// terms.
 pub(crate) fn add_wall_friction<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,

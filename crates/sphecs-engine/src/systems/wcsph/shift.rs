@@ -19,8 +19,8 @@ use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 
 /// Displaces fluid and outflow particles by the shifting vector of the pair sums.
 ///
-/// With a shifting that carries velocity, fluid particles take the velocity of their new position, at both
-/// time levels. The velocity of outflow particles is that of the outlet condition.
+/// With a shifting that carries velocity, fluid particles take the velocity of their new position,
+/// at both time levels. The velocity of outflow particles is that of the outlet condition.
 pub(crate) fn shift<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
@@ -54,7 +54,8 @@ pub(crate) fn shift<R: Real, const D: usize>(
     for_each_part(0..zone.len(), (position, velocities, drift), &work);
 }
 
-/// Columns of some rows: positions; present and previous velocities; drifts, empty if they are not stored.
+/// Columns of some rows: positions; present and previous velocities; drifts, empty if they are not
+/// stored.
 type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 2], [&'a mut [R]; D]);
 
 /// Shifting of some rows.

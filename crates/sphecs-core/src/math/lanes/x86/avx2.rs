@@ -107,8 +107,9 @@ lanes! {
             Self::splat(1.0) / self
         }
         fn roots(self) -> (Self, Self) {
-            // √x by its own instruction: the density pass is a quarter faster than with x times the series of 1/√x.
-            // SAFETY: as above. From the 12 bits of this estimate, one term leaves an error of 2⁻²³.
+            // √x by its own instruction: the density pass is a quarter faster than with x times the
+            // series of 1/√x. SAFETY: as above. From the 12 bits of this estimate, one term leaves
+            // an error of 2⁻²³.
             let y = unsafe { Self(_mm256_rsqrt_ps(self.0)) };
             let e = (-(self * y)).mul_add(y, Self::splat(1.0));
             let series = e.mul_add(Self::splat(0.375), Self::splat(0.5));

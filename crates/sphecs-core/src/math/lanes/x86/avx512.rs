@@ -19,8 +19,8 @@ lanes! {
             unsafe { (Self::load(from) - Self::splat(origin)) * Self::splat(scale) }
         }
         unsafe fn compress(self, mask: __mmask8, to: *mut f64) {
-            // SAFETY: as above. Compressing in a register and storing all lanes is many times faster than the
-            // compressing store.
+            // SAFETY: as above. Compressing in a register and storing all lanes is many times
+            // faster than the compressing store.
             unsafe { _mm512_storeu_pd(to, _mm512_maskz_compress_pd(mask, self.0)) }
         }
         fn abs(self) -> Self {
@@ -37,7 +37,8 @@ lanes! {
         fn roots(self) -> (Self, Self) {
             // SAFETY: as above.
             let y = unsafe { Self(_mm512_rsqrt14_pd(self.0)) };
-            // Both are computed from the estimate, so that neither depends on the other: most callers need only √x.
+            // Both are computed from the estimate, so that neither depends on the other: most
+            // callers need only √x.
             let root = self * y;
             let e = (-root).mul_add(y, Self::splat(1.0));
             let series = e.mul_add(Self::splat(0.3125), Self::splat(0.375)).mul_add(e, Self::splat(0.5));
