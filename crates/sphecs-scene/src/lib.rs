@@ -1,7 +1,7 @@
 //! Floor 4: from a RON file to a scene that cannot be wrong.
 //!
 //! ```text
-//! text ─ notation ─▶ tree with places ─ schema ─▶ SceneFile ─ build ─▶ Scene ─ spawn ─▶ particles
+//! text ─ notation ─▶ tree with places ─ schema ─▶ SceneFile ─ check ─▶ Scene ─ spawn ─▶ particles
 //!        (--set)                       (serde)              (checks)          (fill, walls)
 //! ```
 //!
@@ -9,21 +9,21 @@
 //! * [`schema`]: what may stand in a file
 //! * [`constants`]: its named numbers
 //! * [`expression`], [`geometry`]: fields and shapes
-//! * [`build`]: every check of values
+//! * [`check`]: every check of values
 //! * [`model`], [`scheme`]: the checked scene
-//! * [`lattice`], [`fill`], [`rows`], [`walls`], [`spawn`]: its particles
+//! * [`lattice`], [`fill`], [`rows`], [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`body`], [`probe`]: what is measured
 //! * [`summary`]: its figures
-//! * [`demand`]: what a run of it takes of the disk
+//! * [`disk_estimate`]: what a run of it takes of the disk
 //! * [`faults`]: what is wrong with it
 
 use std::path::Path;
 
 pub mod body;
-pub mod build;
+pub mod check;
 pub mod constants;
-pub mod demand;
+pub mod disk_estimate;
 pub mod expression;
 pub mod faults;
 pub mod fill;
@@ -40,12 +40,12 @@ pub mod schema;
 pub mod scheme;
 pub mod spawn;
 pub mod summary;
-pub mod walls;
+pub mod wall_particles;
 
 #[cfg(test)]
 mod tests;
 
-use build::Origin;
+use check::Origin;
 use expression::Constants;
 use faults::{Fault, SceneFaults};
 use model::Scene;
@@ -169,7 +169,7 @@ fn read(shown: &str, origin: Origin<'_>, sets: &[(String, String)]) -> Result<Sc
     let origin = Origin { text, ..origin };
     let mut scene = None;
     if let Some(file) = &file {
-        let (built, value_faults) = build::build(file, &constants, origin);
+        let (built, value_faults) = check::build(file, &constants, origin);
         faults.extend(value_faults);
         scene = built;
     }

@@ -247,7 +247,7 @@ pub enum InletVelocity {
         rate: Expression,
         /// Shape over the plane.
         profile: Expression,
-        /// Speed over rate and profile: see [`meter`](super::build::meter).
+        /// Speed over rate and profile: see [`mass_flow`](super::check::mass_flow).
         scale: f64,
     },
     /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about `at`,

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use super::fill::confined_distance;
 use super::model::Scene;
-use super::walls::surface_at;
+use super::wall_particles::surface_at;
 
 /// A piece of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -94,7 +94,7 @@ pub fn steps_to(scene: &Scene, until: f64) -> f64 {
 }
 
 fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
-    let lattice = super::build::lattice(&scene.layout.fill)?;
+    let lattice = super::check::lattice(&scene.layout.fill)?;
     let worst = lattice.fits.iter().max_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
     let axis = ['x', 'y', 'z'][worst.axis];
     Some((axis, worst.coordinate, worst.misfit))

@@ -9,7 +9,7 @@ use proptest::test_runner::TestRunner;
 use rustix::time::{ClockId, clock_gettime};
 
 use super::shipped::shipped;
-use crate::build::Origin;
+use crate::check::Origin;
 use crate::{load_smoke, load_str, read, seeds};
 
 /// A change of a text.

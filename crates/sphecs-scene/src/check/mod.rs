@@ -2,8 +2,8 @@
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
 //! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
-//! 3. [`meter`]: speeds of the inlets that are given by the mass they bring, of the rows that the fill gives them
-//! 4. [`whole`]: what only the parts together show, once each of them is sound
+//! 3. [`mass_flow`]: speeds of the inlets that are given by the mass they bring, of the rows that the fill gives them
+//! 4. [`consistency`]: what only the parts together show, once each of them is sound
 
 use std::path::Path;
 
@@ -18,17 +18,17 @@ use super::schema::SceneFile;
 pub mod bodies;
 pub mod boundaries;
 pub mod checker;
+pub mod compressibility;
+pub mod consistency;
 pub mod layout;
-pub mod meter;
+pub mod mass_flow;
 pub mod patches;
 pub mod scheme;
 pub mod section;
 pub mod settings;
 pub mod shapes;
-pub mod sound;
 pub mod tables;
 pub mod walls;
-pub mod whole;
 
 use checker::Checker;
 
@@ -56,7 +56,7 @@ pub fn build(file: &SceneFile, constants: &Constants, origin: Origin<'_>) -> (Op
     let stands = check.blemishes() == 0;
     let mut faults = check.faults;
     if let Some(scene) = &scene {
-        whole::check(scene, file, stands, &mut faults);
+        consistency::check(scene, file, stands, &mut faults);
     }
     (scene, faults)
 }
@@ -73,7 +73,8 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
     // Further sections are read against a stand-in, so that their own faults show in the same run.
     let domain = domain.unwrap_or(Shape::Ball { center: DVec3::ZERO, radius: 1.0 });
     if sound
-        && let Some(fault) = whole::too_many((&domain, dimensions), &scheme, spacing, file, origin.memory)
+        && let Some(fault) =
+            consistency::too_many((&domain, dimensions), &scheme, spacing, file, origin.memory)
     {
         check.report(fault);
         sound = false;
@@ -165,7 +166,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         reference_length: 0.0,
     };
     if check.blemishes() == before {
-        meter::meter(&mut scene, file, check);
+        mass_flow::meter(&mut scene, file, check);
     }
     settings::derive(&mut scene, file);
     Some(scene)
