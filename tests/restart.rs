@@ -32,7 +32,7 @@ use sphecs::systems::pair::Pair;
 use sphecs::systems::plugin::{Parts, Plugin};
 use sphecs::systems::rates::Sums;
 use sphecs::systems::schedule::StepSystems;
-use sphecs::systems::setup::{Resolution, SceneInUse, Seats, Stored};
+use sphecs::systems::setup::{SceneInUse, Seats, Stored};
 use sphecs::systems::stopwatch::Stopwatch;
 use sphecs::systems::transitions::TransitionLists;
 
@@ -267,7 +267,6 @@ fn a_state_of_another_scene_is_refused_with_what_does_not_fit() {
 fn not_kept() -> Vec<(TypeId, &'static str)> {
     vec![
         (TypeId::of::<SceneInUse>(), "the scene"),
-        (TypeId::of::<Resolution>(), "from the scene"),
         (TypeId::of::<Pair>(), "from the scene"),
         (TypeId::of::<Grid<2>>(), "its box is kept, its cells are sorted anew in every step"),
         (TypeId::of::<Schedules>(), "the program"),

@@ -22,7 +22,7 @@ use crate::systems::pair::{Pair, pair_settings};
 use crate::systems::plugin::{Parts, Plugin};
 use crate::systems::readings;
 use crate::systems::schedule::{Step, stage_schedule, step_schedule};
-use crate::systems::setup::{Resolution, SceneInUse, insert_registers, spawn_particles};
+use crate::systems::setup::{SceneInUse, insert_registers, spawn_particles};
 use crate::systems::stopwatch::Stopwatch;
 use sphecs_core::math::column::{Columns, Misfit};
 use sphecs_core::math::grid::CellGrid;
@@ -154,7 +154,6 @@ impl Simulation {
         let scene = Arc::new(scene);
         let mut world = World::new();
         world.insert_resource(SceneInUse(scene.clone()));
-        world.insert_resource(Resolution::of(&scene));
         let pair = Pair(pair_settings(&scene));
         world.insert_resource(Grid::<D>(start.grid(&scene, &pair)?));
         world.insert_resource(pair);

@@ -12,6 +12,7 @@ use super::lattice::Lattice;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
+use sphecs_core::discretisation::Discretisation;
 use sphecs_core::physics::eos::Tait;
 use sphecs_core::physics::inlet::{Feed, InletPressure};
 use sphecs_core::physics::outlet::OutletCondition;
@@ -34,6 +35,8 @@ pub struct Scene {
     pub precision: Precision,
     /// Initial particle spacing Δ, m, > 0.
     pub spacing: f64,
+    /// Spacing, smoothing length, support and mass of the particles.
+    pub discretisation: Discretisation,
     /// Coarser spacing for quick tests, m.
     pub smoke_spacing: f64,
     /// The fluid.

@@ -74,18 +74,15 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
     }
 }
 
-fn smoothing_length(scene: &Scene) -> f64 {
-    scene.scheme.smoothing_ratio() * scene.spacing
-}
-
 /// The step that sound allows, s, with the signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
 fn courant_step(scene: &Scene) -> f64 {
-    scene.time.cfl * smoothing_length(scene) / (scene.fluid.sound_speed + scene.reference_velocity)
+    scene.time.cfl * scene.discretisation.smoothing_length
+        / (scene.fluid.sound_speed + scene.reference_velocity)
 }
 
 /// The step that viscosity allows, s.
 fn viscous_step(scene: &Scene) -> f64 {
-    scene.time.viscous * smoothing_length(scene).powi(2) / scene.fluid.viscosity
+    scene.time.viscous * scene.discretisation.smoothing_length.powi(2) / scene.fluid.viscosity
 }
 
 /// Steps to a time, s.

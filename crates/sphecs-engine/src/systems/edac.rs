@@ -13,7 +13,7 @@ use super::integrate::{are_plain, largest_acceleration};
 use super::neighbours::Grid;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
-use super::setup::{Resolution, SceneInUse};
+use super::setup::SceneInUse;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -84,7 +84,6 @@ pub fn sum_edac_rates<R: Real, const D: usize>(
 /// Chooses the time step and advances velocity, pressure and position.
 pub fn kick_and_drift<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
-    resolution: Res<Resolution>,
     found: Res<RatesFound>,
     (pair, rows): (Res<Pair>, Res<PatchRows>),
     outlets: Res<OutletStates>,
@@ -98,7 +97,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
         damping: kick_drift::DAMPING,
-        smoothing_length: resolution.smoothing_length,
+        smoothing_length: scene.discretisation.smoothing_length,
         viscosity: found.largest_viscosity,
     };
     let gravity = match &scene.body_force {
@@ -252,7 +251,6 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
 pub fn even_outlets<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
-    resolution: Res<Resolution>,
     rows: Res<PatchRows>,
     sums: Res<Sums<R, D>>,
     mut arrays: ResMut<ParticleArrays<R, D>>,
@@ -260,7 +258,7 @@ pub fn even_outlets<R: Real, const D: usize>(
     let Some(terms) = terms(&scene.0) else { return };
     let sound = scene.0.fluid.sound_speed * clock.time_step;
     let strength = -2.0 * terms.background * sound * sound;
-    let longest = LONGEST * resolution.spacing;
+    let longest = LONGEST * scene.0.discretisation.spacing;
     for &row in rows.outflow.iter().flatten() {
         let row = row as usize;
         let concentration = sums.0.shift.each_ref().map(|column| column[row].to_f64());

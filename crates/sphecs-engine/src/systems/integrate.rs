@@ -14,7 +14,7 @@ use super::boundaries::rows::PatchRows;
 use super::clock::Clock;
 use super::pair::Pair;
 use super::rates::{RatesFound, StepsSincePlain, Sums};
-use super::setup::{Resolution, SceneInUse};
+use super::setup::SceneInUse;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -31,7 +31,6 @@ const CHUNK: usize = 4096;
 /// Chooses the time step and advances velocities and positions of fluid, inflow and outflow particles.
 pub fn kick<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
-    resolution: Res<Resolution>,
     found: Res<RatesFound>,
     (pair, rows): (Res<Pair>, Res<PatchRows>),
     outlets: Res<OutletStates>,
@@ -47,7 +46,7 @@ pub fn kick<R: Real, const D: usize>(
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
         damping: friction::DAMPING,
-        smoothing_length: resolution.smoothing_length,
+        smoothing_length: scene.discretisation.smoothing_length,
         viscosity: found.largest_viscosity,
     };
     let arrays = &mut *arrays;

@@ -11,7 +11,7 @@ use super::clock::Clock;
 use super::ledger::Ledger;
 use super::neighbours::Grid;
 use super::rates::RatesFound;
-use super::setup::{Resolution, SceneInUse};
+use super::setup::SceneInUse;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -110,7 +110,7 @@ fn figures<R: Real, const D: usize>(
     before: &PreviousRow,
 ) -> MonitorRow {
     let scene = &world.resource::<SceneInUse>().0;
-    let mass = world.resource::<Resolution>().mass;
+    let mass = scene.discretisation.mass;
     let ledger = world.resource::<Ledger>();
     let arrays = world.resource::<ParticleArrays<R, D>>();
     let interval = clock.time - before.time;

@@ -7,7 +7,7 @@ use bevy_ecs::system::{Res, ResMut};
 use super::clock::Clock;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
-use super::setup::{Resolution, SceneInUse};
+use super::setup::SceneInUse;
 use sphecs_core::math::lanes::{Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -22,7 +22,6 @@ use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 pub fn shift<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
-    resolution: Res<Resolution>,
     found: Res<RatesFound>,
     pair: Res<Pair>,
     sums: Res<Sums<R, D>>,
@@ -33,8 +32,8 @@ pub fn shift<R: Real, const D: usize>(
     };
     let shifting = scheme.shifting;
     let step = ShiftStep {
-        smoothing_length: resolution.smoothing_length,
-        spacing: resolution.spacing,
+        smoothing_length: scene.0.discretisation.smoothing_length,
+        spacing: scene.0.discretisation.spacing,
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };

@@ -14,6 +14,7 @@ use super::faults::Fault;
 use super::geometry::Shape;
 use super::model::{BodyForce, Fill, FluidProperties, Initial, Layout, Scene};
 use super::schema::SceneFile;
+use sphecs_core::discretisation::Discretisation;
 
 pub mod bodies;
 pub mod boundaries;
@@ -105,7 +106,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         domain: &domain,
         periodic: &periodic,
         spacing,
-        support: scheme.kernel().support_ratio() * scheme.smoothing_ratio() * spacing,
+        support: scheme.support(spacing),
         dimensions,
         sound,
     };
@@ -139,6 +140,13 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         dimensions,
         precision: file.precision,
         spacing,
+        discretisation: Discretisation::new(
+            scheme.kernel(),
+            dimensions,
+            spacing,
+            scheme.smoothing_ratio(),
+            fluid.density,
+        ),
         smoke_spacing,
         fluid,
         scheme,

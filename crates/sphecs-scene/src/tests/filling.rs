@@ -55,7 +55,7 @@ fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f
 fn check_uniform(scene: &Scene) {
     let seeds = seeds(scene);
     let scheme = &scene.scheme;
-    let support = scheme.kernel().support_ratio() * scheme.smoothing_ratio() * scene.spacing;
+    let support = scheme.support(scene.spacing);
     let sees_rings = |place: DVec3| {
         scene.layout.rings.iter().any(|rings| place.distance(rings.centre) < rings.radius + support)
     };
@@ -364,7 +364,7 @@ fn what_will_not_act_or_not_last_is_noted() {
 fn volumes_are_estimated_to_two_per_cent_in_thin_shapes_too() {
     for name in ["square_bend.ron", "quickstart.ron", "duct3d.ron", "cylinder_re20.ron"] {
         let scene = smoke(name);
-        let cell = scene.spacing.powi(scene.dimensions as i32);
+        let cell = scene.discretisation.cell_volume();
         let places = crate::fill::places(&scene);
         let fluid = places.iter().filter(|place| place.zone != Zone::Wall).count() as f64 * cell;
         let estimate = summary::estimated_volume(&scene.container, 0.0, scene.dimensions);
