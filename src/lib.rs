@@ -16,14 +16,12 @@
 //! A scene becomes a flow:
 //!
 //! ```no_run
-//! use std::path::Path;
-//!
 //! use sphecs::glam::DVec3;
-//! use sphecs::scene;
+//! use sphecs::scene::Scene;
 //! use sphecs::simulation::Simulation;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let scene = scene::load(Path::new("scenes/quickstart.ron"), &[])?;
+//! let scene = Scene::from_file("scenes/quickstart.ron").load()?;
 //! let mut simulation = Simulation::from_scene(scene);
 //! simulation.run_until(0.1)?;
 //! for sample in simulation.sample(&[DVec3::new(0.05, 0.0, 0.0)]).into_iter().flatten() {
@@ -36,10 +34,8 @@
 //! What the engine does not have is a plugin of one's own: here a spring that draws the fluid to the axis.
 //!
 //! ```
-//! use std::path::Path;
-//!
 //! use sphecs::glam::DVec3;
-//! use sphecs::scene;
+//! use sphecs::scene::Scene;
 //! use sphecs::simulation::Simulation;
 //! use sphecs::systems::forces::{AddedForces, ParticleState};
 //! use sphecs::systems::plugin::{Parts, Plugin};
@@ -58,7 +54,7 @@
 //! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let scene = scene::load_smoke(Path::new("scenes/quickstart.ron"), &[])?;
+//! let scene = scene::Scene::from_file("scenes/quickstart.ron").smoke().load()?;
 //! let mut simulation = Simulation::with_plugins(scene, &[&Spring { stiffness: 2.0 }]);
 //! simulation.step()?;
 //! # Ok(())

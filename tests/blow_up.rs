@@ -6,7 +6,7 @@ use sphecs::bevy_ecs::query::With;
 use sphecs::components::{Fluid, Inflow, Outflow, Position, Thermodynamics, Velocity, Wall};
 use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
-use sphecs::scene::load_smoke;
+use sphecs::scene::Scene;
 use sphecs::simulation::{Simulation, Stop};
 use sphecs::systems::clock::Clock;
 use sphecs::systems::failure::check_state;
@@ -14,9 +14,7 @@ use sphecs::systems::failure::check_state;
 /// A channel with an inlet, an outlet and walls.
 fn start(sets: &[(&str, &str)]) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/quickstart.ron");
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-    Simulation::from_scene(load_smoke(&path, &sets).expect("a scene"))
+    Simulation::from_scene(Scene::from_file(&path).smoke().sets(sets).load().expect("a scene"))
 }
 
 /// The same after some steps.

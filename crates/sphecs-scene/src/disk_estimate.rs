@@ -72,13 +72,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::load;
 
     fn quickstart(sets: &[(&str, &str)]) -> Scene {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/quickstart.ron");
-        let sets: Vec<(String, String)> =
-            sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-        load(&path, &sets).expect("a scene")
+        Scene::from_file(&path).sets(sets).load().expect("a scene")
     }
 
     #[test]

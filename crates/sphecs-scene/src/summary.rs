@@ -1,7 +1,5 @@
 //! What a scene will be, without running it: the figures of `sphecs check`.
 
-use std::path::{Path, PathBuf};
-
 use glam::DVec3;
 
 use super::geometry::Shape;
@@ -238,27 +236,4 @@ pub fn estimated_volume(domain: &Shape, reach: f64, dimensions: usize) -> f64 {
     let extent = high - low;
     let volume: f64 = (0..dimensions).map(|axis| extent[axis]).product();
     volume * f64::from(hits) / f64::from(SAMPLES)
-}
-
-/// Memory that is free for this process, B: of the machine, or of its control group if that has less, as under a batch system. None where the
-/// system does not tell.
-pub fn available_memory() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
-    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(
-        group_memory(Path::new("/sys/fs/cgroup"))
-            .map_or(kilobytes * 1024.0, |left| left.min(kilobytes * 1024.0)),
-    )
-}
-
-/// What the control group of this process and those above it leave, B; None without a limit.
-fn group_memory(root: &Path) -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/cgroup").ok()?;
-    let own = text.lines().find_map(|line| line.strip_prefix("0::/"))?;
-    let number = |path: PathBuf| std::fs::read_to_string(path).ok()?.trim().parse::<f64>().ok();
-    let left =
-        |folder: &Path| Some(number(folder.join("memory.max"))? - number(folder.join("memory.current"))?);
-    let folder = root.join(own);
-    folder.ancestors().take_while(|place| place.starts_with(root)).filter_map(left).min_by(f64::total_cmp)
 }

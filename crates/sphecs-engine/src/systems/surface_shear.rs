@@ -64,12 +64,12 @@ impl SurfaceShear {
 
 #[cfg(test)]
 mod tests {
+    use sphecs_scene::Scene;
     use std::f64::consts::PI;
 
     use glam::DVec3;
 
     use super::SurfaceShear;
-    use sphecs_scene::load_str;
 
     /// A ball that turns about z faster and faster: −2 μ ω V of torque about any point, and no force. One that slips, or moves as a whole, has none.
     #[test]
@@ -86,7 +86,7 @@ mod tests {
                     reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 1.0),
                 )"#
             );
-            load_str("ball", &text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"))
+            Scene::from_text("ball", &text).load().unwrap_or_else(|faults| panic!("{faults:?}"))
         };
         let about = DVec3::new(0.1, -0.2, 0.3);
         let at = |wall: &str, time: f64| {

@@ -106,14 +106,13 @@ fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
 
 #[cfg(test)]
 mod tests {
-    use crate::load_str;
     use crate::model::Scene;
     use crate::spawn::seeds;
     use sphecs_core::particles::zone::Zone;
 
     fn scene(text: &str, velocity: &str) -> Scene {
-        let set = [("inlets.0.velocity".to_owned(), velocity.to_owned())];
-        load_str("metered", text, &set).unwrap_or_else(|faults| panic!("{faults:?}"))
+        let set = [("inlets.0.velocity", velocity)];
+        Scene::from_text("metered", text).sets(set).load().unwrap_or_else(|faults| panic!("{faults:?}"))
     }
 
     /// Mass that the particles of the zone carry over the plane at a time, kg/s.

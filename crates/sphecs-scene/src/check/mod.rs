@@ -35,7 +35,7 @@ use checker::Checker;
 
 /// Where a scene came from.
 #[derive(Clone, Copy, Debug)]
-pub struct Origin<'a> {
+pub struct SceneSource<'a> {
     /// File stem, used for the run folder.
     pub name: &'a str,
     /// The text as run.
@@ -50,19 +50,23 @@ pub struct Origin<'a> {
 
 /// Builds a scene, with every fault found. With faults there may be a scene too, with harmless values in
 /// their places: it is good for further checks only.
-pub fn build(file: &SceneFile, constants: &Constants, origin: Origin<'_>) -> (Option<Scene>, Vec<Fault>) {
-    let mut check = Checker::new(constants, origin.text);
-    check.tables = origin.tables.to_vec();
-    let scene = parts(file, &mut check, origin);
-    let stands = check.blemishes() == 0;
-    let mut faults = check.faults;
+pub fn check(
+    file: &SceneFile,
+    constants: &Constants,
+    source: SceneSource<'_>,
+) -> (Option<Scene>, Vec<Fault>) {
+    let mut checker = Checker::new(constants, source.text);
+    checker.tables = source.tables.to_vec();
+    let scene = parts(file, &mut checker, source);
+    let stands = checker.blemishes() == 0;
+    let mut faults = checker.faults;
     if let Some(scene) = &scene {
         consistency::check(scene, file, stands, &mut faults);
     }
     (scene, faults)
 }
 
-fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Option<Scene> {
+fn parts(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> Option<Scene> {
     let before = check.blemishes();
     let dimensions = settings::dimensions(file, check);
     check.dimensions = dimensions;
@@ -75,7 +79,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
     let domain = domain.unwrap_or(Shape::Ball { center: DVec3::ZERO, radius: 1.0 });
     if sound
         && let Some(fault) =
-            consistency::too_many((&domain, dimensions), &scheme, spacing, file, origin.memory)
+            consistency::too_many((&domain, dimensions), &scheme, spacing, file, source.memory)
     {
         check.report(fault);
         sound = false;
@@ -110,7 +114,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         dimensions,
         sound,
     };
-    let inlets = boundaries::inlets(&file.inlets, &site, origin.folder, check);
+    let inlets = boundaries::inlets(&file.inlets, &site, source.folder, check);
     let outlets = boundaries::outlets(&file.outlets, &site, check);
     settings::references(file, check);
     let (inlets, outlets) = (inlets?, outlets?);
@@ -133,9 +137,9 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         inlets.iter().map(|inlet| &inlet.patch).chain(outlets.iter().map(|outlet| &outlet.patch)).collect();
     let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
     let mut scene = Scene {
-        name: origin.name.to_owned(),
+        name: source.name.to_owned(),
         title: file.title.value.clone(),
-        text: origin.text.to_owned(),
+        text: source.text.to_owned(),
         tables: std::mem::take(&mut check.tables),
         dimensions,
         precision: file.precision,
