@@ -10,6 +10,7 @@ use divan::counter::ItemsCount;
 use sphecs::bench::measure::ordered_pairs;
 use sphecs::bench::peak::Chains;
 use sphecs::bench::scalar::density_and_force;
+use sphecs::discretisation::Discretisation;
 use sphecs::math::grid::CellGrid;
 use sphecs::math::kernel::Kernel;
 use sphecs::math::lanes::InstructionSet;
@@ -57,10 +58,9 @@ impl<R: Real, const D: usize> Flow<R, D> {
     fn new() -> Self {
         let (count, ratio): (usize, f64) = if D == 2 { (400, 1.33) } else { (64, 2.02) };
         let tait = Tait { reference_density: 1000.0, sound_speed: 10.0 };
-        let pair = PairSettings {
-            viscosity: 1e-6,
-            ..PairSettings::new(Kernel::WendlandC2, D, SPACING, ratio, tait)
-        };
+        let discretisation =
+            Discretisation::new(Kernel::WendlandC2, D, SPACING, ratio, tait.reference_density);
+        let pair = PairSettings { viscosity: 1e-6, ..PairSettings::new(&discretisation, tait) };
         let upper = [count as f64 * SPACING; D];
         let grid = CellGrid::new([0.0; D], upper, [true; D], pair.support(), pair.cell_size());
         let mut particles = ParticleArrays::default();

@@ -19,8 +19,7 @@ use sphecs::bench::peak::Peaks;
 use sphecs::bench::stirring::Tile;
 use sphecs::bench::table::shares;
 use sphecs::math::lanes::InstructionSet;
-use sphecs::scene::faults::SceneFaults;
-use sphecs::scene::load;
+use sphecs::scene::faults::SceneErrors;
 use sphecs::scene::model::Scene;
 
 /// What a bench found, for the table at the end.
@@ -97,7 +96,7 @@ fn time(bencher: Bencher, name: &str) {
 fn time_flow(
     bencher: Bencher,
     name: String,
-    scene: Result<Scene, SceneFaults>,
+    scene: Result<Scene, SceneErrors>,
     tile: Option<Tile>,
     warm_up: usize,
 ) {
@@ -155,8 +154,13 @@ fn square_duct(bencher: Bencher, name: &str) {
 /// The backward-facing step with another outlet.
 fn time_outlet(bencher: Bencher, scheme: &str, condition: &str) {
     let sets = [("scheme", scheme), ("outlets.0.condition", condition)];
-    let sets = sets.map(|(path, value)| (path.to_owned(), value.to_owned()));
-    time_flow(bencher, format!("{scheme} {condition}"), load(Path::new("scenes/step.ron"), &sets), None, 20);
+    time_flow(
+        bencher,
+        format!("{scheme} {condition}"),
+        Scene::from_file(Path::new("scenes/step.ron")).sets(sets).load(),
+        None,
+        20,
+    );
 }
 
 #[divan::bench(args = OUTLETS, sample_count = 100, sample_size = 1)]

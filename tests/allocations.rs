@@ -3,7 +3,7 @@
 //!
 //! A program of its own with one test, since the counting allocator counts for the whole process.
 
-use sphecs::scene::load_str;
+use sphecs::scene::Scene;
 use sphecs::simulation::Simulation;
 
 #[global_allocator]
@@ -24,16 +24,13 @@ fn blocks(simulation: &mut Simulation, warm_up: usize, steps: usize) -> u64 {
     })
 }
 
-fn sets(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
-    pairs.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect()
-}
-
 #[test]
 fn a_warm_step_allocates_nothing() {
     let _profiler = dhat::Profiler::builder().testing().build();
     let mut found = Vec::new();
     let mut check = |name: &str, text: &str, set: &[(&str, &str)], warm_up: usize, allowed: u64| {
-        let scene = load_str(name, text, &sets(set)).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let scene =
+            Scene::from_text(name, text).sets(set).load().unwrap_or_else(|faults| panic!("{faults:?}"));
         let blocks = blocks(&mut Simulation::from_scene(scene), warm_up, 50);
         if blocks > allowed {
             found.push(format!("{name} {set:?}: {blocks} blocks in 50 steps"));

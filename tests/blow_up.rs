@@ -7,16 +7,14 @@ use sphecs::components::{Fluid, Inflow, Outflow, Position, Thermodynamics, Veloc
 use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
 use sphecs::resources::clock::Clock;
-use sphecs::scene::load_smoke;
+use sphecs::scene::Scene;
 use sphecs::simulation::{Simulation, Stop};
 use sphecs::systems::divergence::check_state;
 
 /// A channel with an inlet, an outlet and walls.
 fn start(sets: &[(&str, &str)]) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/quickstart.ron");
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-    Simulation::from_scene(load_smoke(&path, &sets).expect("a scene"))
+    Simulation::from_scene(Scene::from_file(&path).smoke().sets(sets).load().expect("a scene"))
 }
 
 /// The same after some steps.

@@ -6,7 +6,7 @@ mod plug;
 use census::{census, of};
 use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
-use sphecs::scene::load_str;
+use sphecs::scene::Scene;
 use sphecs::simulation::Simulation;
 
 /// A channel with walls, turned about its inlet.
@@ -75,9 +75,9 @@ const DUCT: &str = r#"Scene(
 )"#;
 
 fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
-    Simulation::from_scene(load_str("channel", text, &sets).unwrap_or_else(|faults| panic!("{faults:?}")))
+    Simulation::from_scene(
+        Scene::from_text("channel", text).sets(sets).load().unwrap_or_else(|faults| panic!("{faults:?}")),
+    )
 }
 
 /// Runs until a time, s, with a census every so many steps.

@@ -9,7 +9,7 @@ use census::{Particle, census};
 use rayon::ThreadPoolBuilder;
 use shipped::shipped;
 use sphecs::glam::DVec3;
-use sphecs::scene::{load_smoke, load_str};
+use sphecs::scene::Scene;
 use sphecs::simulation::Simulation;
 
 /// Steps of each run: particles change zone, and plain steps come round, several times.
@@ -19,7 +19,7 @@ const STEPS: usize = 500;
 const LOOKED_AT: usize = 100;
 
 fn simulation(path: &Path) -> Simulation {
-    Simulation::from_scene(load_smoke(path, &[]).expect("a shipped scene reads"))
+    Simulation::from_scene(Scene::from_file(path).smoke().load().expect("a shipped scene reads"))
 }
 
 /// Every bit of a particle: `==` would take -0 for 0.
@@ -91,10 +91,11 @@ fn the_number_of_threads_changes_no_bit_where_rows_are_many() {
 
 #[track_caller]
 fn same_for_threads(sets: &[(&str, &str)]) {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
     let mut runs = [1, 3].map(|threads| {
-        let scene = load_str("channel", CHANNEL, &sets).unwrap_or_else(|faults| panic!("{faults}"));
+        let scene = Scene::from_text("channel", CHANNEL)
+            .sets(sets)
+            .load()
+            .unwrap_or_else(|faults| panic!("{faults}"));
         let mut run = Simulation::from_scene(scene);
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads");
         pool.install(|| (0..160).for_each(|_| run.step().expect("a step")));

@@ -11,7 +11,7 @@ use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
 use sphecs::resources::grid::Grid;
 use sphecs::resources::scene::ActiveScene;
-use sphecs::scene::load_str;
+use sphecs::scene::Scene;
 use sphecs::simulation::Simulation;
 use sphecs::systems::boundaries::rows::PatchRows;
 
@@ -83,9 +83,9 @@ const DUCT: &str = r#"Scene(
 )"#;
 
 fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
-    Simulation::from_scene(load_str("outlet", text, &sets).unwrap_or_else(|faults| panic!("{faults:?}")))
+    Simulation::from_scene(
+        Scene::from_text("outlet", text).sets(sets).load().unwrap_or_else(|faults| panic!("{faults:?}")),
+    )
 }
 
 /// Single precision loses 1e-7 of a pressure difference of ρ c0², a hundredth of which is c0² over the stream's own.
@@ -330,14 +330,18 @@ fn a_condition_that_says_too_little_or_nonsense_is_told_so() {
         ("Hybrid(velocity: -1.0)", "greater than 0"),
     ];
     for (condition, word) in expected {
-        let sets = [("outlets.0.condition".to_owned(), condition.to_owned())];
-        let faults = load_str("outlet", DUCT, &sets).err().unwrap_or_else(|| panic!("{condition} was taken"));
+        let sets = [("outlets.0.condition", condition)];
+        let faults = Scene::from_text("outlet", DUCT)
+            .sets(sets)
+            .load()
+            .err()
+            .unwrap_or_else(|| panic!("{condition} was taken"));
         let message = format!("{:?}", miette::Report::new(faults));
         assert!(message.contains(word), "{condition}: {message}");
     }
     let with = |value: &str| {
-        let sets = [("reservoir".to_owned(), value.to_owned())];
-        format!("{:?}", load_str("outlet", DUCT, &sets).err().map(miette::Report::new))
+        let sets = [("reservoir", value)];
+        format!("{:?}", Scene::from_text("outlet", DUCT).sets(sets).load().err().map(miette::Report::new))
     };
     assert!(with("(recycle: false, particles: 3)").contains("`particles` must not be given"));
     assert!(with("(recycle: false, when_empty: Stop)").contains("`when_empty: Stop` must not be given"));

@@ -23,12 +23,11 @@ use sphecs::resources::grid::{Grid, SortBuffers};
 use sphecs::resources::ledger::Ledger;
 use sphecs::resources::pair::Pair;
 use sphecs::resources::pair_sums::Sums;
-use sphecs::resources::scene::{ActiveScene, Resolution};
+use sphecs::resources::scene::ActiveScene;
 use sphecs::resources::state_location::StateLocation;
 use sphecs::resources::stopwatch::Stopwatch;
 use sphecs::saved_state::SavedResources;
 use sphecs::scene::model::Scene;
-use sphecs::scene::{load_smoke, load_str};
 use sphecs::schedule::StepSet;
 use sphecs::simulation::Simulation;
 use sphecs::systems::body_forces::Bodies;
@@ -41,9 +40,11 @@ use sphecs::systems::transitions::TransitionLists;
 const STEPS: usize = 52;
 
 fn smoke(path: &Path, sets: &[(&str, &str)]) -> Scene {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-    load_smoke(path, &sets).unwrap_or_else(|faults| panic!("{}: {faults:?}", path.display()))
+    Scene::from_file(path)
+        .smoke()
+        .sets(sets)
+        .load()
+        .unwrap_or_else(|faults| panic!("{}: {faults:?}", path.display()))
 }
 
 fn pool(threads: usize) -> ThreadPool {
@@ -167,9 +168,12 @@ const BREATHING: &str = r#"Scene(
 /// Takes the breathing channel up from its state every 90 steps; the ledger, when all steps were the same.
 #[track_caller]
 fn go_on_side_by_side(sets: &[(&str, &str)], steps: u32) -> Ledger {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-    let scene = || load_str("breathing", BREATHING, &sets).unwrap_or_else(|faults| panic!("{faults:?}"));
+    let scene = || {
+        Scene::from_text("breathing", BREATHING)
+            .sets(sets)
+            .load()
+            .unwrap_or_else(|faults| panic!("{faults:?}"))
+    };
     let mut run = Simulation::from_scene(scene());
     let mut resumed = Simulation::from_scene(scene());
     for step in 0..steps {
@@ -201,7 +205,8 @@ fn deleted_particles_and_free_numbers_go_on_to_the_same_bits() {
 /// A frame leaves the state in the components, and a world hands these out in an order of its own.
 #[test]
 fn a_state_taken_behind_a_frame_has_its_rows_in_the_same_order() {
-    let scene = || load_str("breathing", BREATHING, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+    let scene =
+        || Scene::from_text("breathing", BREATHING).load().unwrap_or_else(|faults| panic!("{faults:?}"));
     let mut run = Simulation::from_scene(scene());
     for _ in 0..200 {
         run.step().expect("a step");
@@ -268,7 +273,6 @@ fn a_state_of_another_scene_is_refused_with_what_does_not_fit() {
 fn not_kept() -> Vec<(TypeId, &'static str)> {
     vec![
         (TypeId::of::<ActiveScene>(), "the scene"),
-        (TypeId::of::<Resolution>(), "from the scene"),
         (TypeId::of::<Pair>(), "from the scene"),
         (TypeId::of::<Grid<2>>(), "its box is kept, its cells are sorted anew in every step"),
         (TypeId::of::<Schedules>(), "the program"),
@@ -329,8 +333,11 @@ impl Plugin for Look {
 
 #[test]
 fn nothing_that_lives_across_steps_is_forgotten() {
-    let sets = [("scheme".to_owned(), "Wcsph(viscosity: Sps())".to_owned())];
-    let scene = load_str("breathing", BREATHING, &sets).unwrap_or_else(|faults| panic!("{faults:?}"));
+    let sets = [("scheme", "Wcsph(viscosity: Sps())")];
+    let scene = Scene::from_text("breathing", BREATHING)
+        .sets(sets)
+        .load()
+        .unwrap_or_else(|faults| panic!("{faults:?}"));
     let mut run = Simulation::with_plugins(scene, &[&Look]);
     (0..300).for_each(|_| run.step().expect("a step"));
     assert!(run.ledger().entered_back[0] > 0, "no particle came back");

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use sphecs::output::frame::Frame;
-use sphecs::scene::load_smoke;
+use sphecs::scene::Scene;
 use sphecs::simulation::Simulation;
 
 fn simulation(scene: &str, precision: &str) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
-    let sets = [("precision".to_owned(), precision.to_owned())];
-    Simulation::from_scene(load_smoke(&path, &sets).expect("a shipped scene reads"))
+    let sets = [("precision", precision)];
+    Simulation::from_scene(Scene::from_file(&path).smoke().sets(sets).load().expect("a shipped scene reads"))
 }
 
 /// Every bit of the state that a frame holds.

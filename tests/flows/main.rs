@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 use sphecs::bevy_ecs::query::With;
 use sphecs::components::{Fluid, ParticleId, Position, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::scene::{load, load_smoke, load_str};
+use sphecs::scene::Scene;
 use sphecs::simulation::Simulation;
 
 /// A fluid particle.
@@ -65,14 +65,11 @@ fn fluid(simulation: &mut Simulation) -> Vec<State> {
     states
 }
 
-/// Paths and values as `--set` takes them.
-fn sets(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
-    pairs.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect()
-}
-
 /// A simulation of a scene in this crate's tests.
 fn flow(text: &str, pairs: &[(&str, &str)]) -> Simulation {
-    Simulation::from_scene(load_str("flow", text, &sets(pairs)).unwrap_or_else(|faults| panic!("{faults:?}")))
+    Simulation::from_scene(
+        Scene::from_text("flow", text).sets(pairs).load().unwrap_or_else(|faults| panic!("{faults:?}")),
+    )
 }
 
 /// The path of a shipped scene.
@@ -82,13 +79,13 @@ fn shipped_path(name: &str) -> PathBuf {
 
 /// A simulation of a shipped scene with values of one's own.
 fn shipped_flow(name: &str, pairs: &[(&str, &str)]) -> Simulation {
-    let scene = load(&shipped_path(name), &sets(pairs));
+    let scene = Scene::from_file(&shipped_path(name)).sets(pairs).load();
     Simulation::from_scene(scene.unwrap_or_else(|faults| panic!("{name}: {faults:?}")))
 }
 
 /// A simulation of a shipped scene at its smoke spacing.
 fn smoke(name: &str, pairs: &[(&str, &str)]) -> Simulation {
-    let scene = load_smoke(&shipped_path(name), &sets(pairs));
+    let scene = Scene::from_file(&shipped_path(name)).smoke().sets(pairs).load();
     Simulation::from_scene(scene.unwrap_or_else(|faults| panic!("{name}: {faults:?}")))
 }
 

@@ -38,8 +38,7 @@ fn check_momentum(text: &str, scheme: &str, steps: u64, n: usize) {
     let before = simulation.monitor_row().momentum;
     let states = fluid(&mut simulation);
     assert_eq!(states.len(), n);
-    let mass = simulation.scene().fluid.density
-        * simulation.scene().spacing.powi(simulation.scene().dimensions as i32);
+    let mass = simulation.scene().fluid.density * simulation.scene().discretisation.cell_volume();
     let scale: f64 = states.iter().map(|state| mass * state.velocity.length()).sum();
     advance(&mut simulation, steps);
     let drift = (simulation.monitor_row().momentum - before).length() / scale;

@@ -1,6 +1,5 @@
 //! Plug flow between an inlet and an outlet, without walls: every particle moves by the same formula.
 
-use sphecs::scene::load_str;
 use sphecs::scene::model::Scene;
 
 /// A fixed outlet pressure holds the uniform state to the last digit: an absorbing one sees the start as a wave.
@@ -27,7 +26,5 @@ const SCENE: &str = r#"Scene(
 
 /// The scene with values put in.
 pub fn scene(sets: &[(&str, &str)]) -> Scene {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
-    load_str("plug", SCENE, &sets).unwrap_or_else(|faults| panic!("{faults:?}"))
+    Scene::from_text("plug", SCENE).sets(sets).load().unwrap_or_else(|faults| panic!("{faults:?}"))
 }
