@@ -7,21 +7,21 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use sphecs::bench::measure::ordered_pairs;
-use sphecs::bench::peak::Chains;
-use sphecs::bench::scalar::density_and_force;
-use sphecs::discretisation::Discretisation;
-use sphecs::math::grid::CellGrid;
-use sphecs::math::kernel::Kernel;
-use sphecs::math::lanes::InstructionSet;
-use sphecs::math::real::Real;
-use sphecs::particles::arrays::{ParticleArrays, SpareColumns};
-use sphecs::particles::rows::Row;
-use sphecs::pass::density::sum_density;
-use sphecs::pass::rates::{VelocityLevel, sum_rates};
-use sphecs::pass::settings::PairSettings;
-use sphecs::pass::sums::PairSums;
-use sphecs::physics::eos::Tait;
+use sphecs_bench::measure::ordered_pairs;
+use sphecs_bench::peak::Chains;
+use sphecs_bench::scalar::density_and_force;
+use sphecs_core::discretisation::Discretisation;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
+use sphecs_core::particles::rows::Row;
+use sphecs_core::pass::density::sum_density;
+use sphecs_core::pass::rates::{VelocityLevel, sum_rates};
+use sphecs_core::pass::settings::PairSettings;
+use sphecs_core::pass::sums::PairSums;
+use sphecs_core::physics::eos::Tait;
 
 const SPACING: f64 = 0.01;
 

@@ -12,15 +12,14 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use sphecs::bench::cases::Case;
-use sphecs::bench::measure::{FastestSets, count, paved, scalar_rate};
-use sphecs::bench::operations::per_pair;
-use sphecs::bench::peak::Peaks;
-use sphecs::bench::stirring::Tile;
-use sphecs::bench::table::shares;
-use sphecs::math::lanes::InstructionSet;
-use sphecs::scene::faults::SceneErrors;
-use sphecs::scene::model::Scene;
+use sphecs::{Scene, SceneErrors};
+use sphecs_bench::cases::Case;
+use sphecs_bench::measure::{FastestSets, count, paved, scalar_rate};
+use sphecs_bench::operations::per_pair;
+use sphecs_bench::peak::Peaks;
+use sphecs_bench::stirring::Tile;
+use sphecs_bench::table::shares;
+use sphecs_core::math::lanes::InstructionSet;
 
 /// What a bench found, for the table at the end.
 struct Report {

@@ -1,7 +1,7 @@
 //! Force of a user, and a system that observes the flow.
 //!
-//! A spring attracts the fluid of a channel to its axis. After every step a system records the number
-//! of particles that entered, with the time.
+//! A spring attracts the fluid of a channel to its axis. After every step a system records the
+//! number of particles that entered, with the time.
 //!
 //! ```text
 //! cargo run --release --example own_force
@@ -15,9 +15,7 @@ use sphecs::bevy_ecs::resource::Resource;
 use sphecs::bevy_ecs::schedule::IntoScheduleConfigs;
 use sphecs::bevy_ecs::system::{Res, ResMut};
 use sphecs::glam::DVec3;
-use sphecs::{
-    AddedForces, Clock, Ledger, ParticleState, Plugin, PluginContext, Scene, Simulation, StepSet,
-};
+use sphecs::{AddedForces, Clock, Ledger, ParticleState, Plugin, PluginContext, Scene, Simulation, StepSet};
 
 /// Spring that attracts the fluid to the plane y = 0.
 struct Spring {

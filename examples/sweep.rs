@@ -1,7 +1,7 @@
 //! Sweep over the viscosity: one simulation per value, all at the same time.
 //!
-//! Each simulation runs on one thread of its own. For many short simulations this is faster than one
-//! simulation after the other on all threads, and the results are bitwise identical.
+//! Each simulation runs on one thread of its own. For many short simulations this is faster than
+//! one simulation after the other on all threads, and the results are bitwise identical.
 //!
 //! ```text
 //! cargo run --release --example sweep

@@ -2,8 +2,8 @@
 //!
 //! **A scene describes the flow.** [`Scene::from_file`] reads it from a RON file, changes values on
 //! request, and reports all errors at once. **A simulation computes it.** [`Simulation::builder`]
-//! takes the scene and plugins; [`Simulation::run_until`] advances the flow until a time, or returns
-//! a [`Stop`] that tells why it cannot continue. **Results are read between two steps:**
+//! takes the scene and plugins; [`Simulation::run_until`] advances the flow until a time, or
+//! returns a [`Stop`] that tells why it cannot continue. **Results are read between two steps:**
 //! [`Simulation::sample`] returns the fields at points, [`Simulation::monitor_row`] the integral
 //! quantities, [`Simulation::mass_flows`] the flows through sections, and [`Simulation::world`] the
 //! particles as entities with components. All quantities are in SI units.
@@ -37,8 +37,8 @@
 //! # }
 //! ```
 //!
-//! A plugin adds its systems to the sets of [`StepSet`] and [`StageSet`]. The folder `examples/` has
-//! complete programs: a force, sampled fields and a sweep over a parameter.
+//! A plugin adds its systems to the sets of [`StepSet`] and [`StageSet`]. The folder `examples/`
+//! has complete programs: a force, sampled fields and a sweep over a parameter.
 //!
 //! Everything else is in the crates of the layers: `sphecs_core` (kernels, physics, pair passes),
 //! `sphecs_scene`, `sphecs_engine` (components, resources, systems), `sphecs_output` (files) and

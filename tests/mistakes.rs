@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use miette::{GraphicalReportHandler, GraphicalTheme};
-use sphecs::scene::Scene;
+use sphecs::Scene;
 
 const SCENE: &str = include_str!("../scenes/quickstart.ron");
 

@@ -5,15 +5,13 @@ mod census;
 mod plug;
 
 use census::{census, of};
-use sphecs::arrays::Arrays;
-use sphecs::components::ParticleId;
 use sphecs::glam::DVec3;
-use sphecs::particles::zone::Zone;
-use sphecs::resources::grid::Grid;
-use sphecs::resources::scene::ActiveScene;
-use sphecs::scene::Scene;
-use sphecs::simulation::Simulation;
-use sphecs::systems::boundaries::rows::PatchRows;
+use sphecs::{Scene, Simulation, Zone};
+use sphecs_engine::arrays::Arrays;
+use sphecs_engine::components::ParticleId;
+use sphecs_engine::resources::grid::Grid;
+use sphecs_engine::resources::scene::ActiveScene;
+use sphecs_engine::systems::boundaries::rows::PatchRows;
 
 /// The conditions of Negi et al. (2020) on a stream of some velocity, m/s.
 fn conditions(velocity: &str) -> Vec<String> {
@@ -62,7 +60,7 @@ fn a_uniform_stream_stays_as_it_is_forwards_and_backwards() {
                     ("scheme", scheme),
                     ("outlets.0.condition", condition.as_str()),
                 ];
-                let simulation = Simulation::from_scene(plug::scene(&sets));
+                let simulation = Simulation::builder(plug::scene(&sets)).build().expect("a simulation");
                 let stream = DVec3::X * velocity.parse::<f64>().expect("a number");
                 check_stream(&format!("{scheme}, {velocity}, {condition}"), simulation, steps, stream, 1e-8);
             }
@@ -83,9 +81,11 @@ const DUCT: &str = r#"Scene(
 )"#;
 
 fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
-    Simulation::from_scene(
+    Simulation::builder(
         Scene::from_text("outlet", text).sets(sets).load().unwrap_or_else(|faults| panic!("{faults:?}")),
     )
+    .build()
+    .expect("a simulation")
 }
 
 /// Single precision loses 1e-7 of a pressure difference of ρ c0², a hundredth of which is c0² over the stream's own.
@@ -357,7 +357,7 @@ const DELETING: [(&str, &str); 4] = [
 
 #[test]
 fn what_leaves_is_deleted_and_its_number_given_anew() {
-    let mut simulation = Simulation::from_scene(plug::scene(&DELETING));
+    let mut simulation = Simulation::builder(plug::scene(&DELETING)).build().expect("a simulation");
     let initial = simulation.ledger().initial;
     let mut largest = 0;
     for step in 0..900 {

@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sphecs::scene::Scene;
-use sphecs::scene::faults::SceneErrors;
-use sphecs::simulation::Simulation;
+use sphecs::{Scene, SceneErrors, Simulation};
 
 fn shipped() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -41,7 +39,9 @@ fn every_scene_reads_as_it_is_shipped() {
 fn every_scene_takes_steps_at_its_smoke_spacing() {
     each(|path| {
         let mut simulation =
-            Simulation::from_scene(Scene::from_file(path).smoke().load().map_err(|faults| titles(&faults))?);
+            Simulation::builder(Scene::from_file(path).smoke().load().map_err(|faults| titles(&faults))?)
+                .build()
+                .expect("a simulation");
         for _ in 0..10 {
             simulation.step().map_err(|stop| stop.to_string())?;
         }
