@@ -61,7 +61,6 @@ pub use sphecs_engine::systems::monitor::MonitorRow;
 pub use sphecs_scene::model::Precision;
 pub use sphecs_scene::{Scene, SceneErrors, SceneLoader};
 
-#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 
