@@ -21,7 +21,7 @@
 //! impl Plugin for Spring {
 //!     fn build(&self, context: &mut PluginContext<'_>) {
 //!         let stiffness = self.stiffness;
-//!         let force = move |particle: &ParticleState| DVec3::Y * (-stiffness * particle.position.y);
+//!         let force = move |at: &ParticleState| DVec3::Y * (-stiffness * at.position.y);
 //!         context.world.get_resource_or_init::<AddedForces>().add(force);
 //!     }
 //! }
