@@ -24,7 +24,7 @@ use crate::systems::readings;
 use crate::systems::schedule::{Step, stage_schedule, step_schedule};
 use crate::systems::setup::{Resolution, SceneInUse, insert_registers, spawn_particles};
 use crate::systems::stopwatch::Stopwatch;
-use sphecs_core::math::column::{Columns, Misfit};
+use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 pub use sphecs_core::particles::sample::Sample;
@@ -63,7 +63,7 @@ enum Start {
 }
 
 impl Start {
-    fn grid<const D: usize>(&mut self, scene: &Scene, pair: &Pair) -> Result<CellGrid<D>, Misfit> {
+    fn grid<const D: usize>(&mut self, scene: &Scene, pair: &Pair) -> Result<CellGrid<D>, ColumnMismatch> {
         match self {
             Start::Seeds(seeds) => Ok(scene_grid(scene, &pair.0, seeds)),
             Start::State(state) => particles::restore_grid(scene, pair, state),
@@ -131,12 +131,12 @@ impl Simulation {
     /// same bits, with any number of threads.
     ///
     /// # Errors
-    /// [`Misfit`] when the state is not one of this scene and these plugins.
-    pub fn from_state(scene: Scene, state: Columns, plugins: &[&dyn Plugin]) -> Result<Self, Misfit> {
+    /// [`ColumnMismatch`] when the state is not one of this scene and these plugins.
+    pub fn from_state(scene: Scene, state: Columns, plugins: &[&dyn Plugin]) -> Result<Self, ColumnMismatch> {
         Self::of_scene(scene, Start::State(state), plugins)
     }
 
-    fn of_scene(scene: Scene, start: Start, plugins: &[&dyn Plugin]) -> Result<Self, Misfit> {
+    fn of_scene(scene: Scene, start: Start, plugins: &[&dyn Plugin]) -> Result<Self, ColumnMismatch> {
         match (scene.precision, scene.dimensions) {
             (Precision::F64, 2) => Self::build::<f64, 2>(scene, start, plugins),
             (Precision::F64, _) => Self::build::<f64, 3>(scene, start, plugins),
@@ -149,7 +149,7 @@ impl Simulation {
         scene: Scene,
         mut start: Start,
         plugins: &[&dyn Plugin],
-    ) -> Result<Self, Misfit> {
+    ) -> Result<Self, ColumnMismatch> {
         let typed = std::marker::PhantomData::<R>;
         let scene = Arc::new(scene);
         let mut world = World::new();

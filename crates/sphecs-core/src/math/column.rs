@@ -157,7 +157,7 @@ pub struct Columns(Vec<(String, Column)>);
 /// Why columns are not what their reader expects.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Misfit(pub String);
+pub struct ColumnMismatch(pub String);
 
 impl Columns {
     /// Adds values under a name.
@@ -181,26 +181,28 @@ impl Columns {
     /// Takes the values of a name out.
     ///
     /// # Errors
-    /// [`Misfit`] if there are none, or they are of another type.
-    pub fn take<T: Element>(&mut self, name: &str) -> Result<Vec<T>, Misfit> {
+    /// [`ColumnMismatch`] if there are none, or they are of another type.
+    pub fn take<T: Element>(&mut self, name: &str) -> Result<Vec<T>, ColumnMismatch> {
         let at = self.0.iter().position(|(known, _)| known == name);
-        let at = at.ok_or_else(|| Misfit(format!("it has no column `{name}`")))?;
+        let at = at.ok_or_else(|| ColumnMismatch(format!("it has no column `{name}`")))?;
         let (_, column) = self.0.remove(at);
         let found = column.type_name();
         let expected = T::into_column(Vec::new()).type_name();
-        let misfit = || Misfit(format!("its column `{name}` is of type {found}, must be {expected}"));
+        let misfit = || ColumnMismatch(format!("its column `{name}` is of type {found}, must be {expected}"));
         T::from_column(column).ok_or_else(misfit)
     }
 
     /// Takes out the values of a name, of which there must be so many.
     ///
     /// # Errors
-    /// [`Misfit`] as [`Self::take`], or if there are more or fewer.
-    pub fn take_exactly<T: Element>(&mut self, name: &str, count: usize) -> Result<Vec<T>, Misfit> {
+    /// [`ColumnMismatch`] as [`Self::take`], or if there are more or fewer.
+    pub fn take_exactly<T: Element>(&mut self, name: &str, count: usize) -> Result<Vec<T>, ColumnMismatch> {
         let values = self.take::<T>(name)?;
         match values.len() {
             found if found == count => Ok(values),
-            found => Err(Misfit(format!("its column `{name}` has {found} values, must have {count}"))),
+            found => {
+                Err(ColumnMismatch(format!("its column `{name}` has {found} values, must have {count}")))
+            }
         }
     }
 

@@ -1,4 +1,5 @@
-//! The five zones of Alvarado-Rodríguez et al. (2017), Fig. 1, as a particle's column in the arrays.
+//! The five zones of Alvarado-Rodríguez et al. (2017), Fig. 1, as a particle's column in the
+//! arrays.
 
 use serde::{Deserialize, Serialize};
 

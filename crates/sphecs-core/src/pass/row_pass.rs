@@ -1,14 +1,17 @@
 //! Common driver of the pair passes.
 //!
-//! A pass states its neighbour columns ([`PassInput`]), which particles it sums for, the sum and where the result goes. The
-//! driver packs the neighbourhood of every cell once and runs the sums inside the function that has the vector instructions.
+//! A pass states its neighbour columns ([`PassInput`]), which particles it sums for, the sum and
+//! where the result goes. The driver packs the neighbourhood of every cell once and runs the sums
+//! inside the function that has the vector instructions.
 //!
-//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. Nearly every pass is one.
-//! - [`BlockPass`]: particles are finished in batches, or a block has a summary (`strain`, `rates`, `edac`).
+//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. Nearly every pass is
+//!   one.
+//! - [`BlockPass`]: particles are finished in batches, or a block has a summary (`strain`, `rates`,
+//!   `edac`).
 //! - [`PointPass`]: the sums are at a list of points, such as those of inlets and outlets.
 //!
-//! Every method that a trait asks for must be `#[inline(always)]`. Otherwise its body would be compiled without the vector
-//! instructions.
+//! Every method that a trait asks for must be `#[inline(always)]`. Otherwise its body would be
+//! compiled without the vector instructions.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -102,9 +105,11 @@ pub(super) trait RowPass<R: Real, const D: usize>: Sync {
     /// Stores the result for a particle; `slot` is its row, counted from the first of the block.
     fn store(&self, row: usize, slot: usize, sum: Self::Sum, outputs: &mut Self::Outputs);
 
-    /// Returns the result for a particle with no neighbour in its support; None if this is not tested before the sum.
+    /// Returns the result for a particle with no neighbour in its support; None if this is not
+    /// tested before the sum.
     ///
-    /// The test pays where many particles are far from all neighbours, such as the outer layers of a wall.
+    /// The test pays where many particles are far from all neighbours, such as the outer layers of
+    /// a wall.
     #[inline(always)]
     fn isolated(&self) -> Option<Self::Sum> {
         None

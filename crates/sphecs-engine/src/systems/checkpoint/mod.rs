@@ -19,7 +19,7 @@ use bevy_ecs::world::World;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use sphecs_core::math::column::{Columns, Misfit};
+use sphecs_core::math::column::{ColumnMismatch, Columns};
 
 /// Names of records begin so.
 const RECORD: &str = "record.";
@@ -68,17 +68,17 @@ impl Kept {
     /// Replaces all kept resources by their records.
     ///
     /// # Errors
-    /// [`Misfit`] when a record is missing, does not read, or belongs to nothing in this world.
-    pub fn restore(world: &mut World, from: &mut Columns) -> Result<(), Misfit> {
+    /// [`ColumnMismatch`] when a record is missing, does not read, or belongs to nothing in this world.
+    pub fn restore(world: &mut World, from: &mut Columns) -> Result<(), ColumnMismatch> {
         let entries: Vec<_> =
             world.resource::<Self>().0.iter().map(|entry| (entry.name, entry.restore)).collect();
         for (name, restore) in entries {
             let bytes: Vec<u8> = from.take(&format!("{RECORD}{name}"))?;
             restore(world, &bytes)
-                .map_err(|what| Misfit(format!("its record `{name}` does not read: {what}")))?;
+                .map_err(|what| ColumnMismatch(format!("its record `{name}` does not read: {what}")))?;
         }
         match from.iter().next() {
-            Some((name, _)) => Err(Misfit(format!(
+            Some((name, _)) => Err(ColumnMismatch(format!(
                 "it has `{name}`, which nothing here takes: was it written with a plugin?"
             ))),
             None => Ok(()),

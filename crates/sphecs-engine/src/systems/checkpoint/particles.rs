@@ -28,7 +28,7 @@ use crate::systems::pair::Pair;
 use crate::systems::setup::{InflowCapacity, SavedParticle, SceneInUse, Seats, Stored, spawn_saved};
 use crate::systems::transitions::stock::FreeNumbers;
 use crate::transfer::count_roles;
-use sphecs_core::math::column::{Columns, Misfit};
+use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::saved::{self, Order};
@@ -101,7 +101,7 @@ fn put_vectors(name: &str, vectors: impl Iterator<Item = DVec3> + Clone, to: &mu
     }
 }
 
-fn take_vectors(name: &str, count: usize, from: &mut Columns) -> Result<Vec<DVec3>, Misfit> {
+fn take_vectors(name: &str, count: usize, from: &mut Columns) -> Result<Vec<DVec3>, ColumnMismatch> {
     let mut vectors = vec![DVec3::ZERO; count];
     for axis in 0..3 {
         let values = from.take_exactly::<f64>(&format!("{name}.{axis}"), count)?;
@@ -113,19 +113,19 @@ fn take_vectors(name: &str, count: usize, from: &mut Columns) -> Result<Vec<DVec
 /// The grid of a state, over the box that it had.
 ///
 /// # Errors
-/// [`Misfit`] when the state has no box or an empty one.
+/// [`ColumnMismatch`] when the state has no box or an empty one.
 pub fn restore_grid<const D: usize>(
     scene: &Scene,
     pair: &Pair,
     from: &mut Columns,
-) -> Result<CellGrid<D>, Misfit> {
+) -> Result<CellGrid<D>, ColumnMismatch> {
     let [lower, upper] =
         [from.take_exactly::<f64>("grid.lower", D)?, from.take_exactly::<f64>("grid.upper", D)?];
     // A box of more cells than rows can be counted in would never have been written.
     let cells: f64 = (0..D).map(|axis| ((upper[axis] - lower[axis]) / pair.0.cell_size()).max(1.0)).product();
     let sound = (0..D).all(|axis| lower[axis] < upper[axis] && (upper[axis] - lower[axis]).is_finite());
     if !sound || cells > f64::from(u32::MAX) {
-        return Err(Misfit(format!("its grid from {lower:?} to {upper:?} m is none")));
+        return Err(ColumnMismatch(format!("its grid from {lower:?} to {upper:?} m is none")));
     }
     let axes = |corner: Vec<f64>| std::array::from_fn(|axis| corner[axis]);
     let periodic = std::array::from_fn(|axis| scene.periodic[axis].is_some());
@@ -135,15 +135,15 @@ pub fn restore_grid<const D: usize>(
 /// Spawns the particles of a state in a world without any, and fills the arrays.
 ///
 /// # Errors
-/// [`Misfit`] when the columns are not those of the scene's particles.
-pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -> Result<(), Misfit> {
+/// [`ColumnMismatch`] when the columns are not those of the scene's particles.
+pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -> Result<(), ColumnMismatch> {
     let scene = world.resource::<SceneInUse>().0.clone();
     let arrays = saved::restore::<R, D>(from)?;
     if arrays.evolves_pressure != world.resource::<Arrays<R, D>>().evolves_pressure {
-        return Err(Misfit("its pressure does not follow from the scheme of the scene".to_owned()));
+        return Err(ColumnMismatch("its pressure does not follow from the scheme of the scene".to_owned()));
     }
     if arrays.drifts != world.resource::<Arrays<R, D>>().drifts {
-        return Err(Misfit("its drift does not follow from the scheme of the scene".to_owned()));
+        return Err(ColumnMismatch("its drift does not follow from the scheme of the scene".to_owned()));
     }
     let stored = from.take::<u32>("stored.id")?;
     let tag = from.take::<f32>("particle.tag")?;
@@ -159,7 +159,7 @@ pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -
     // Every number once; only where particles are deleted nobody may have one.
     if scene.reservoir.recycle && particles.iter().any(Option::is_none) {
         let (found, slots) = (arrays.len() + stored.len(), particles.len());
-        return Err(Misfit(format!("it has {found} particles for {slots} numbers")));
+        return Err(ColumnMismatch(format!("it has {found} particles for {slots} numbers")));
     }
     restore_components(&mut particles, tag, from)?;
     spawn_saved(world, &scene, &particles);
@@ -191,7 +191,7 @@ fn saved_particle(
     }
 }
 
-fn check_patch(scene: &Scene, zone: Zone, patch: u16) -> Result<(), Misfit> {
+fn check_patch(scene: &Scene, zone: Zone, patch: u16) -> Result<(), ColumnMismatch> {
     let patches = match zone {
         Zone::Inflow => scene.inlets.len(),
         Zone::Outflow => scene.outlets.len(),
@@ -201,15 +201,15 @@ fn check_patch(scene: &Scene, zone: Zone, patch: u16) -> Result<(), Misfit> {
     if usize::from(patch) < patches {
         return Ok(());
     }
-    Err(Misfit(format!("it has a particle of {} `{patch}`, the scene has {patches}", zone.name())))
+    Err(ColumnMismatch(format!("it has a particle of {} `{patch}`, the scene has {patches}", zone.name())))
 }
 
-fn seat(particles: &mut [Option<SavedParticle>], particle: SavedParticle) -> Result<(), Misfit> {
+fn seat(particles: &mut [Option<SavedParticle>], particle: SavedParticle) -> Result<(), ColumnMismatch> {
     let id = particle.bundle.id.0;
     match particles.get_mut(id as usize) {
         Some(slot @ None) => *slot = Some(particle),
-        Some(Some(_)) => return Err(Misfit(format!("it has particle {id} twice"))),
-        None => return Err(Misfit(format!("it has a particle {id} among {}", particles.len()))),
+        Some(Some(_)) => return Err(ColumnMismatch(format!("it has particle {id} twice"))),
+        None => return Err(ColumnMismatch(format!("it has a particle {id} among {}", particles.len()))),
     }
     Ok(())
 }
@@ -218,7 +218,7 @@ fn restore_stored(
     stored: &[u32],
     particles: &mut [Option<SavedParticle>],
     from: &mut Columns,
-) -> Result<(), Misfit> {
+) -> Result<(), ColumnMismatch> {
     let position = take_vectors("stored.position", stored.len(), from)?;
     let velocity = take_vectors("stored.velocity", stored.len(), from)?;
     let density = from.take_exactly::<f64>("stored.density", stored.len())?;
@@ -235,7 +235,7 @@ fn restore_components(
     particles: &mut [Option<SavedParticle>],
     tag: Vec<f32>,
     from: &mut Columns,
-) -> Result<(), Misfit> {
+) -> Result<(), ColumnMismatch> {
     let passages = from.take_exactly::<u32>("particle.passages", particles.len())?;
     let returned = from.take_exactly::<u8>("particle.returned", particles.len())?;
     for (slot, particle) in particles.iter_mut().enumerate() {
@@ -248,13 +248,17 @@ fn restore_components(
     let normal = take_vectors("wall.normal", walls.len(), from)?;
     let count = particles.iter().flatten().filter(|particle| particle.zone == Zone::Wall).count();
     if count != walls.len() {
-        return Err(Misfit(format!("it has {count} wall particles and {} wall surfaces", walls.len())));
+        return Err(ColumnMismatch(format!(
+            "it has {count} wall particles and {} wall surfaces",
+            walls.len()
+        )));
     }
     for (at, id) in walls.into_iter().enumerate() {
         let wall = particles.get_mut(id as usize).and_then(Option::as_mut);
         let wall = wall.filter(|particle| particle.zone == Zone::Wall);
-        let wall =
-            wall.ok_or_else(|| Misfit(format!("it has a wall surface of particle {id}, which is no wall")))?;
+        let wall = wall.ok_or_else(|| {
+            ColumnMismatch(format!("it has a wall surface of particle {id}, which is no wall"))
+        })?;
         wall.surface = WallSurface { distance: distance[at], normal: normal[at] };
     }
     Ok(())
@@ -263,15 +267,15 @@ fn restore_components(
 /// Checks that the ledger counts the particles that there are.
 ///
 /// # Errors
-/// [`Misfit`] with both counts.
-pub fn check_ledger(world: &mut World) -> Result<(), Misfit> {
+/// [`ColumnMismatch`] with both counts.
+pub fn check_ledger(world: &mut World) -> Result<(), ColumnMismatch> {
     let counted = count_roles(world);
     let (ledger, scene) = (world.resource::<Ledger>(), &world.resource::<SceneInUse>().0);
     let through = [&ledger.entered, &ledger.entered_back, &ledger.left, &ledger.left_back].map(Vec::len);
     let (inlets, outlets) = (scene.inlets.len(), scene.outlets.len());
     let capacity = world.resource::<InflowCapacity>().0.len();
     if through != [inlets, inlets, outlets, outlets] || capacity != inlets {
-        return Err(Misfit(format!(
+        return Err(ColumnMismatch(format!(
             "its ledger is of other openings than {inlets} inlets and {outlets} outlets"
         )));
     }
@@ -280,10 +284,13 @@ pub fn check_ledger(world: &mut World) -> Result<(), Misfit> {
     free.sort_unstable();
     let empty = (0..).zip(seats).filter(|(_, seat)| **seat == Entity::PLACEHOLDER).map(|(id, _)| id);
     if !free.iter().copied().eq(empty) {
-        return Err(Misfit(format!("its free numbers {free:?} are not those that no particle has")));
+        return Err(ColumnMismatch(format!("its free numbers {free:?} are not those that no particle has")));
     }
     if ledger.by_zone == counted {
         return Ok(());
     }
-    Err(Misfit(format!("its ledger counts {:?} particles by zone, it has {counted:?}", ledger.by_zone)))
+    Err(ColumnMismatch(format!(
+        "its ledger counts {:?} particles by zone, it has {counted:?}",
+        ledger.by_zone
+    )))
 }
