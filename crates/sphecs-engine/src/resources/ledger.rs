@@ -1,19 +1,19 @@
-//! The particle ledger: total = initial + grown + created − deleted, in integers, at every step.
+//! Particle counts: total = initial + grown + created − deleted, in integers, at every step.
 
 use bevy_ecs::resource::Resource;
 use serde::{Deserialize, Serialize};
 
 use sphecs_core::particles::zone::Zone;
 
-/// Counts since the start.
+/// Particle counts since the start.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ledger {
     /// Particles at the start, reservoir included.
     pub initial: u64,
-    /// Particles that an empty reservoir grew.
+    /// Particles added because the reservoir was empty.
     pub grown: u64,
-    /// Particles created other than from the reservoir.
+    /// Particles created without a reservoir.
     pub created: u64,
     /// Particles deleted.
     pub deleted: u64,
@@ -30,18 +30,22 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Present count of a zone.
+    /// Returns the present number of particles in a zone.
     pub fn count(&self, zone: Zone) -> u64 {
         self.by_zone[zone as usize]
     }
 
-    /// Particles in all zones.
+    /// Returns the number of particles in all zones.
     pub fn total(&self) -> u64 {
         self.by_zone.iter().sum()
     }
 
-    /// Whether total = initial + grown + created − deleted.
+    /// Returns true if total = initial + grown + created − deleted.
     pub fn balances(&self) -> bool {
         self.total() + self.deleted == self.initial + self.grown + self.created
     }
 }
+
+/// Number of particles of each inflow zone in a steady flow: that at the start.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InflowCapacity(pub Vec<u64>);

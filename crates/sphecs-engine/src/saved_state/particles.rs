@@ -1,16 +1,16 @@
-//! The particles of a state: the arrays, and what the components have beside them.
+//! Particles of a saved state: the arrays, and the values that only the components have.
 //!
 //! ```text
-//! arrays.*      rows in their order, by number where a caller took the components: zone, patch, flags, positions, velocities at both
-//!               time levels, density, pressure, walls
-//! particle.*    by number, given or free: tag, passages, whether it came back through an inlet
-//! wall.*        surfaces behind which wall particles stand, in the precision of the scene
-//! stored.*      the reservoir in the order in which it is emptied
-//! grid.*        the box of the cell grid, which comes from the start of the run
+//! arrays.*      rows in their order, or by number after a caller changed components: zone, patch, flags,
+//!               positions, velocities at both time levels, density, pressure, walls
+//! particle.*    by number, free numbers included: tag, passages, whether it returned through an inlet
+//! wall.*        distance and normal of the wall particles, in double precision
+//! stored.*      the reservoir in the order in which it is emptied, from its end
+//! grid.*        the box of the cell grid, which follows from the initial particles
 //! ```
 //!
-//! Everything else that a particle has follows from these: the components of one that is somewhere are its row, the stress is found
-//! anew before anybody reads it, and an entity is a seat.
+//! Everything else of a particle follows from these columns: its other components are its row, the
+//! sub-particle stress is computed before it is read, and the entities are new.
 
 use bevy_ecs::entity::Entity;
 use bevy_ecs::query::Has;
@@ -21,12 +21,14 @@ use crate::arrays::Arrays;
 use crate::components::{
     ParticleBundle, ParticleId, Position, Returned, Thermodynamics, Tracer, Velocity, WallSurface,
 };
-use crate::systems::home::{self, FreshHome};
-use crate::systems::ledger::Ledger;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::setup::{InflowCapacity, SavedParticle, SceneInUse, Seats, Stored, spawn_saved};
-use crate::systems::transitions::stock::FreeNumbers;
+use crate::resources::entity_index::{EntityIndex, FreeParticles};
+use crate::resources::grid::Grid;
+use crate::resources::ledger::{InflowCapacity, Ledger};
+use crate::resources::pair::Pair;
+use crate::resources::scene::ActiveScene;
+use crate::resources::state_location::{self, StateLocation};
+use crate::spawn::{SavedParticle, spawn_saved};
+use crate::systems::transitions::reservoir::FreeNumbers;
 use crate::transfer::count_roles;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
@@ -35,16 +37,16 @@ use sphecs_core::particles::saved::{self, Order};
 use sphecs_core::particles::zone::Zone;
 use sphecs_scene::model::Scene;
 
-/// Puts the particles of a world.
-pub fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
-    let order = match *world.resource::<FreshHome>() {
-        FreshHome::Components => {
-            // What a caller left in the components is what the next step would start from. The world hands them out in an order that
-            // comes from how it was made and from every change of zone since: no part of the state.
-            home::gather::<R, D>(world);
+/// Saves the particles of a world.
+pub(crate) fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
+    let order = match *world.resource::<StateLocation>() {
+        StateLocation::Components => {
+            // The next step starts from the components. Their order in the world depends on every
+            // change of zone since the start and is not part of the state.
+            state_location::gather::<R, D>(world);
             Order::ByNumber
         }
-        FreshHome::Arrays | FreshHome::Both => Order::AsTheyStand,
+        StateLocation::Arrays | StateLocation::Both => Order::AsTheyStand,
     };
     let grid = &world.resource::<Grid<D>>().0;
     to.put("grid.lower", grid.lower().to_vec());
@@ -55,17 +57,17 @@ pub fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
 }
 
 fn save_components(world: &mut World, to: &mut Columns) {
-    let count = world.resource::<Seats>().0.len();
+    let count = world.resource::<EntityIndex>().0.len();
     let mut tag = vec![0.0_f32; count];
     let mut passages = vec![0_u32; count];
     let mut returned = vec![0_u8; count];
     let mut walls: Vec<(u32, WallSurface)> = Vec::new();
     let mut particles = world.query::<(&ParticleId, &Tracer, Has<Returned>, Option<&WallSurface>)>();
-    for (id, tracer, came_back, surface) in particles.iter(world) {
+    for (id, tracer, has_returned, surface) in particles.iter(world) {
         let slot = id.0 as usize;
         tag[slot] = tracer.tag;
         passages[slot] = tracer.passages;
-        returned[slot] = u8::from(came_back);
+        returned[slot] = u8::from(has_returned);
         walls.extend(surface.map(|surface| (id.0, *surface)));
     }
     walls.sort_unstable_by_key(|(id, _)| *id);
@@ -78,12 +80,12 @@ fn save_components(world: &mut World, to: &mut Columns) {
 }
 
 fn save_stored(world: &World, to: &mut Columns) {
-    let stored = &world.resource::<Stored>().0;
-    let seats = &world.resource::<Seats>().0;
+    let stored = &world.resource::<FreeParticles>().0;
+    let index = &world.resource::<EntityIndex>().0;
     let state: Vec<(DVec3, DVec3, Thermodynamics)> = stored
         .iter()
         .map(|&id| {
-            let entity = world.entity(seats[id as usize]);
+            let entity = world.entity(index[id as usize]);
             let state = entity.components::<(&Position, &Velocity, &Thermodynamics)>();
             (state.0.0, state.1.0, *state.2)
         })
@@ -110,40 +112,48 @@ fn take_vectors(name: &str, count: usize, from: &mut Columns) -> Result<Vec<DVec
     Ok(vectors)
 }
 
-/// The grid of a state, over the box that it had.
+/// Restores the grid of a state over its saved box.
 ///
 /// # Errors
-/// [`ColumnMismatch`] when the state has no box or an empty one.
-pub fn restore_grid<const D: usize>(
+/// [`ColumnMismatch`] if the state has no box or an empty one.
+pub(crate) fn restore_grid<const D: usize>(
     scene: &Scene,
     pair: &Pair,
     from: &mut Columns,
 ) -> Result<CellGrid<D>, ColumnMismatch> {
     let [lower, upper] =
         [from.take_exactly::<f64>("grid.lower", D)?, from.take_exactly::<f64>("grid.upper", D)?];
-    // A box of more cells than rows can be counted in would never have been written.
+    // More cells than a `u32` can count are never saved.
     let cells: f64 = (0..D).map(|axis| ((upper[axis] - lower[axis]) / pair.0.cell_size()).max(1.0)).product();
-    let sound = (0..D).all(|axis| lower[axis] < upper[axis] && (upper[axis] - lower[axis]).is_finite());
-    if !sound || cells > f64::from(u32::MAX) {
-        return Err(ColumnMismatch(format!("its grid from {lower:?} to {upper:?} m is none")));
+    let is_valid = (0..D).all(|axis| lower[axis] < upper[axis] && (upper[axis] - lower[axis]).is_finite());
+    if !is_valid || cells > f64::from(u32::MAX) {
+        return Err(ColumnMismatch(format!("the grid from {lower:?} to {upper:?} m is empty or not finite")));
     }
     let axes = |corner: Vec<f64>| std::array::from_fn(|axis| corner[axis]);
     let periodic = std::array::from_fn(|axis| scene.periodic[axis].is_some());
     Ok(CellGrid::new(axes(lower), axes(upper), periodic, pair.0.support(), pair.0.cell_size()))
 }
 
-/// Spawns the particles of a state in a world without any, and fills the arrays.
+/// Spawns the particles of a state in a world without particles, and fills the arrays.
 ///
 /// # Errors
-/// [`ColumnMismatch`] when the columns are not those of the scene's particles.
-pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -> Result<(), ColumnMismatch> {
-    let scene = world.resource::<SceneInUse>().0.clone();
+/// [`ColumnMismatch`] if the columns do not fit the scene.
+pub(crate) fn restore<R: Real, const D: usize>(
+    world: &mut World,
+    from: &mut Columns,
+) -> Result<(), ColumnMismatch> {
+    let scene = world.resource::<ActiveScene>().0.clone();
     let arrays = saved::restore::<R, D>(from)?;
     if arrays.evolves_pressure != world.resource::<Arrays<R, D>>().evolves_pressure {
-        return Err(ColumnMismatch("its pressure does not follow from the scheme of the scene".to_owned()));
+        return Err(ColumnMismatch(
+            "the columns of the pressure are those of another scheme than the scene's".to_owned(),
+        ));
     }
     if arrays.drifts != world.resource::<Arrays<R, D>>().drifts {
-        return Err(ColumnMismatch("its drift does not follow from the scheme of the scene".to_owned()));
+        return Err(ColumnMismatch(
+            "the columns of the drift are those of another scheme or other probes than the scene's"
+                .to_owned(),
+        ));
     }
     let stored = from.take::<u32>("stored.id")?;
     let tag = from.take::<f32>("particle.tag")?;
@@ -153,19 +163,19 @@ pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -
         let thermodynamics = Thermodynamics { density: state.density, pressure: state.pressure };
         let particle = saved_particle(state.id, state.zone, state.position, state.velocity, thermodynamics);
         check_patch(&scene, state.zone, state.patch)?;
-        seat(&mut particles, SavedParticle { patch: state.patch, ..particle })?;
+        insert(&mut particles, SavedParticle { patch: state.patch, ..particle })?;
     }
     restore_stored(&stored, &mut particles, from)?;
-    // Every number once; only where particles are deleted nobody may have one.
+    // Every number must be in use, unless the scene deletes particles.
     if scene.reservoir.recycle && particles.iter().any(Option::is_none) {
         let (found, slots) = (arrays.len() + stored.len(), particles.len());
-        return Err(ColumnMismatch(format!("it has {found} particles for {slots} numbers")));
+        return Err(ColumnMismatch(format!("there are {found} particles for {slots} numbers")));
     }
     restore_components(&mut particles, tag, from)?;
     spawn_saved(world, &scene, &particles);
-    world.insert_resource(Stored(stored));
+    world.insert_resource(FreeParticles(stored));
     world.insert_resource(Arrays(arrays));
-    world.insert_resource(FreshHome::Both);
+    world.insert_resource(StateLocation::Both);
     Ok(())
 }
 
@@ -201,15 +211,24 @@ fn check_patch(scene: &Scene, zone: Zone, patch: u16) -> Result<(), ColumnMismat
     if usize::from(patch) < patches {
         return Ok(());
     }
-    Err(ColumnMismatch(format!("it has a particle of {} `{patch}`, the scene has {patches}", zone.name())))
+    Err(ColumnMismatch(format!(
+        "a particle belongs to {} `{patch}`, but the scene has {patches}",
+        zone.name()
+    )))
 }
 
-fn seat(particles: &mut [Option<SavedParticle>], particle: SavedParticle) -> Result<(), ColumnMismatch> {
+/// Inserts a particle at its number.
+fn insert(particles: &mut [Option<SavedParticle>], particle: SavedParticle) -> Result<(), ColumnMismatch> {
     let id = particle.bundle.id.0;
     match particles.get_mut(id as usize) {
         Some(slot @ None) => *slot = Some(particle),
-        Some(Some(_)) => return Err(ColumnMismatch(format!("it has particle {id} twice"))),
-        None => return Err(ColumnMismatch(format!("it has a particle {id} among {}", particles.len()))),
+        Some(Some(_)) => return Err(ColumnMismatch(format!("particle {id} exists twice"))),
+        None => {
+            return Err(ColumnMismatch(format!(
+                "there is a particle {id}, but only {} numbers",
+                particles.len()
+            )));
+        }
     }
     Ok(())
 }
@@ -226,7 +245,7 @@ fn restore_stored(
     for (at, &id) in stored.iter().enumerate() {
         let thermodynamics = Thermodynamics { density: density[at], pressure: pressure[at] };
         let particle = saved_particle(id, Zone::Reservoir, position[at], velocity[at], thermodynamics);
-        seat(particles, particle)?;
+        insert(particles, particle)?;
     }
     Ok(())
 }
@@ -249,7 +268,7 @@ fn restore_components(
     let count = particles.iter().flatten().filter(|particle| particle.zone == Zone::Wall).count();
     if count != walls.len() {
         return Err(ColumnMismatch(format!(
-            "it has {count} wall particles and {} wall surfaces",
+            "there are {count} wall particles, but {} wall surfaces",
             walls.len()
         )));
     }
@@ -257,40 +276,40 @@ fn restore_components(
         let wall = particles.get_mut(id as usize).and_then(Option::as_mut);
         let wall = wall.filter(|particle| particle.zone == Zone::Wall);
         let wall = wall.ok_or_else(|| {
-            ColumnMismatch(format!("it has a wall surface of particle {id}, which is no wall"))
+            ColumnMismatch(format!("particle {id} has a wall surface, but is no wall particle"))
         })?;
         wall.surface = WallSurface { distance: distance[at], normal: normal[at] };
     }
     Ok(())
 }
 
-/// Checks that the ledger counts the particles that there are.
+/// Checks that the particle counts agree with the particles of the world.
 ///
 /// # Errors
 /// [`ColumnMismatch`] with both counts.
-pub fn check_ledger(world: &mut World) -> Result<(), ColumnMismatch> {
+pub(crate) fn check_ledger(world: &mut World) -> Result<(), ColumnMismatch> {
     let counted = count_roles(world);
-    let (ledger, scene) = (world.resource::<Ledger>(), &world.resource::<SceneInUse>().0);
+    let (ledger, scene) = (world.resource::<Ledger>(), &world.resource::<ActiveScene>().0);
     let through = [&ledger.entered, &ledger.entered_back, &ledger.left, &ledger.left_back].map(Vec::len);
     let (inlets, outlets) = (scene.inlets.len(), scene.outlets.len());
     let capacity = world.resource::<InflowCapacity>().0.len();
     if through != [inlets, inlets, outlets, outlets] || capacity != inlets {
         return Err(ColumnMismatch(format!(
-            "its ledger is of other openings than {inlets} inlets and {outlets} outlets"
+            "the particle counts are not those of {inlets} inlets and {outlets} outlets"
         )));
     }
-    let seats = &world.resource::<Seats>().0;
+    let index = &world.resource::<EntityIndex>().0;
     let mut free: Vec<u32> = world.resource::<FreeNumbers>().0.iter().map(|free| free.id).collect();
     free.sort_unstable();
-    let empty = (0..).zip(seats).filter(|(_, seat)| **seat == Entity::PLACEHOLDER).map(|(id, _)| id);
+    let empty = (0..).zip(index).filter(|(_, entity)| **entity == Entity::PLACEHOLDER).map(|(id, _)| id);
     if !free.iter().copied().eq(empty) {
-        return Err(ColumnMismatch(format!("its free numbers {free:?} are not those that no particle has")));
+        return Err(ColumnMismatch(format!("the free numbers {free:?} are not those without a particle")));
     }
     if ledger.by_zone == counted {
         return Ok(());
     }
     Err(ColumnMismatch(format!(
-        "its ledger counts {:?} particles by zone, it has {counted:?}",
+        "{:?} particles by zone are counted, but there are {counted:?}",
         ledger.by_zone
     )))
 }

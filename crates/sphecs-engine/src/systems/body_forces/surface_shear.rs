@@ -1,4 +1,7 @@
-//! What the pairs leave out of the shear on a body whose surface turns: the traction of the transposed gradient.
+//! Shear on a body with a rotating or deforming surface that the pair sums omit.
+//!
+//! The Laplacian form of the pair sums lacks the traction of the transposed velocity gradient,
+//! which does not vanish on a surface whose velocity varies along it.
 
 use glam::DVec3;
 
@@ -8,18 +11,18 @@ use sphecs_core::physics::wall::transposed::transposed_traction;
 use sphecs_scene::model::{Scene, WallPart};
 use sphecs_scene::outline::{OutlinePoint, outline};
 
-/// The surface of a body, with what its own motion adds to force and torque.
+/// Surface of a body, with the contribution of its own motion to force and torque.
 #[derive(Clone, Debug, Default)]
-pub struct SurfaceShear {
-    /// Its pieces; none where the velocity is the same all over it, or where it slips.
+pub(super) struct SurfaceShear {
+    /// Surface elements; none if the surface slips or its velocity is uniform.
     pieces: Vec<OutlinePoint>,
-    /// The sum, of a velocity that does not depend on time.
+    /// Sum over the surface, if the velocity does not depend on time.
     steady: Option<BodySum>,
 }
 
 impl SurfaceShear {
-    /// Of a wall part.
-    pub fn new(scene: &Scene, part: u16, about: DVec3) -> Self {
+    /// Creates the surface of a wall part, with torques about the point `about`, m.
+    pub(super) fn new(scene: &Scene, part: u16, about: DVec3) -> Self {
         let wall = &scene.walls.parts[usize::from(part)];
         let varies = wall.velocity.iter().any(|component| component.depends_on(&[0, 1, 2]));
         if !varies || wall.slip != Slip::NoSlip {
@@ -32,16 +35,16 @@ impl SurfaceShear {
         shear
     }
 
-    /// Force and torque at a time, s.
-    pub fn at(&self, scene: &Scene, wall: &WallPart, about: DVec3, time: f64) -> BodySum {
+    /// Returns force and torque at a time, s.
+    pub(super) fn at(&self, scene: &Scene, wall: &WallPart, about: DVec3, time: f64) -> BodySum {
         if let Some(steady) = self.steady {
             return steady;
         }
         let mut sum = BodySum::default();
         let step = 1e-3 * scene.spacing;
-        let slope = |point: DVec3, way: DVec3| {
-            let [before, after] = [-step, step].map(|step| wall.velocity_at(point + step * way, time));
-            (way, (after - before) / (2.0 * step))
+        let slope = |point: DVec3, direction: DVec3| {
+            let [before, after] = [-step, step].map(|step| wall.velocity_at(point + step * direction, time));
+            (direction, (after - before) / (2.0 * step))
         };
         for OutlinePoint { point, normal, area } in &self.pieces {
             let viscosity = scene.fluid.density * scene.fluid.viscosity;
@@ -71,32 +74,33 @@ mod tests {
     use super::SurfaceShear;
     use sphecs_scene::load_str;
 
-    /// A ball that turns about z faster and faster: −2 μ ω V of torque about any point, and no force. One that slips, or moves as a whole, has none.
+    /// A sphere that rotates about z with increasing ω has the torque −2 μ ω V about any point, and
+    /// no force. A sphere that slips or translates has neither.
     #[test]
-    fn a_ball_that_turns_has_its_torque() {
+    fn rotating_sphere_has_the_analytical_torque() {
         let scene = |wall: &str| {
             let text = format!(
                 r#"Scene(
-                    title: "Ball", dimensions: 3, spacing: 0.05, smoke: 0.05,
+                    title: "Sphere", dimensions: 3, spacing: 0.05, smoke: 0.05,
                     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
                     domain: Difference([
                         Box(min: (-0.5, -0.5, -0.5), max: (0.5, 0.5, 0.5)), Sphere(center: (0.0, 0.0, 0.0), radius: 0.25),
                     ]),
-                    walls: (parts: [(name: "ball", region: Sphere(center: (0.0, 0.0, 0.0), radius: 0.35), {wall})]),
+                    walls: (parts: [(name: "sphere", region: Sphere(center: (0.0, 0.0, 0.0), radius: 0.35), {wall})]),
                     reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 1.0),
                 )"#
             );
-            load_str("ball", &text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"))
+            load_str("sphere", &text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"))
         };
         let about = DVec3::new(0.1, -0.2, 0.3);
         let at = |wall: &str, time: f64| {
             let scene = scene(wall);
             SurfaceShear::new(&scene, 1, about).at(&scene, &scene.walls.parts[1], about, time)
         };
-        let turning = "velocity: (\"-(1 + t)*y\", \"(1 + t)*x\", 0.0)";
+        let rotating = "velocity: (\"-(1 + t)*y\", \"(1 + t)*x\", 0.0)";
         let torque = -2.0 * 100.0 * 4.0 / 3.0 * PI * 0.25_f64.powi(3);
         for (time, rate) in [(0.0, 1.0), (2.0, 3.0)] {
-            let sum = at(turning, time);
+            let sum = at(rotating, time);
             let off = sum.viscous_torque - DVec3::Z * torque * rate;
             assert!(off.length() < 0.02 * torque.abs() * rate, "{} N m at {time} s", sum.viscous_torque);
             assert!(
@@ -105,8 +109,8 @@ mod tests {
                 sum.viscous_force
             );
         }
-        for still in [format!("slip: FreeSlip, {turning}"), "velocity: (0.5, 0.0, 0.0)".to_owned()] {
-            assert_eq!(at(&still, 1.0).viscous_torque, DVec3::ZERO, "{still}");
+        for wall in [format!("slip: FreeSlip, {rotating}"), "velocity: (0.5, 0.0, 0.0)".to_owned()] {
+            assert_eq!(at(&wall, 1.0).viscous_torque, DVec3::ZERO, "{wall}");
         }
     }
 }

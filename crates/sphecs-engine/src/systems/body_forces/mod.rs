@@ -1,43 +1,47 @@
-//! Force and torque on the bodies of a scene, summed in every step beside the rates.
+//! Force and torque of the fluid on the bodies of a scene, summed in every step after the rates.
+//!
+//! - [`surface_shear`]: shear on a rotating or deforming surface that the pair sums omit
+
+mod surface_shear;
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
 use bevy_ecs::world::{FromWorld, World};
 
-use super::clock::Clock;
-use super::neighbours::Grid;
-use super::pair::Pair;
-use super::rates::{StepsSincePlain, Sums, level};
-use super::setup::SceneInUse;
-use super::surface_shear::SurfaceShear;
 use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::real::Real;
 use sphecs_core::pass::body::{Body, BodySum};
-use sphecs_core::pass::edac::body::sum_body_force as sum_evolved;
+use sphecs_core::pass::edac::body::sum_body_force as sum_edac_body_force;
 use sphecs_core::pass::rates::body::sum_body_force;
 use sphecs_core::pass::settings::{PairSettings, PressureLaw};
 use sphecs_core::pass::wall_friction::add_friction_on;
 use sphecs_core::physics::edac::Edac;
 use sphecs_scene::model::Scene;
+use surface_shear::SurfaceShear;
 
-/// The forces on all bodies at the beginning of a step, of which they are part.
+/// Forces on all bodies at the beginning of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyForcesRow {
     /// Time, s.
     pub time: f64,
-    /// Steps done before.
+    /// Number of steps done before.
     pub step: u64,
-    /// Force and torque by body, in the order of the scene.
+    /// Force and torque of each body, in the order of the scene.
     pub forces: Vec<BodySum>,
 }
 
-/// The bodies with what their forces are summed by.
+/// Bodies of the scene, with the settings of the sums over them.
 #[derive(Resource)]
 pub struct Bodies {
-    /// Of the last step.
+    /// Forces at the beginning of the last step.
     pub row: BodyForcesRow,
     bodies: Vec<Body>,
-    /// Of each body.
+    /// Surface shear of each body.
     shear: Vec<SurfaceShear>,
     pair: PairSettings,
     edac: Edac,
@@ -45,7 +49,7 @@ pub struct Bodies {
 
 impl FromWorld for Bodies {
     fn from_world(world: &mut World) -> Self {
-        let scene = &world.resource::<SceneInUse>().0;
+        let scene = &world.resource::<ActiveScene>().0;
         let pair = &world.resource::<Pair>().0;
         let edac = match pair.pressure {
             PressureLaw::Evolved(edac) => edac,
@@ -55,7 +59,7 @@ impl FromWorld for Bodies {
             row: BodyForcesRow::default(),
             bodies: scene.bodies.iter().map(|body| Body::new(body.part, body.about)).collect(),
             shear: scene.bodies.iter().map(|body| SurfaceShear::new(scene, body.part, body.about)).collect(),
-            // Why without these two: see `pass/body.rs`.
+            // `pass/body.rs` gives the reason for switching these two off.
             pair: PairSettings { tensile_control: false, ..pair.clone() },
             edac: Edac { average_pressure: false, ..edac },
         }
@@ -63,10 +67,10 @@ impl FromWorld for Bodies {
 }
 
 /// Sums the forces on all bodies by the terms of `Wcsph`.
-pub fn sum_body_forces<R: Real, const D: usize>(
-    (scene, clock): (Res<SceneInUse>, Res<Clock>),
+pub(crate) fn sum_body_forces<R: Real, const D: usize>(
+    (scene, clock): (Res<ActiveScene>, Res<Clock>),
     grid: Res<Grid<D>>,
-    since_plain: Res<StepsSincePlain>,
+    since_correction: Res<StepsSinceCorrection>,
     arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
@@ -75,7 +79,8 @@ pub fn sum_body_forces<R: Real, const D: usize>(
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
-        let mut sum = sum_body_force(pair, &grid.0, &arrays, level(*since_plain), &mut sums.0, body);
+        let mut sum =
+            sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
         add_shear(&scene.0, clock.time, shear, body, &mut sum);
         sum
@@ -83,8 +88,8 @@ pub fn sum_body_forces<R: Real, const D: usize>(
 }
 
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
-pub fn sum_edac_body_forces<R: Real, const D: usize>(
-    (scene, clock): (Res<SceneInUse>, Res<Clock>),
+pub(crate) fn sum_edac_body_forces<R: Real, const D: usize>(
+    (scene, clock): (Res<ActiveScene>, Res<Clock>),
     grid: Res<Grid<D>>,
     arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
@@ -94,17 +99,17 @@ pub fn sum_edac_body_forces<R: Real, const D: usize>(
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
-        let mut sum = sum_evolved(pair, edac, &grid.0, &arrays, &mut sums.0, body);
+        let mut sum = sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
         add_shear(&scene.0, clock.time, shear, body, &mut sum);
         sum
     }));
 }
 
-/// Adds what the pairs leave out where a surface turns.
+/// Adds the shear on a rotating or deforming surface that the pair sums omit.
 fn add_shear(scene: &Scene, time: f64, shear: &SurfaceShear, body: &Body, sum: &mut BodySum) {
     let wall = &scene.walls.parts[usize::from(body.part)];
-    let of_surface = shear.at(scene, wall, body.about, time);
-    sum.viscous_force += of_surface.viscous_force;
-    sum.viscous_torque += of_surface.viscous_torque;
+    let surface = shear.at(scene, wall, body.about, time);
+    sum.viscous_force += surface.viscous_force;
+    sum.viscous_torque += surface.viscous_torque;
 }

@@ -1,11 +1,12 @@
-//! Which instruction set runs: found out once, or asked for.
+//! Choice of the instruction set: the widest of the machine, or the one that the user names.
 
 use std::sync::OnceLock;
 
 use super::Vectorised;
 use super::portable::Array;
 
-/// An instruction set that this machine has. There is no way to make one that it has not.
+/// Instruction set that this machine supports. A value for an unsupported set cannot be
+/// constructed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstructionSet(Kind);
 
@@ -19,10 +20,10 @@ enum Kind {
 }
 
 impl InstructionSet {
-    /// Plain Rust, on every machine.
+    /// Plain Rust, for every machine.
     pub const PORTABLE: InstructionSet = InstructionSet(Kind::Portable);
 
-    /// The sets that this machine has, the widest last.
+    /// Returns the sets that this machine supports, the widest last.
     pub fn available() -> Vec<InstructionSet> {
         #[cfg(target_arch = "x86_64")]
         {
@@ -47,8 +48,10 @@ impl InstructionSet {
         vec![Self::PORTABLE]
     }
 
-    /// The widest set of this machine, or the one that the environment variable `SPHECS_LANES` names
-    /// (`portable`, `avx2` or `avx512`) if the machine has it. Asked once; the answer holds for the process.
+    /// Returns the widest set of this machine, or the one that the environment variable
+    /// `SPHECS_LANES` names (`portable`, `avx2` or `avx512`) if the machine supports it.
+    ///
+    /// The variable is read once per process.
     pub fn best() -> InstructionSet {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| {
@@ -59,7 +62,7 @@ impl InstructionSet {
         })
     }
 
-    /// Lower-case name, as in `SPHECS_LANES`.
+    /// Returns the lower-case name, as in `SPHECS_LANES`.
     pub fn name(self) -> &'static str {
         match self.0 {
             Kind::Portable => "portable",
@@ -71,7 +74,7 @@ impl InstructionSet {
     }
 }
 
-/// Runs a task on the f64 lanes of a set.
+/// Runs a task with the f64 vectors of a set.
 pub(super) fn run_f64<T: Vectorised<f64>>(set: InstructionSet, task: T) -> T::Output {
     match set.0 {
         Kind::Portable => task.run::<Array<f64, 2>>(),
@@ -84,7 +87,7 @@ pub(super) fn run_f64<T: Vectorised<f64>>(set: InstructionSet, task: T) -> T::Ou
     }
 }
 
-/// Runs a task on the f32 lanes of a set.
+/// Runs a task with the f32 vectors of a set.
 pub(super) fn run_f32<T: Vectorised<f32>>(set: InstructionSet, task: T) -> T::Output {
     match set.0 {
         Kind::Portable => task.run::<Array<f32, 4>>(),
@@ -97,29 +100,35 @@ pub(super) fn run_f32<T: Vectorised<f32>>(set: InstructionSet, task: T) -> T::Ou
     }
 }
 
+/// Runs a task compiled for AVX2.
+///
 /// # Safety
-/// The machine must have AVX2, FMA, BMI1 and 2, LZCNT and POPCNT.
+/// The machine must support AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn with_avx2<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
-    let line = Line::default();
+    let line = CacheLine::default();
     std::hint::black_box(&line);
     task.run::<L>()
 }
 
+/// Runs a task compiled for AVX-512.
+///
 /// # Safety
-/// The machine must have AVX-512 F, DQ, BW and VL beside them.
+/// The machine must support AVX-512 F, DQ, BW and VL and everything that [`with_avx2`] needs.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn with_avx512<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
-    let line = Line::default();
+    let line = CacheLine::default();
     std::hint::black_box(&line);
     task.run::<L>()
 }
 
-/// A line of the cache. A function that has one of its own begins its frame at a line, so that vectors that the compiler
-/// keeps in memory lie in one line each; without, it puts them at any multiple of 16 B, and half of those of AVX2 and nearly all of AVX-512
-/// lie in two, from which a sum that is kept there comes back many cycles later.
+/// Local variable that aligns the stack frame of its function to a cache line.
+///
+/// Vectors that the compiler spills to the stack then lie in one cache line each. Without it they
+/// start at any multiple of 16 B: half of the AVX2 vectors and nearly all AVX-512 vectors straddle
+/// two lines, which delays the reload of a spilled sum by many cycles.
 #[derive(Default)]
 #[repr(align(64))]
-struct Line(#[expect(dead_code, reason = "it is there for its alignment")] u8);
+struct CacheLine(#[expect(dead_code, reason = "only the alignment matters")] u8);

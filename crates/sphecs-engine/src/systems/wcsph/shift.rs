@@ -1,14 +1,14 @@
-//! Particle shifting after the kick.
+//! Particle shifting after the kick, in the scheme `Wcsph`.
 
 use std::ops::Range;
 
 use bevy_ecs::system::{Res, ResMut};
 
-use super::clock::Clock;
-use super::pair::Pair;
-use super::rates::{RatesFound, Sums};
-use super::setup::{Resolution, SceneInUse};
 use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::{RatesFound, Sums};
+use crate::resources::scene::{ActiveScene, Resolution};
 use sphecs_core::math::lanes::{Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -17,11 +17,12 @@ use sphecs_core::pass::blocks::{GROUP, for_each_part};
 use sphecs_core::pass::sums::PairSums;
 use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 
-/// Moves fluid and outflow particles by the shifting vector that the pair sums found. Fluid particles take the velocity of
-/// the place they are moved to, at both time levels, if the shifting says so; those of an outflow have theirs from
-/// the outlet's condition.
-pub fn shift<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+/// Displaces fluid and outflow particles by the shifting vector of the pair sums.
+///
+/// With a shifting that carries velocity, fluid particles take the velocity of their new position,
+/// at both time levels. The velocity of outflow particles is that of the outlet condition.
+pub(crate) fn shift<R: Real, const D: usize>(
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     resolution: Res<Resolution>,
     found: Res<RatesFound>,
@@ -53,10 +54,13 @@ pub fn shift<R: Real, const D: usize>(
     for_each_part(0..zone.len(), (position, velocities, drift), &work);
 }
 
-/// Positions; velocities, present and before; drifts, empty if there are none, of a part's rows.
+/// Columns of some rows: positions; present and previous velocities; drifts, empty if they are not
+/// stored.
 type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 2], [&'a mut [R]; D]);
 
-/// A part of the rows: on lanes for their instructions alone, which its loops, of plain numbers, are compiled for.
+/// Shifting of some rows.
+///
+/// A vectorised task only to be compiled for the instruction set; its loops are scalar.
 struct ShiftPart<'a, R: Real, const D: usize> {
     shifting: Shifting,
     step: ShiftStep,
@@ -105,7 +109,7 @@ impl<R: Real, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
 }
 
 impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
-    /// Gives rows the velocities of the places that they are moved to.
+    /// Changes the velocities of rows to those of their new positions.
     #[inline(always)]
     fn carry(&mut self, group: &Range<usize>, part: &Range<usize>, moved: &[[f64; GROUP]; D]) {
         let [now, before] = &mut self.velocities;
@@ -125,7 +129,7 @@ impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
         }
     }
 
-    /// Displacements of a group of rows, m: none of those that are not shifted.
+    /// Returns the displacements of a group of rows, m; zero for rows that are not shifted.
     #[inline(always)]
     fn displacements(&self, group: &Range<usize>, part: &Range<usize>) -> [[f64; GROUP]; D] {
         let rows = group.len().min(GROUP);
@@ -153,7 +157,7 @@ impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
         for axis in 0..D {
             let vectors = &self.sums.shift[axis][group.clone()];
             for ((moved, scale), x) in moved[axis].iter_mut().zip(&*scales).zip(vectors) {
-                // What rows that are not shifted have in their sums is from rows of another step.
+                // Sums of rows that are not shifted may be left over from another step.
                 *moved = if *scale == 0.0 { 0.0 } else { scale * x.to_f64() };
             }
         }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Clock {
     /// Time, s.
     pub time: f64,
-    /// Steps done.
+    /// Number of steps done.
     pub step: u64,
     /// Size of the last step, s.
     pub time_step: f64,

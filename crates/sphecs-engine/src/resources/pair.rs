@@ -1,4 +1,4 @@
-//! The settings of the pair sums, made from a scene.
+//! Settings of the pair sums, derived from a scene.
 
 use bevy_ecs::resource::Resource;
 
@@ -7,11 +7,11 @@ use sphecs_core::physics::shifting::Shifting;
 use sphecs_core::physics::wall::Slip;
 use sphecs_scene::model::{BodyForce, Scene, Scheme};
 
-/// Settings of the pair sums in use.
+/// Settings of the pair sums.
 #[derive(Resource, Clone, Debug)]
 pub struct Pair(pub PairSettings);
 
-/// The settings of a scene.
+/// Returns the settings of a scene.
 pub fn pair_settings(scene: &Scene) -> PairSettings {
     let scheme = &scene.scheme;
     let mut pair = PairSettings::new(
@@ -31,7 +31,8 @@ pub fn pair_settings(scene: &Scene) -> PairSettings {
         }
         Scheme::EdacTvf(scheme) => {
             pair.pressure = PressureLaw::Evolved(scheme.terms);
-            // The transport velocity takes the place of shifting, p̄ that of the tensile control.
+            // The transport velocity replaces shifting, and the mean pressure p̄ replaces the
+            // tensile control.
             pair.shifting = Shifting::Off;
             pair.tensile_control = false;
         }
