@@ -1,4 +1,4 @@
-//! Floor 0: numbers. Vectors, lanes, kernels, the cell grid, named columns and small linear systems.
+//! Numbers: vectors of lanes, kernels, the cell grid, named columns, small linear systems and tensors.
 
 pub mod column;
 pub mod grid;
@@ -7,3 +7,4 @@ pub mod lanes;
 pub mod lattice;
 pub mod linear;
 pub mod real;
+pub mod symmetric;

@@ -3,9 +3,9 @@
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{self, Lanes};
 use crate::math::real::Real;
+use crate::math::symmetric::component;
 use crate::pass::density::squared_distance;
 use crate::pass::pack::{Covered, Near, Pack, STRETCH, Source};
-use crate::physics::sps::component;
 
 /// What a row has summed up.
 pub(super) struct RowSums<R, const D: usize> {
