@@ -1,6 +1,14 @@
-//! Physics: one method, one file. Pure functions of a particle or of a pair of particles.
+//! Physics, one method per file, as pure functions of a particle or of a vector of particle pairs.
 //!
-//! Pair functions take a particle a and a vector of its neighbours b, one per lane ([`pair`]).
+//! - [`density`], [`momentum`]: the pair terms of `Wcsph`
+//! - [`edac`]: the pair terms of `EdacTvf`
+//! - [`eos`]: the equation of state
+//! - [`inlet`], [`outlet`], [`wall`]: boundary conditions
+//! - [`integrator`], [`timestep`]: integration in time
+//! - [`pair`]: a particle and a vector of its neighbours, as the pair terms take them
+//! - [`parameters`]: parameters that are out of bounds
+//! - [`shifting`]: particle shifting
+//! - [`viscosity`]: viscous and turbulent stresses
 
 pub mod density;
 pub mod edac;

@@ -14,8 +14,9 @@ use bevy_ecs::system::{Res, ResMut};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::systems::neighbours::Grid;
-use crate::systems::setup::SceneInUse;
+use crate::arrays::Arrays;
+use crate::resources::grid::Grid;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
@@ -37,16 +38,16 @@ const IN_FRONT: f64 = 1e-6;
 
 /// Sets fluid particles that are behind a wall back onto its surface.
 pub fn hold_at_walls<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     grid: Res<Grid<D>>,
     mut held: ResMut<HeldAtWalls>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     // Drawn out beyond the far ends of the zones, which are no walls.
     let walls = &scene.layout.confines;
     let near = R::from_f64(NEAR * scene.spacing);
-    let ParticleArrays { zone, position, velocity, velocity_before, wall_distance, .. } = &mut *arrays;
+    let ParticleArrays { zone, position, velocity, velocity_before, wall_distance, .. } = &mut **arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
     let count = AtomicU64::new(0);
     let columns = (

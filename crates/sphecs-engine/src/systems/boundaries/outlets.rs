@@ -13,11 +13,12 @@ use super::hybrid::{HybridZone, apply_hybrid};
 use super::kept::{apply_characteristic, apply_do_nothing, apply_mirror, apply_modified_do_nothing};
 use super::rows::PatchRows;
 use super::wave_zone::{ZoneMove, apply_wave};
-use crate::systems::clock::Clock;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
-use crate::systems::setup::SceneInUse;
+use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -167,7 +168,7 @@ fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
 
 /// Sets pressure, density and velocity of outflow particles and finds with which speed they move.
 pub fn apply_outlets<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -175,7 +176,7 @@ pub fn apply_outlets<R: Real, const D: usize>(
     mut buffers: Local<OutletBuffers<R, D>>,
     mut states: ResMut<OutletStates>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     states.0.resize_with(scene.outlets.len(), OutletState::default);
