@@ -9,9 +9,9 @@
 //! - [`saved_state`]: everything that the next step depends on, as named columns
 //! - [`schedule`]: the two schedules of a step and their sets
 //! - [`simulation`]: the simulation, its builder and the reasons to stop
-//! - [`spawn`]: the particles of a scene or of a saved state as entities
+//! - `spawn`: the particles of a scene or of a saved state as entities
 //! - [`systems`]: the functions that run in the sets
-//! - [`transfer`]: copies between components and arrays
+//! - `transfer`: copies between components and arrays
 
 pub mod arrays;
 pub mod components;
@@ -20,6 +20,6 @@ pub mod resources;
 pub mod saved_state;
 pub mod schedule;
 pub mod simulation;
-pub mod spawn;
+pub(crate) mod spawn;
 pub mod systems;
-pub mod transfer;
+pub(crate) mod transfer;

@@ -1,8 +1,8 @@
 //! Plugins, of which a simulation is composed.
 //!
-//! - [`builtin`]: the plugins that every simulation has
+//! - `builtin`: the plugins that every simulation has
 
-pub mod builtin;
+pub(crate) mod builtin;
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::schedule::Schedule;

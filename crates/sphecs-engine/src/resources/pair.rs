@@ -12,7 +12,7 @@ use sphecs_scene::model::{BodyForce, Scene, Scheme};
 pub struct Pair(pub PairSettings);
 
 /// Returns the settings of a scene.
-pub fn pair_settings(scene: &Scene) -> PairSettings {
+pub(crate) fn pair_settings(scene: &Scene) -> PairSettings {
     let scheme = &scene.scheme;
     let mut pair = PairSettings::new(&scene.discretisation, scene.fluid.tait());
     pair.viscosity = scene.fluid.viscosity;

@@ -1,6 +1,6 @@
 //! Saved state of a world: everything that the next step depends on, as named columns.
 //!
-//! - [`particles`]: the particles, from arrays and components
+//! - `particles`: the particles, from arrays and components
 //!
 //! A resource that later steps depend on is saved by one line where it is inserted,
 //! [`PluginContext::save_resource`](crate::plugins::PluginContext::save_resource). It is stored
@@ -10,7 +10,7 @@
 //!
 //! To save something new: for a resource, derive `Serialize` and `Deserialize` and insert it by
 //! `save_resource`; for a column of the arrays, add it to `particles/saved.rs`, which does not
-//! compile without it; for a component, add it to [`particles`].
+//! compile without it; for a component, add it to `saved_state/particles.rs`.
 
 pub(crate) mod particles;
 

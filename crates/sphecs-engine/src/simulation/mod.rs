@@ -1,7 +1,7 @@
 //! Simulation: a world with its particles, and the schedules of a step.
 //!
-//! - [`builder`]: scene, initial state and plugins
-//! - [`stop`]: reasons for which a simulation cannot continue
+//! - `builder`: scene, initial state and plugins
+//! - `stop`: reasons for which a simulation cannot continue
 
 mod builder;
 mod stop;

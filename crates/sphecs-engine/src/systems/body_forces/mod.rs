@@ -1,6 +1,6 @@
 //! Force and torque of the fluid on the bodies of a scene, summed in every step after the rates.
 //!
-//! - [`surface_shear`]: shear on a rotating or deforming surface that the pair sums omit
+//! - `surface_shear`: shear on a rotating or deforming surface that the pair sums omit
 
 mod surface_shear;
 

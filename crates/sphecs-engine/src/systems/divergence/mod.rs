@@ -3,8 +3,8 @@
 //! A flow has diverged if a value is not finite, if a density, a speed or the time step is out of
 //! bounds, or if a particle is outside the grid.
 //!
-//! - [`failure`]: the reasons to stop that a step found
-//! - [`neighbourhood`]: the particles around a diverged particle
+//! - `failure`: the reasons to stop that a step found
+//! - `neighbourhood`: the particles around a diverged particle
 
 mod failure;
 mod neighbourhood;

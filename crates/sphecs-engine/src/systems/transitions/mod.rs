@@ -1,7 +1,7 @@
 //! Changes of zone: the only place where roles change during a run.
 //!
-//! - [`injection`]: injection of a particle into a zone
-//! - [`reservoir`]: storage and creation of particles
+//! - `injection`: injection of a particle into a zone
+//! - `reservoir`: storage and creation of particles
 //!
 //! ```text
 //! Inflow → Fluid       across the inlet plane; a stored particle is injected upstream
