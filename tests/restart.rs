@@ -279,7 +279,7 @@ fn not_kept() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<Arrays<f64, 2>>(), "kept as columns"),
         (TypeId::of::<FreeParticles>(), "kept as a column"),
         (TypeId::of::<EntityIndex>(), "entities are seats"),
-        (TypeId::of::<StateLocation>(), "both homes are fresh in a restored world"),
+        (TypeId::of::<StateLocation>(), "components and arrays hold one state in a restored world"),
         (TypeId::of::<Failure>(), "a flow that failed is not kept"),
         (TypeId::of::<PatchRows>(), "collected anew at each sort"),
         (TypeId::of::<SortBuffers<f64>>(), "buffer"),

@@ -80,7 +80,7 @@ fn a_particle_that_crosses_the_inlet_is_followed_by_one_from_the_reservoir() {
         for Crossing { before, after } in &crossed {
             assert!(inlet.along(after.position) >= 0.0);
             assert_eq!((after.passages, after.tag), (before.passages, before.tag));
-            assert!(after.fresh, "a leapfrog would start from a velocity that was prescribed");
+            assert!(after.needs_restart, "a leapfrog would start from a velocity that was prescribed");
         }
         for Crossing { before, after } in &followed {
             let leader = after.position + inlet.depth * inlet.towards;
@@ -138,7 +138,7 @@ fn fluid_that_crosses_the_outlet_becomes_outflow_and_is_stored_at_rest_beyond_it
         for Crossing { before, after } in between(&crossings, Zone::Outflow, Zone::Reservoir) {
             stored += 1;
             assert!(outlet.along(before.position) <= outlet.depth);
-            assert_eq!([after.velocity, after.velocity_before], [DVec3::ZERO; 2]);
+            assert_eq!([after.velocity, after.previous_velocity], [DVec3::ZERO; 2]);
             assert_eq!((after.density, after.pressure), (density, 0.0));
         }
         assert_eq!(simulation.ledger().left, [left]);

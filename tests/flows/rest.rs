@@ -119,7 +119,7 @@ fn a_particle_that_is_shot_at_a_wall_stays_in_front_of_it() {
     let id = world.get::<ParticleId>(shot).expect("the particle").0;
     let arrays = world.resource::<Arrays<f64, 2>>();
     let row = arrays.id.iter().position(|&other| other == id).expect("its row");
-    let before = arrays.row(row).velocity_before;
+    let before = arrays.row(row).previous_velocity;
     let depth = in_front(&simulation, after);
     assert!((0.0..1e-3 * spacing).contains(&depth), "{} Δ in front of the wall, from {at}", depth / spacing);
     // Along the wall it keeps what the two halves of the kick left: the wall's direction is a quotient of differences, exact but for the last digits.

@@ -70,7 +70,7 @@ impl VelocityLevel {
     pub fn columns<R: Real, const D: usize>(self, particles: &ParticleArrays<R, D>) -> &[Vec<R>; D] {
         match self {
             VelocityLevel::Present => &particles.velocity,
-            VelocityLevel::Previous => &particles.velocity_before,
+            VelocityLevel::Previous => &particles.previous_velocity,
         }
     }
 }
@@ -133,7 +133,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
             zone,
             position,
             velocity,
-            velocity_before,
+            previous_velocity,
             acceleration,
             density,
             pressure,
@@ -160,7 +160,7 @@ impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
         let velocity = match self.level {
             _ if layout.sees_dummies(self.pair) => &*velocity_seen,
             VelocityLevel::Present => &*velocity,
-            VelocityLevel::Previous => &*velocity_before,
+            VelocityLevel::Previous => &*previous_velocity,
         };
         let (neighbours, count) = layout.in_order(Fields {
             velocity,

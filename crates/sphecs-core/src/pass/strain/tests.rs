@@ -9,7 +9,7 @@ use crate::physics::sps::component;
 
 const SLOPES: [[f64; 3]; 3] = [[1.0, -2.0, 0.5], [3.0, 0.2, 0.0], [-1.0, 0.7, 2.0]];
 
-/// A stirred linear flow whose lowest rows are a wall at rest.
+/// A disordered linear flow whose lowest layers are a wall at rest.
 fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
     for lanes in InstructionSet::available() {
         let pair = PairSettings { lanes, ..settings(kernel, D, 1.3) };
@@ -24,7 +24,7 @@ fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
             for i in 0..D {
                 let velocity = 0.3 + (0..D).map(|j| SLOPES[i][j] * point[j]).sum::<f64>();
                 sample.particles.velocity[i][row] = velocity;
-                sample.particles.velocity_before[i][row] = -2.0 * velocity;
+                sample.particles.previous_velocity[i][row] = -2.0 * velocity;
             }
         }
         sample.density();
@@ -56,8 +56,8 @@ fn strain_of_a_linear_flow_is_exact_beside_walls_and_faces_and_density_is_the_sa
     }
 }
 
-/// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along x by `drawn` Δ, and
-/// stirred by `noise` Δ.
+/// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along
+/// x by `drawn` Δ, and stirred by `noise` Δ.
 fn shifts(drift: Drift, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
     let shifting = Shifting::Local { coefficient: 32.0, drift };
     let pair = PairSettings { shifting, ..settings(Kernel::WendlandC2, 2, 1.5) };
