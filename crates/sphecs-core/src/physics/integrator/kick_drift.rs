@@ -39,8 +39,8 @@ pub struct KickDrift {
 }
 
 impl KickDrift {
-    /// Returns the value at n+½, from the value at n−½ and the rate at n; for a particle that needs a restart from
-    /// the value at n.
+    /// Returns the value at n+½, from the value at n−½ and the rate at n; for a row that needs a
+    /// restart from the value at n.
     #[inline(always)]
     pub fn half<R: Real>(&self, needs_restart: bool, present: R, before: R, rate: R) -> R {
         if needs_restart {
