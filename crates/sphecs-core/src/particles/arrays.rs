@@ -24,7 +24,7 @@ columns! {
     zone: Vec<Zone> => Zone, "zone", Always, PermuteUnlessUniform(zones);
     /// Index of the inlet, outlet or wall part that the particle belongs to; 0 for fluid.
     patch: Vec<u16> => u16, "patch", Always, PermuteUnlessUniform(patches);
-    /// Whether the next step of the particle is a corrective (Euler) step, because its role has
+    /// True if the next step of the particle is a corrective (Euler) step, because its role has
     /// just changed.
     needs_restart: Vec<bool> => bool, "fresh", Always, PermuteUnlessUniform(flags);
     /// Position, m.
@@ -50,7 +50,7 @@ columns! {
 }
 
 impl When {
-    /// Whether a particle of a zone brings the column into use.
+    /// Returns true if a particle of a zone brings the column into use.
     fn begins_with(self, zone: Zone) -> bool {
         self == When::WallsExist && zone == Zone::Wall
     }
@@ -62,12 +62,12 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         self.id.len()
     }
 
-    /// Whether there is no particle.
+    /// Returns true if there is no particle.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
-    /// Whether columns with a condition are in use.
+    /// Returns true if columns with a condition are in use.
     fn is_used(&self, when: When) -> bool {
         match when {
             When::Always => true,

@@ -50,9 +50,9 @@ macro_rules! columns {
             /// Rate of change of velocity, m/s²: written by a step between its sort and its kick,
             /// without meaning at other times.
             pub acceleration: [Vec<R>; D],
-            /// Whether the pressure evolves by an equation of its own.
+            /// True if the pressure evolves by an equation of its own.
             pub evolves_pressure: bool,
-            /// Whether particles are moved by more than their velocity.
+            /// True if particles are moved by more than their velocity.
             pub drifts: bool,
         }
 

@@ -125,7 +125,7 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     let mut covered = Covered::default();
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
     for stretch in pack.stretches::<L, D>(D) {
-        let notes = if of_near_alone::<K, L, D>() {
+        let notes = if finds_neighbours_first::<K, L, D>() {
             let notes = stretch.find_near(x_a, limit);
             for lane in stretch.near(notes, &mut covered) {
                 sum = K::add_value(squared_distance(x_a, stretch.at_lane(lane)).roots().0, sum);
@@ -145,12 +145,12 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     (sum.sum(), near)
 }
 
-/// Whether the neighbours in the support are found before their kernel values are computed.
+/// Returns true if the neighbours in the support are found before their kernel values are computed.
 ///
 /// That saves the roots and values of all others, and costs every distance twice and a mispredicted
 /// branch per particle. In single precision, with fewer vectors and cheap roots, it costs as much
 /// as it saves, or more.
-const fn of_near_alone<K: KernelShape, L: Lanes, const D: usize>() -> bool {
+const fn finds_neighbours_first<K: KernelShape, L: Lanes, const D: usize>() -> bool {
     let is_double = size_of::<L::Real>() == size_of::<f64>();
     D < CULLED_DIMENSIONS && is_double && (L::COSTLY_ROOTS || K::COSTLY_VALUE)
 }

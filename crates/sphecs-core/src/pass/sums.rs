@@ -57,7 +57,7 @@ pub struct PairSums<R, const D: usize> {
     /// Velocities of all particles in the viscous term of the fluid, m/s, written by
     /// `wall_velocity`.
     ///
-    /// Those of walls are of `physics/wall/dummy.rs`. Empty unless walls are dummy particles.
+    /// For walls see `physics/wall/dummy.rs`. Empty unless walls are dummy particles.
     pub velocity_seen: [Vec<R>; D],
     /// Body force per mass on the fluid, m/s², by which a mirrored pressure is continued into a
     /// wall; the caller writes it.
@@ -102,7 +102,7 @@ pub(super) struct PairColumns<R> {
     walls_by_chunk: Vec<u32>,
     /// Walls as the columns above describe them; None until they are found in the present order.
     walls: Option<Walls>,
-    /// Whether `fluid_volume` is that of the present densities.
+    /// True if `fluid_volume` is that of the present densities.
     has_fluid_volume: bool,
     /// Pressure of wall particles, Pa, until it is found for all of them.
     pub wall_pressure: Vec<R>,
@@ -115,7 +115,7 @@ pub(super) struct PairColumns<R> {
 struct Walls {
     /// Number of wall particles.
     count: u32,
-    /// Whether the image distances are those of the wall model, for [`PairColumns::find_images`].
+    /// True if the image distances are those of the wall model, for [`PairColumns::find_images`].
     as_images: bool,
 }
 
