@@ -19,9 +19,9 @@ use crate::physics::wall::WallModel;
 pub struct PairSums<R, const D: usize> {
     /// Shifting vector of the fluid, written by `rates`.
     ///
-    /// Fickian and Local: ∇C = Σ V_b ∇W, or `crowding` less its mean over the support, 1/m.
-    /// Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves, written by
-    /// `edac`: acceleration by the background pressure, m/s²; for outflow ∇C, 1/m.
+    /// Fickian and Local: ∇C = Σ V_b ∇W, or `concentration_gradient` less its mean over the
+    /// support, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves,
+    /// written by `edac`: acceleration by the background pressure, m/s²; for outflow ∇C, 1/m.
     pub shift: [Vec<R>; D],
     /// dp/dt of the fluid, Pa/s, written by `edac`; else empty.
     pub pressure_rate: Vec<R>,
@@ -43,7 +43,7 @@ pub struct PairSums<R, const D: usize> {
     /// ∇C = Σ V_b ∇W of the flow, 1/m, by the volumes of the step before, written by `strain`.
     ///
     /// Empty unless the mean over the support is subtracted from the shift.
-    pub crowding: [Vec<R>; D],
+    pub concentration_gradient: [Vec<R>; D],
     /// Rate of strain of the flow, 1/s, with the components of `stress`, written by `strain`; else
     /// empty.
     pub strain: [Vec<R>; 6],
@@ -128,7 +128,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             damping: Vec::new(),
             gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             neighbour_gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
-            crowding: std::array::from_fn(|_| Vec::new()),
+            concentration_gradient: std::array::from_fn(|_| Vec::new()),
             strain: std::array::from_fn(|_| Vec::new()),
             eddy_viscosity: Vec::new(),
             stress: std::array::from_fn(|_| Vec::new()),

@@ -37,9 +37,9 @@ use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
+use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::sps::components;
 
 /// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
 const MOST_COLUMNS: usize = 3 + 1 + 1;
@@ -48,8 +48,8 @@ const MOST_COLUMNS: usize = 3 + 1 + 1;
 /// into `sums.strain`.
 ///
 /// The density is over all particles, the strain over fluid, inflow and outflow. The whole gradient
-/// goes into `sums.neighbour_gradient` if shifting carries velocities, s into `sums.crowding` if it
-/// carries no mass.
+/// goes into `sums.neighbour_gradient` if shifting carries velocities, s into
+/// `sums.concentration_gradient` if it carries no mass.
 pub fn sum_density_and_strain<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -59,7 +59,7 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
 ) {
     let has_shift_without_drift = !pair.shifting.keeps_drift();
     prepare(pair, particles, has_shift_without_drift, sums);
-    let PairSums { strain, neighbour_gradient, crowding, near, columns, packs, .. } = sums;
+    let PairSums { strain, neighbour_gradient, concentration_gradient, near, columns, packs, .. } = sums;
     let ParticleArrays { zone, position, velocity, previous_velocity, density, pressure, .. } = particles;
     let velocity = match level {
         VelocityLevel::Present => &*velocity,
@@ -80,7 +80,7 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
     let outputs = (
         [&mut density[..], &mut pressure[..]],
         gradients,
-        (crowding.each_mut().map(Vec::as_mut_slice), &mut near[..]),
+        (concentration_gradient.each_mut().map(Vec::as_mut_slice), &mut near[..]),
     );
     input.run_blocks(&StrainPass { pair, zone, has_shift_without_drift }, outputs);
 }
@@ -107,7 +107,7 @@ fn prepare<R: Real, const D: usize>(
     if has_shift_without_drift {
         sums.columns.find_volume(pair, particles);
     }
-    for column in &mut sums.crowding {
+    for column in &mut sums.concentration_gradient {
         column.resize(if has_shift_without_drift { rows } else { 0 }, R::default());
     }
 }
@@ -131,7 +131,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
     fn block<K: KernelShape, L: Lanes<Real = R>>(
         &self,
         block: Block<'_, R, D>,
-        ([density, pressure], mut gradients, (mut crowding, masks)): Outputs<'a, R, D>,
+        ([density, pressure], mut gradients, (mut concentration_gradient, masks)): Outputs<'a, R, D>,
     ) {
         let rows = block.rows();
         let Block { source, cells, pack } = block;
@@ -162,7 +162,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
                     density[slot] = kernel_sum;
                 }
                 pending.push(slot, &of_flow, &mut gradients);
-                for (column, slope) in crowding.iter_mut().zip(slopes) {
+                for (column, slope) in concentration_gradient.iter_mut().zip(slopes) {
                     if let Some(found) = column.get_mut(slot) {
                         *found = R::from_f64(gradient_scale * slope);
                     }
