@@ -16,7 +16,7 @@ use sphecs_core::math::kernel::Kernel;
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
-use sphecs_core::particles::rows::Row;
+use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::pass::density::sum_density;
 use sphecs_core::pass::rates::{VelocityLevel, sum_rates};
 use sphecs_core::pass::settings::PairSettings;
@@ -66,7 +66,8 @@ impl<R: Real, const D: usize> Flow<R, D> {
         let mut particles = ParticleArrays::default();
         for index in 0..count.pow(D as u32) {
             let mut rest = index;
-            let mut row = Row { id: index as u32, wall_distance: f64::INFINITY, ..Default::default() };
+            let mut row =
+                ParticleRow { id: index as u32, wall_distance: f64::INFINITY, ..Default::default() };
             for d in 0..D {
                 let along = (rest % count) as f64 + 0.5 + 0.2 * noise(8 * index + d);
                 row.position[d] = along * SPACING;

@@ -23,13 +23,13 @@ fn simulation(path: &Path) -> Simulation {
 
 /// Returns every bit of a particle: `==` would equate −0 and 0.
 fn bits(particle: &Particle) -> [u64; 17] {
-    let vectors = [particle.position, particle.velocity, particle.velocity_before];
+    let vectors = [particle.position, particle.velocity, particle.previous_velocity];
     let vectors = vectors.map(|v| v.to_array().map(f64::to_bits));
     let [density, pressure] = [particle.density, particle.pressure].map(f64::to_bits);
     let [zone, patch] = [particle.zone as u64, u64::from(particle.patch)];
-    let [passages, fresh] = [u64::from(particle.passages), u64::from(particle.fresh)];
+    let [passages, needs_restart] = [u64::from(particle.passages), u64::from(particle.needs_restart)];
     let tag = u64::from(particle.tag.to_bits());
-    let scalars = [density, pressure, tag, zone, patch, passages, fresh, u64::from(particle.id)];
+    let scalars = [density, pressure, tag, zone, patch, passages, needs_restart, u64::from(particle.id)];
     let mut all = [0; 17];
     for (to, from) in all.iter_mut().zip(vectors.as_flattened().iter().chain(&scalars)) {
         *to = *from;

@@ -81,7 +81,7 @@ fn each_particle_through_the_inlet_is_followed_by_one_from_the_reservoir() {
         for Crossing { before, after } in &crossed {
             assert!(inlet.along(after.position) >= 0.0);
             assert_eq!((after.passages, after.tag), (before.passages, before.tag));
-            assert!(after.fresh, "its previous velocity is a prescribed one");
+            assert!(after.needs_restart, "its previous velocity is a prescribed one");
         }
         for Crossing { before, after } in &followed {
             let leader = after.position + inlet.depth * inlet.towards;
@@ -139,7 +139,7 @@ fn fluid_beyond_the_outlet_becomes_outflow_and_is_stored_at_rest_beyond_the_zone
         for Crossing { before, after } in between(&crossings, Zone::Outflow, Zone::Reservoir) {
             stored += 1;
             assert!(outlet.along(before.position) <= outlet.depth);
-            assert_eq!([after.velocity, after.velocity_before], [DVec3::ZERO; 2]);
+            assert_eq!([after.velocity, after.previous_velocity], [DVec3::ZERO; 2]);
             assert_eq!((after.density, after.pressure), (density, 0.0));
         }
         assert_eq!(simulation.ledger().left, [left]);

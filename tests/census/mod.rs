@@ -25,9 +25,9 @@ pub struct Particle {
     /// Velocity, m/s.
     pub velocity: DVec3,
     /// Velocity one step earlier, m/s; zero in the reservoir.
-    pub velocity_before: DVec3,
+    pub previous_velocity: DVec3,
     /// True if the next step is a corrective one, as for all particles in the reservoir.
-    pub fresh: bool,
+    pub needs_restart: bool,
     /// Density, kg/m³.
     pub density: f64,
     /// Pressure, Pa.
@@ -46,7 +46,7 @@ fn leapfrog(world: &World) -> Leapfrog {
     fn of<R: Real, const D: usize>(world: &World) -> Option<Leapfrog> {
         let arrays = world.get_resource::<Arrays<R, D>>()?;
         let rows = (0..arrays.len()).map(|row| arrays.row(row));
-        Some(rows.map(|row| (row.id, (row.velocity_before, row.fresh))).collect())
+        Some(rows.map(|row| (row.id, (row.previous_velocity, row.needs_restart))).collect())
     }
     let found = of::<f64, 2>(world).or_else(|| of::<f64, 3>(world));
     found.or_else(|| of::<f32, 2>(world)).or_else(|| of::<f32, 3>(world)).expect("a world has arrays")
@@ -65,7 +65,7 @@ fn read(entity: EntityRef<'_>, id: u32, leapfrog: &Leapfrog) -> Result<Particle,
         return Err(format!("particle {id} has not one role but {roles:?}"));
     };
     let whole = || {
-        let (velocity_before, fresh) = leapfrog.get(&id).copied().unwrap_or((DVec3::ZERO, true));
+        let (previous_velocity, needs_restart) = leapfrog.get(&id).copied().unwrap_or((DVec3::ZERO, true));
         let (thermodynamics, tracer) = (entity.get::<Thermodynamics>()?, entity.get::<Tracer>()?);
         Some(Particle {
             id,
@@ -73,8 +73,8 @@ fn read(entity: EntityRef<'_>, id: u32, leapfrog: &Leapfrog) -> Result<Particle,
             patch,
             position: entity.get::<Position>()?.0,
             velocity: entity.get::<Velocity>()?.0,
-            velocity_before,
-            fresh,
+            previous_velocity,
+            needs_restart,
             density: thermodynamics.density,
             pressure: thermodynamics.pressure,
             tag: tracer.tag,

@@ -124,7 +124,7 @@ fn particle_shot_at_a_wall_stays_in_front_of_it() {
     let id = world.get::<ParticleId>(shot).expect("the particle").0;
     let arrays = world.resource::<Arrays<f64, 2>>();
     let row = arrays.id.iter().position(|&other| other == id).expect("its row");
-    let before = arrays.row(row).velocity_before;
+    let before = arrays.row(row).previous_velocity;
     let depth = in_front(&simulation, after);
     assert!((0.0..1e-3 * spacing).contains(&depth), "{} Δ in front of the wall, from {at}", depth / spacing);
     // It keeps the velocity along the wall of both halves of the kick. The direction of the wall is

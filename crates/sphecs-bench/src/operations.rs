@@ -137,7 +137,7 @@ mod tests {
     use sphecs_core::math::lanes::{Array, InstructionSet, Vectorised};
     use sphecs_core::math::real::Real;
     use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
-    use sphecs_core::particles::rows::Row;
+    use sphecs_core::particles::rows::ParticleRow;
     use sphecs_core::particles::zone::Zone;
     use sphecs_core::pass::density::sum_density;
     use sphecs_core::pass::edac;
@@ -261,7 +261,7 @@ mod tests {
         };
         let wall_distance = if pair.wall_parts.is_empty() { f64::INFINITY } else { 0.005 };
         for id in 0..particles as u32 {
-            let mut row = Row { id, density: 1000.0, wall_distance, ..Default::default() };
+            let mut row = ParticleRow { id, density: 1000.0, wall_distance, ..Default::default() };
             for d in 0..D {
                 let noise = (0.37 + 0.618 * f64::from(id) + 0.271 * f64::from(id).powi(2 + d as i32)).fract();
                 row.position[d] = noise * upper[d];
@@ -272,7 +272,7 @@ mod tests {
         if !pair.wall_parts.is_empty() {
             let position = DVec3::splat(0.3 * upper[0]);
             let zone = Zone::Wall;
-            arrays.push(&Row {
+            arrays.push(&ParticleRow {
                 id: 100,
                 zone,
                 density: 1000.0,

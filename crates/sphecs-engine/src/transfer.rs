@@ -15,7 +15,7 @@ use crate::components::{
 };
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
-use sphecs_core::particles::rows::{Row, real_vector, vector};
+use sphecs_core::particles::rows::{ParticleRow, real_vector, vector};
 use sphecs_core::particles::zone::Zone;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
@@ -44,19 +44,19 @@ pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut Pa
             velocity: velocity.0,
             pressure: thermodynamics.pressure,
             drift: DVec3::ZERO,
-            fresh: true,
+            needs_restart: true,
         });
-        arrays.push(&Row {
+        arrays.push(&ParticleRow {
             id: id.0,
             zone,
             patch,
-            fresh: past.fresh,
+            needs_restart: past.needs_restart,
             position: position.0,
             velocity: velocity.0,
-            velocity_before: past.velocity,
+            previous_velocity: past.velocity,
             density: thermodynamics.density,
             pressure: thermodynamics.pressure,
-            pressure_before: past.pressure,
+            previous_pressure: past.pressure,
             drift: past.drift,
             wall_distance: surface.distance,
             wall_normal: surface.normal,
@@ -68,12 +68,12 @@ pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut Pa
 /// components.
 struct History<R, const D: usize> {
     row_of: Vec<u32>,
-    fresh: Vec<bool>,
+    needs_restart: Vec<bool>,
     present: [Vec<R>; D],
     before: [Vec<R>; D],
     /// Present pressure, Pa; empty if the pressure follows from the density.
     pressure: Vec<R>,
-    pressure_before: Vec<R>,
+    previous_pressure: Vec<R>,
     /// Drift, m/s; empty if it is not stored.
     drift: [Vec<R>; D],
 }
@@ -83,7 +83,7 @@ struct Past {
     velocity: DVec3,
     pressure: f64,
     drift: DVec3,
-    fresh: bool,
+    needs_restart: bool,
 }
 
 impl<R: Real, const D: usize> History<R, D> {
@@ -91,11 +91,11 @@ impl<R: Real, const D: usize> History<R, D> {
         let columns = |columns: &mut [Vec<R>; D]| columns.each_mut().map(std::mem::take);
         Self {
             row_of: rows_by_number(&arrays.id),
-            fresh: std::mem::take(&mut arrays.fresh),
+            needs_restart: std::mem::take(&mut arrays.needs_restart),
             present: columns(&mut arrays.velocity),
-            before: columns(&mut arrays.velocity_before),
+            before: columns(&mut arrays.previous_velocity),
             pressure: if arrays.evolves_pressure { std::mem::take(&mut arrays.pressure) } else { Vec::new() },
-            pressure_before: std::mem::take(&mut arrays.pressure_before),
+            previous_pressure: std::mem::take(&mut arrays.previous_pressure),
             drift: columns(&mut arrays.drift),
         }
     }
@@ -109,9 +109,9 @@ impl<R: Real, const D: usize> History<R, D> {
             && (!evolves || self.pressure[row] == R::from_f64(pressure));
         is_unchanged.then(|| Past {
             velocity: real_vector(&self.before, row),
-            pressure: if evolves { self.pressure_before[row].to_f64() } else { pressure },
+            pressure: if evolves { self.previous_pressure[row].to_f64() } else { pressure },
             drift: if self.drift[0].is_empty() { DVec3::ZERO } else { real_vector(&self.drift, row) },
-            fresh: self.fresh[row],
+            needs_restart: self.needs_restart[row],
         })
     }
 }
@@ -215,7 +215,7 @@ mod tests {
         arrays
     }
 
-    fn rows(arrays: &ParticleArrays<f64, 2>) -> Vec<Row> {
+    fn rows(arrays: &ParticleArrays<f64, 2>) -> Vec<ParticleRow> {
         (0..arrays.len()).map(|row| arrays.row(row)).collect()
     }
 
@@ -229,9 +229,12 @@ mod tests {
         let mut arrays = gathered(&mut world);
         assert_eq!(arrays.len(), 3, "the reservoir has no rows");
         for row in 0..3 {
-            assert!(arrays.row(row).fresh && arrays.row(row).velocity_before == arrays.row(row).velocity);
-            arrays.fresh[row] = false;
-            arrays.velocity_before[0][row] = 7.0;
+            assert!(
+                arrays.row(row).needs_restart
+                    && arrays.row(row).previous_velocity == arrays.row(row).velocity
+            );
+            arrays.needs_restart[row] = false;
+            arrays.previous_velocity[0][row] = 7.0;
         }
         let before = rows(&arrays);
         let mut positions = world.query::<&mut Position>();
@@ -249,12 +252,12 @@ mod tests {
         let mut world = World::new();
         let entities = [0, 1].map(|id| world.spawn((bundle(id, 1.0), Fluid)).id());
         let mut arrays = gathered(&mut world);
-        arrays.fresh.fill(false);
-        arrays.velocity_before[1].fill(0.25);
+        arrays.needs_restart.fill(false);
+        arrays.previous_velocity[1].fill(0.25);
         world.entity_mut(entities[1]).insert(Velocity(DVec3::X));
         gather(&mut world, &mut arrays);
         let [kept, changed] = [arrays.row(0), arrays.row(1)];
-        assert!(!kept.fresh && kept.velocity_before == DVec3::new(0.0 - 1.0, 0.25, 0.0));
-        assert!(changed.fresh && changed.velocity_before == DVec3::X);
+        assert!(!kept.needs_restart && kept.previous_velocity == DVec3::new(0.0 - 1.0, 0.25, 0.0));
+        assert!(changed.needs_restart && changed.previous_velocity == DVec3::X);
     }
 }

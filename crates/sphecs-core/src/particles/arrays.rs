@@ -24,21 +24,21 @@ columns! {
     zone: Vec<Zone> => Zone, "zone", Always, PermuteUnlessUniform(zones);
     /// Index of the inlet, outlet or wall part that the particle belongs to; 0 for fluid.
     patch: Vec<u16> => u16, "patch", Always, PermuteUnlessUniform(patches);
-    /// Whether the next step of the particle is a corrective (Euler) step, because its role has
+    /// True if the next step of the particle is a corrective (Euler) step, because its role has
     /// just changed.
-    fresh: Vec<bool> => bool, "fresh", Always, PermuteUnlessUniform(flags);
+    needs_restart: Vec<bool> => bool, "fresh", Always, PermuteUnlessUniform(flags);
     /// Position, m.
     position: [Vec<f64>; D] => DVec3, "position", Always, Permute(positions);
     /// Velocity at the present time, m/s. For a wall: the velocity of its surface.
     velocity: [Vec<R>; D] => DVec3, "velocity", Always, Permute(reals);
     /// Velocity one step earlier (Verlet), half a step earlier where the pressure evolves, m/s.
-    velocity_before: [Vec<R>; D] => DVec3, "velocity_before", Always, Permute(reals);
+    previous_velocity: [Vec<R>; D] => DVec3, "velocity_before", Always, Permute(reals);
     /// Density, kg/m³.
     density: Vec<R> => f64, "density", Always, Permute(reals);
     /// Pressure, Pa.
     pressure: Vec<R> => f64, "pressure", Always, Permute(reals);
     /// Evolved pressure half a step earlier, Pa.
-    pressure_before: Vec<R> => f64, "pressure_before", PressureEvolves, Permute(reals);
+    previous_pressure: Vec<R> => f64, "pressure_before", PressureEvolves, Permute(reals);
     /// Velocity that moved the particle in the last step beyond its own, m/s: of shifting, or of
     /// the transport velocity.
     drift: [Vec<R>; D] => DVec3, "drift", ParticlesDrift, Permute(reals);
@@ -50,7 +50,7 @@ columns! {
 }
 
 impl When {
-    /// Whether a particle of a zone brings the column into use.
+    /// Returns true if a particle of a zone brings the column into use.
     fn begins_with(self, zone: Zone) -> bool {
         self == When::WallsExist && zone == Zone::Wall
     }
@@ -62,12 +62,12 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         self.id.len()
     }
 
-    /// Whether there is no particle.
+    /// Returns true if there is no particle.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
-    /// Whether columns with a condition are in use.
+    /// Returns true if columns with a condition are in use.
     fn is_used(&self, when: When) -> bool {
         match when {
             When::Always => true,
@@ -188,16 +188,16 @@ mod tests {
             id: vec![0, 1, 2, 3],
             zone: vec![Zone::Fluid, Zone::Wall, Zone::Reservoir, Zone::Outflow],
             patch: vec![0, 1, 2, 3],
-            fresh: vec![false, true, false, true],
+            needs_restart: vec![false, true, false, true],
             position: [count(1), count(2)],
             velocity: [count(3), count(4)],
-            velocity_before: [count(5), count(6)],
+            previous_velocity: [count(5), count(6)],
             acceleration: [count(0), count(0)],
             density: count(7),
             pressure: count(8),
             evolves_pressure: true,
             drifts: true,
-            pressure_before: count(12),
+            previous_pressure: count(12),
             drift: [count(13), count(14)],
             wall_distance: count(9),
             wall_normal: [count(10), count(11)],
@@ -206,21 +206,21 @@ mod tests {
         assert_eq!(arrays.id, [3, 0, 1]);
         assert_eq!(arrays.zone, [Zone::Outflow, Zone::Fluid, Zone::Wall]);
         assert_eq!(arrays.patch, [3, 0, 1]);
-        assert_eq!(arrays.fresh, [true, false, true]);
+        assert_eq!(arrays.needs_restart, [true, false, true]);
         assert!(arrays.acceleration.iter().all(|column| column.len() == 3));
         let columns = [
             &arrays.position[0],
             &arrays.position[1],
             &arrays.velocity[0],
             &arrays.velocity[1],
-            &arrays.velocity_before[0],
-            &arrays.velocity_before[1],
+            &arrays.previous_velocity[0],
+            &arrays.previous_velocity[1],
             &arrays.density,
             &arrays.pressure,
             &arrays.wall_distance,
             &arrays.wall_normal[0],
             &arrays.wall_normal[1],
-            &arrays.pressure_before,
+            &arrays.previous_pressure,
             &arrays.drift[0],
             &arrays.drift[1],
         ];

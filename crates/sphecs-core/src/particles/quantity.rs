@@ -11,7 +11,7 @@ use crate::math::real::Real;
 
 /// Number of one particle in a column.
 pub trait ColumnElement: Copy + Default + PartialEq + Send + Sync {
-    /// The number as a [`Row`](super::rows::Row) holds it.
+    /// The number as a [`ParticleRow`](super::rows::ParticleRow) holds it.
     type Value: Copy + Default;
     /// The number as a checkpoint keeps it.
     type Saved: Element;

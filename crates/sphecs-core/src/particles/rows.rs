@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::arrays::ParticleArrays;
-pub use super::arrays::Row;
+pub use super::arrays::ParticleRow;
 use crate::math::real::Real;
 
 /// Returns the vector in a row of f64 columns.
@@ -71,22 +71,22 @@ mod tests {
     fn a_particle_is_read_as_it_was_pushed() {
         let mut arrays =
             ParticleArrays::<f64, 2> { evolves_pressure: true, drifts: true, ..Default::default() };
-        let row = Row {
+        let row = ParticleRow {
             id: 7,
             zone: Zone::Outflow,
             patch: 2,
-            fresh: true,
+            needs_restart: true,
             position: DVec3::new(1.0, 2.0, 0.0),
             velocity: DVec3::new(3.0, 4.0, 0.0),
-            velocity_before: DVec3::new(5.0, 6.0, 0.0),
+            previous_velocity: DVec3::new(5.0, 6.0, 0.0),
             density: 1000.0,
             pressure: -3.0,
-            pressure_before: -4.0,
+            previous_pressure: -4.0,
             drift: DVec3::new(0.5, -0.5, 0.0),
             wall_distance: 0.25,
             wall_normal: DVec3::ZERO,
         };
-        let wall = Row { zone: Zone::Wall, wall_normal: DVec3::new(0.0, 1.0, 0.0), ..row };
+        let wall = ParticleRow { zone: Zone::Wall, wall_normal: DVec3::new(0.0, 1.0, 0.0), ..row };
         [row, wall, row].iter().for_each(|row| arrays.push(row));
         assert_eq!([0, 1, 2].map(|at| arrays.row(at)), [row, wall, row]);
         arrays.clear();

@@ -60,23 +60,23 @@ mod tests {
     use glam::DVec3;
 
     use super::super::arrays::SpareColumns;
-    use super::super::rows::Row;
+    use super::super::rows::ParticleRow;
     use super::*;
 
     #[test]
     fn restored_arrays_equal_the_saved_without_particles_bound_for_the_reservoir() {
         let mut arrays = ParticleArrays::<f32, 3>::default();
-        let row = |id: u32, zone: Zone| Row {
+        let row = |id: u32, zone: Zone| ParticleRow {
             id,
             zone,
             patch: id as u16,
-            fresh: id == 1,
+            needs_restart: id == 1,
             position: DVec3::new(0.1, 0.2, f64::from(id)),
             velocity: DVec3::new(0.3, -0.0, 0.0),
-            velocity_before: DVec3::new(0.4, 0.0, f64::from(id)),
+            previous_velocity: DVec3::new(0.4, 0.0, f64::from(id)),
             density: 1000.0,
             pressure: -1.5,
-            pressure_before: 0.0,
+            previous_pressure: 0.0,
             drift: DVec3::ZERO,
             wall_distance: f64::INFINITY,
             wall_normal: DVec3::ZERO,

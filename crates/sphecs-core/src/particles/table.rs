@@ -1,11 +1,12 @@
 //! Macro for the table of particle columns.
 //!
 //! One line of the table states name, type, value of one particle, name in a checkpoint, when the
-//! column is in use and how it is sorted. The macro generates [`ParticleArrays`] and [`Row`]
-//! with everything that has to name every column, so that a column cannot be forgotten.
+//! column is in use and how it is sorted. The macro generates [`ParticleArrays`] and
+//! [`ParticleRow`] with everything that has to name every column, so that a column cannot be
+//! forgotten.
 //!
 //! [`ParticleArrays`]: super::arrays::ParticleArrays
-//! [`Row`]: super::rows::Row
+//! [`ParticleRow`]: super::rows::ParticleRow
 
 /// Condition for a column to be in use; a column that is not is empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,15 +50,15 @@ macro_rules! columns {
             /// Rate of change of velocity, m/s²: written by a step between its sort and its kick,
             /// without meaning at other times.
             pub acceleration: [Vec<R>; D],
-            /// Whether the pressure evolves by an equation of its own.
+            /// True if the pressure evolves by an equation of its own.
             pub evolves_pressure: bool,
-            /// Whether particles are moved by more than their velocity.
+            /// True if particles are moved by more than their velocity.
             pub drifts: bool,
         }
 
         /// All values of one particle.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        pub struct Row {
+        pub struct ParticleRow {
             $(
                 $(#[$doc])*
                 pub $name: $value,
@@ -78,7 +79,7 @@ macro_rules! columns {
         impl<R: Real, const D: usize> ParticleArrays<R, D> {
             /// Appends a particle behind all others, outside the order of the cells, until the next
             /// sort.
-            pub fn push(&mut self, particle: &Row) {
+            pub fn push(&mut self, particle: &ParticleRow) {
                 let row = self.len();
                 $(
                     if self.is_used(When::$when) || When::$when.begins_with(particle.zone) {
@@ -89,8 +90,8 @@ macro_rules! columns {
             }
 
             /// Returns all values of the particle of a row; 0 for columns that are not in use.
-            pub fn row(&self, row: usize) -> Row {
-                Row {
+            pub fn row(&self, row: usize) -> ParticleRow {
+                ParticleRow {
                     $(
                         $name: match self.is_used(When::$when) {
                             true => self.$name.value(row),

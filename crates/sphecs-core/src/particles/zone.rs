@@ -3,14 +3,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where a particle belongs. The number is what `particles.nc` stores in `zone`.
+/// Role of a particle; `particles.nc` stores its number in `zone`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Zone {
-    /// Moves by the equations of motion.
+    /// Moved by the equations of motion.
     #[default]
     Fluid = 0,
-    /// A fixed image particle behind a wall.
+    /// Fixed image particle behind a wall.
     Wall = 1,
     /// Upstream of an inlet plane, velocity prescribed.
     Inflow = 2,
@@ -24,7 +24,7 @@ impl Zone {
     /// All zones in the order of their numbers.
     pub const ALL: [Zone; 5] = [Zone::Fluid, Zone::Wall, Zone::Inflow, Zone::Outflow, Zone::Reservoir];
 
-    /// Whether particles of the zone belong to the flow: fluid, inflow and outflow.
+    /// Returns true if particles of the zone belong to the flow: fluid, inflow and outflow.
     #[inline(always)]
     pub fn flows(self) -> bool {
         matches!(self, Zone::Fluid | Zone::Inflow | Zone::Outflow)
@@ -35,7 +35,7 @@ impl Zone {
         Self::ALL.get(usize::from(number)).copied()
     }
 
-    /// Lower-case name, as in CF `flag_meanings`.
+    /// Returns the lower-case name, as in CF `flag_meanings`.
     pub fn name(self) -> &'static str {
         match self {
             Zone::Fluid => "fluid",

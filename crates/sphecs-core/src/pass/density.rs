@@ -4,10 +4,11 @@
 //! ρ_a = m Σ_b W_ab / C,   C: the same sum on the initial lattice;   p_a = p(ρ_a) by Tait
 //! ```
 //!
-//! Under Tait's equation only the fluid is summed: a condition sets the pressure of walls and zones, and their density follows
-//! from it. Where the pressure evolves, the pressure of a condition says nothing of the volumes, so inflow and outflow are
-//! summed too. Walls then have the reference density, which is the sum over their lattice: their own sum would be cut off
-//! behind the last layer.
+//! Under Tait's equation only the fluid is summed: a condition sets the pressure of walls and
+//! zones, and their density follows from it. Where the pressure evolves, the pressure of a
+//! condition says nothing of the volumes, so inflow and outflow are summed too. Walls then have the
+//! reference density, which is the sum over their lattice: their own sum would be cut off behind
+//! the last layer.
 
 use std::ops::Range;
 
@@ -23,10 +24,12 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::density;
 
-/// Least r²/h² under a root: a particle is its own neighbour, and 1/√0 would spoil its own share of the sum.
+/// Least r²/h² under a root: a particle is its own neighbour, and 1/√0 would spoil its own share of
+/// the sum.
 pub(super) const LEAST_Q2: f64 = 1e-30;
 
-/// Sums the density of the particles that the settings name over all particles, themselves included.
+/// Sums the density of the particles that the settings name over all particles, themselves
+/// included.
 ///
 /// Sets the pressure of the fluid where it follows from Tait's equation.
 pub fn sum_density<R: Real, const D: usize>(
@@ -89,10 +92,11 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for DensityPass<'a> {
     }
 }
 
-/// Turns the kernel sums of particles into densities and pressures; a particle without a sum keeps its values.
+/// Turns the kernel sums of particles into densities and pressures; a particle without a sum keeps
+/// its values.
 ///
-/// Apart from the sums, because the chain of dependent operations of one particle would delay the sum of the next. Without a
-/// branch, so that the compiler vectorises the loop.
+/// Apart from the sums, because the chain of dependent operations of one particle would delay the
+/// sum of the next. Without a branch, so that the compiler vectorises the loop.
 #[inline(always)]
 pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut [R], pressure: &mut [R]) {
     let scale = pair.kernel_scale();
@@ -121,7 +125,7 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     let mut covered = Covered::default();
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
     for stretch in pack.stretches::<L, D>(D) {
-        let notes = if of_near_alone::<K, L, D>() {
+        let notes = if finds_neighbours_first::<K, L, D>() {
             let notes = stretch.find_near(x_a, limit);
             for lane in stretch.near(notes, &mut covered) {
                 sum = K::add_value(squared_distance(x_a, stretch.at_lane(lane)).roots().0, sum);
@@ -141,11 +145,12 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     (sum.sum(), near)
 }
 
-/// Whether the neighbours in the support are found before their kernel values are computed.
+/// Returns true if the neighbours in the support are found before their kernel values are computed.
 ///
-/// That saves the roots and values of all others, and costs every distance twice and a mispredicted branch per particle. In
-/// single precision, with fewer vectors and cheap roots, it costs as much as it saves, or more.
-const fn of_near_alone<K: KernelShape, L: Lanes, const D: usize>() -> bool {
+/// That saves the roots and values of all others, and costs every distance twice and a mispredicted
+/// branch per particle. In single precision, with fewer vectors and cheap roots, it costs as much
+/// as it saves, or more.
+const fn finds_neighbours_first<K: KernelShape, L: Lanes, const D: usize>() -> bool {
     let is_double = size_of::<L::Real>() == size_of::<f64>();
     D < CULLED_DIMENSIONS && is_double && (L::COSTLY_ROOTS || K::COSTLY_VALUE)
 }

@@ -1,4 +1,4 @@
-//! Fits of the fluid's fields at a point, neighbour by neighbour of a pack.
+//! Fits of the fluid's fields at a point, over the neighbours in a pack.
 //!
 //! ```text
 //! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i(x_b − x))²   →   f(x) = c_0,   φ_0 = 1, the others 0 at x
@@ -19,23 +19,27 @@ use crate::physics::outlet::mirror::Image;
 
 /// Columns beside the coordinates: volume of the fluid, pressure, velocity.
 pub(super) const COLUMNS: usize = 2 + 3;
-/// Which of a pack's columns after its `D` coordinates is what.
+/// Index of the fluid's volume among the columns behind the coordinates.
 pub(super) const VOLUME: usize = 0;
+/// Index of the pressure among them.
 pub(super) const PRESSURE: usize = 1;
+/// Index of the first component of velocity among them.
 pub(super) const VELOCITY: usize = 2;
 
-/// What is fitted at each point.
+/// Quantities that are fitted at each point, and their bases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointFit {
     /// The pressure, by a linear basis.
     Pressure,
-    /// The kernel mean of the pressure, and the velocity along the normal of a section by a basis that is linear along it and
-    /// quadratic over it: a kernel mean takes 3 % of the peak off a Poiseuille profile of 25 rows and lets the row at the wall
-    /// run ahead, which no outlet can follow.
+    /// The kernel mean of the pressure, and the velocity along the normal of a section.
+    ///
+    /// The basis of the velocity is linear along the normal and quadratic across it. A kernel mean
+    /// would lower the peak of a Poiseuille profile with 25 particles across by 3 %, and raise the
+    /// velocity of the layer at the wall, which no outlet can follow.
     Section {
         /// Unit normal of the section.
         normal: DVec3,
-        /// Unit vectors in it; the second is not looked at in 2D.
+        /// Unit vectors in the section; the second is not used in 2D.
         across: [DVec3; 2],
     },
     /// The kernel means of the pressure and of the velocity along a normal.
@@ -43,7 +47,7 @@ pub enum PointFit {
         /// Unit normal.
         normal: DVec3,
     },
-    /// The kernel mean of a column of the caller's, found as the pressure.
+    /// The kernel mean of a column of the caller, returned as the pressure.
     Column,
     /// Velocity and pressure with their slopes along a normal, by a linear basis.
     Image {
@@ -53,7 +57,7 @@ pub enum PointFit {
 }
 
 impl PointFit {
-    /// Columns behind the coordinates that a pack must have.
+    /// Returns the number of columns that a pack must have behind the coordinates.
     pub(super) fn columns(self, dimensions: usize) -> usize {
         match self {
             PointFit::Pressure | PointFit::Column => VELOCITY,
@@ -63,7 +67,7 @@ impl PointFit {
         }
     }
 
-    /// Fits at a point of a pack, which is in units of h; None where no fluid is near.
+    /// Fits at a point of a pack, in units of h; None where no fluid is in the support.
     #[inline(always)]
     pub(super) fn at<K: KernelShape, L: Lanes, const D: usize>(
         self,
@@ -90,11 +94,12 @@ pub struct PointFlow {
     pub velocity: f64,
     /// Pressure, Pa.
     pub pressure: f64,
-    /// All components of the velocity, m/s, and their slopes along the normal, 1/s, and that of the pressure, Pa/m, of an image; else 0.
+    /// Velocity, m/s, and pressure with their slopes along the normal, 1/s and Pa/m, of an image
+    /// fit; else 0.
     pub image: Image,
 }
 
-/// x_b − x in units of h, and V_b w(q), of the neighbours in an entry.
+/// Returns x_b − x in units of h, and V_b w(q), of the neighbours in an entry.
 #[inline(always)]
 fn offset<K: KernelShape, L: Lanes, const D: usize>(entry: &Entry<'_, L>, at: [L::Real; D]) -> ([L; D], L) {
     let mut offset = [L::constant(0.0); D];
@@ -106,6 +111,7 @@ fn offset<K: KernelShape, L: Lanes, const D: usize>(entry: &Entry<'_, L>, at: [L
     (offset, entry.column(D + VOLUME) * K::value(q2.roots().0))
 }
 
+/// Fits the pressure by a linear basis.
 #[inline(always)]
 fn pressure<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -127,6 +133,7 @@ fn pressure<K: KernelShape, L: Lanes, const D: usize>(
     Some(PointFlow { pressure: solve_linear(moments, right, D), ..PointFlow::default() })
 }
 
+/// Fits the velocity along a normal by `N` functions; the pressure is a kernel mean.
 #[inline(always)]
 fn section<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     pack: &Pack<L::Real>,
@@ -174,7 +181,7 @@ fn section<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     })
 }
 
-/// Kernel means of the pressure's column and, along a normal, of the velocity.
+/// Returns the kernel means of the pressure and, along a normal, of the velocity.
 #[inline(always)]
 fn mean<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -204,7 +211,9 @@ fn mean<K: KernelShape, L: Lanes, const D: usize>(
     })
 }
 
-/// Pressure and velocity by a linear basis, with their slopes along a normal; where the neighbours do not span it, the kernel means.
+/// Fits pressure and velocity by a linear basis, with their slopes along a normal.
+///
+/// Returns the kernel means where the neighbours do not span the basis.
 #[inline(always)]
 fn image<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     pack: &Pack<L::Real>,
@@ -254,7 +263,8 @@ fn image<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     Some(PointFlow { velocity: image.velocity.dot(normal), pressure: image.pressure, image })
 }
 
-/// Adds neighbours to the lower triangle of the moments and to the right-hand side, of the first `count` functions.
+/// Adds neighbours to the lower triangle of the moments and to the right-hand side, for the first
+/// `count` functions.
 #[inline(always)]
 fn add<L: Lanes, const N: usize>(
     moments: &mut [[L; N]; N],
@@ -273,7 +283,7 @@ fn add<L: Lanes, const N: usize>(
     }
 }
 
-/// Both triangles of the moments, summed over the lanes.
+/// Returns both triangles of the moments, summed over the lanes.
 #[inline(always)]
 fn symmetric<L: Lanes, const N: usize>(moments: [[L; N]; N], count: usize) -> [[f64; N]; N] {
     let mut all = [[0.0; N]; N];

@@ -4,9 +4,11 @@
 //! G_ij = Σ_b V_b (v_b − v_a)_i ∂W/∂x_j,   M_kj = −Σ_b V_b x_ab,k ∂W/∂x_j,   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj
 //! ```
 //!
-//! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok (1999): it makes the gradient exact
-//! where the support is cut, and also on a coarse lattice. Walls enter with their image velocities, so the gradient at a wall is
-//! that of the velocity continued through it. Where M is singular (fewer neighbours than dimensions) the uncorrected sum is kept.
+//! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok
+//! (1999): it makes the gradient exact where the support is cut, and also on a coarse lattice.
+//! Walls enter with their image velocities, so the gradient at a wall is that of the velocity
+//! continued through it. Where M is singular (fewer neighbours than dimensions) the uncorrected sum
+//! is kept.
 
 use super::density::LEAST_Q2;
 use super::pack::{Near, Only, Pack, Source};
@@ -45,7 +47,8 @@ impl WallColumns {
         }
     }
 
-    /// Returns the number of columns behind the coordinates, those of velocity and density included.
+    /// Returns the number of columns behind the coordinates, those of velocity and density
+    /// included.
     fn columns(self, dimensions: usize) -> usize {
         let flow = dimensions + 1;
         match self {
@@ -56,7 +59,8 @@ impl WallColumns {
     }
 }
 
-/// Sums the velocity gradient of fluid, inflow and outflow particles over all particles, into `sums.gradient`.
+/// Sums the velocity gradient of fluid, inflow and outflow particles over all particles, into
+/// `sums.gradient`.
 pub fn sum_gradients<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -253,10 +257,10 @@ mod tests {
     }
 
     #[test]
-    fn the_gradient_is_that_of_the_level_asked_for() {
+    fn gradient_is_that_of_the_requested_level() {
         let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.3), [9, 9], false);
         for row in 0..sample.particles.len() {
-            sample.particles.velocity_before[0][row] = 3.0 * sample.particles.position[1][row];
+            sample.particles.previous_velocity[0][row] = 3.0 * sample.particles.position[1][row];
             sample.particles.velocity[0][row] = row as f64;
         }
         let level = VelocityLevel::Previous;

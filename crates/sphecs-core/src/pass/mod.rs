@@ -1,6 +1,6 @@
-//! Floor 3: the hot loops over the arrays.
+//! Pair passes: the loops over particles and their neighbours.
 //!
-//! | pass | rows it writes | what |
+//! | pass | particles it writes | result |
 //! |---|---|---|
 //! | [`density`] | fluid (inflow, outflow) | density by summation, pressure by Tait |
 //! | [`wall_distance`] | fluid, inflow, outflow | distance to the nearest wall surface |
@@ -9,16 +9,22 @@
 //! | [`stress`] | all | sub-particle stress from the gradient, extrapolated to walls |
 //! | [`strain`] | fluid, inflow, outflow | velocity gradient among the neighbours and rate of strain, summed with the density |
 //! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets, by [`fits`] |
-//! | [`waves`] | outflow | what the wave equation of an outlet sums over its neighbours |
+//! | [`waves`] | outflow | sums of an outlet's wave equation, and concentration gradient |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
 //! | [`section`] | none | mass flow through planes |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
-//! | [`wall_friction`] | fluid | what walls with a wall function take |
-//! | [`edac`] | fluid | the same where the pressure evolves, with the pressure's own rate and the drift |
+//! | [`wall_friction`] | fluid | friction of walls with a wall function |
+//! | [`edac`] | fluid | rates where the pressure evolves, with that of the pressure and the drift |
 //!
-//! A pass goes over blocks of cells in parallel; for each cell it packs the neighbourhood once ([`pack`]) and runs
-//! every row of the cell over it. A row's sums depend on its cell's pack alone, so they are the same bits for any
-//! number of threads. Each ordered pair is computed for its own row: nothing is scattered, nothing is locked.
+//! A pass runs over blocks of cells in parallel (`row_pass`). For each cell it packs the
+//! neighbourhood once ([`pack`]) and sums over it for every particle of the cell. The sums of a
+//! particle depend on the pack of its cell alone, so they are bitwise identical for any number of
+//! threads. Each ordered pair is computed for its own particle: no scatter, no lock.
+//!
+//! Beside the passes: [`blocks`] (parallel loops over blocks and parts), [`body`] (force and torque
+//! on a body), [`neighbours`] (neighbours of a point, one by one), [`settings`] (the scene in the
+//! form of plain values), [`sums`] (columns that the passes write) and [`wall_velocity`]
+//! (velocities of dummy walls).
 
 pub mod blocks;
 pub mod body;

@@ -1,7 +1,7 @@
-//! All particles within the support of a point, one by one.
+//! Neighbours of a point, one by one.
 //!
-//! The scalar companion of the packed passes, for what is asked at few points: inlets, outlets, probes. Periodic
-//! images included, always in the same order.
+//! The scalar counterpart of the packed passes, for few points: probes, inlets, outlets. Periodic
+//! images are included, always in the same order.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
-/// Looks up neighbours in sorted arrays: valid from the sort until the next change of position.
+/// Search for neighbours in sorted arrays: valid from the sort until the next change of position.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighbours<'a, R: Real, const D: usize> {
     /// Grid that the particles were sorted with.
@@ -21,18 +21,20 @@ pub struct Neighbours<'a, R: Real, const D: usize> {
 }
 
 impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
-    /// Neighbours within the support of the grid.
+    /// Searches within the support of the grid.
     pub fn new(grid: &'a CellGrid<D>, particles: &'a ParticleArrays<R, D>) -> Self {
         Self { grid, particles, support: grid.support() }
     }
 
-    /// Neighbours within a radius, m, that is a small part of the grid's support: visits few cells.
+    /// Searches within a radius, m, that is a small part of the grid's support: visits few cells.
     pub fn within(radius: f64, grid: &'a CellGrid<D>, particles: &'a ParticleArrays<R, D>) -> Self {
         Self { grid, particles, support: radius }
     }
 
-    /// Visits each particle, or image of one, nearer to `point` than the support: its row, `x_ab = point − x_b` (m) and
-    /// r² (m²). A particle at the point itself is visited too.
+    /// Visits each particle, or periodic image, nearer to `point` than the radius.
+    ///
+    /// `visit` gets its row, `x_ab = point − x_b`, m, and r², m². A particle at the point itself is
+    /// visited too.
     #[inline]
     pub fn for_each(&self, point: [f64; D], mut visit: impl FnMut(usize, [f64; D], f64)) {
         if !point.iter().all(|x| x.is_finite()) {
@@ -68,7 +70,7 @@ mod tests {
 
     use super::*;
     use crate::particles::arrays::SpareColumns;
-    use crate::particles::rows::Row;
+    use crate::particles::rows::ParticleRow;
     use crate::particles::zone::Zone;
 
     /// Particles at the given fractions of the box, all fluid but every seventh, which is stored.
@@ -84,7 +86,12 @@ mod tests {
             for d in 0..D {
                 position[d] = lower[d] + fraction[d] * (upper[d] - lower[d]);
             }
-            arrays.push(&Row { id: (row as u32 * 7919) % 10007, zone, position, ..Default::default() });
+            arrays.push(&ParticleRow {
+                id: (row as u32 * 7919) % 10007,
+                zone,
+                position,
+                ..Default::default()
+            });
         }
         arrays
     }
@@ -166,7 +173,7 @@ mod tests {
         #![proptest_config(Config::with_cases(48))]
 
         #[test]
-        fn grid_finds_what_brute_force_finds_in_2d(
+        fn neighbours_agree_with_brute_force_in_2d(
             length in [0.1..3.0, 0.1..3.0],
             periodic in [any::<bool>(), any::<bool>()],
             cell in 0.2..0.6,
@@ -176,7 +183,7 @@ mod tests {
         }
 
         #[test]
-        fn grid_finds_what_brute_force_finds_in_3d(
+        fn neighbours_agree_with_brute_force_in_3d(
             length in [0.1..2.0, 0.1..2.0, 0.1..2.0],
             periodic in [any::<bool>(), any::<bool>(), any::<bool>()],
             cell in 0.2..0.6,
@@ -187,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn one_periodic_cell_shows_a_particle_its_own_images() {
+    fn a_particle_in_one_periodic_cell_has_its_own_images_as_neighbours() {
         // Period 0.2, support 0.5: the images at ± 0.2 and ± 0.4 beside the particle itself.
         check([0.2, 0.2], [true, false], 0.5, &[[0.25, 0.5]]);
         let mut grid = CellGrid::new([0.0; 2], [0.2, 0.2], [true, false], 0.5, 0.5);

@@ -1,8 +1,9 @@
 //! Fields of the fluid at the points of inlets and outlets, by the [`fits`](super::fits).
 //!
-//! [`sampling`](super::sampling) does the same neighbour by neighbour for probes. Here there are thousands of points a step: they
-//! are put into the order of the cells that they lie in, and the points of one cell share its pack. The result at a point depends
-//! on that pack alone, not on the other points.
+//! [`sampling`](super::sampling) does the same neighbour by neighbour for probes. Here there are
+//! thousands of points a step: they are put into the order of the cells that they lie in, and the
+//! points of one cell share its pack. The result at a point depends on that pack alone, not on the
+//! other points.
 
 use super::fits::{COLUMNS, PRESSURE, PointFit, PointFlow, VELOCITY, VOLUME};
 use super::pack::{Only, Pack, Source};
@@ -22,7 +23,8 @@ pub struct PointFlows<const D: usize> {
     pub points: Vec<[f64; D]>,
     /// Flow at each point; None where no fluid is in the support.
     pub found: Vec<Option<PointFlow>>,
-    /// Number of each point behind the bits of its cell, sorted, so that points of one cell follow each other.
+    /// Number of each point behind the bits of its cell, sorted, so that points of one cell follow
+    /// each other.
     order: Vec<u64>,
     /// Flow at each point in that order.
     in_order: Vec<Option<PointFlow>>,
@@ -142,8 +144,9 @@ mod tests {
     use crate::particles::zone::Zone;
     use crate::pass::samples::{SPACING, Sample, settings};
 
-    /// Fits in a stirred box without periodic sides whose fields are those given, at its corner, an edge, its middle, and far
-    /// away; every seventh particle is a wall's, with nonsense for its fields.
+    /// Fits in a disordered box without periodic sides, with the given fields, at its corner, an
+    /// edge, its middle, and far away; every seventh particle is a wall's, with nonsense for its
+    /// fields.
     fn fitted<R: Real, const D: usize>(
         set: InstructionSet,
         fit: PointFit,
@@ -220,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn images_of_linear_fields_and_means_of_even_ones_are_exact_at_a_cut_support() {
+    fn images_of_linear_fields_and_means_of_uniform_ones_are_exact_at_a_cut_support() {
         for set in InstructionSet::available() {
             check_images::<f64, 2>(set, 1e-9);
             check_images::<f64, 3>(set, 1e-9);
@@ -230,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn fits_are_exact_at_a_cut_support_and_see_no_walls() {
+    fn fits_are_exact_at_a_cut_support_and_ignore_walls() {
         for set in InstructionSet::available() {
             check::<f64, 2>(set, 1e-10);
             check::<f64, 3>(set, 1e-10);

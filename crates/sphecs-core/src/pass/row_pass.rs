@@ -91,7 +91,7 @@ pub(super) trait RowPass<R: Real, const D: usize>: Sync {
     /// Result for one particle.
     type Sum;
 
-    /// Whether the pass sums for the particle of a row.
+    /// Returns true if the pass sums for the particle of a row.
     fn includes(&self, row: usize) -> bool;
 
     /// Sums over the neighbourhood of the particle of a row.

@@ -14,7 +14,7 @@ use crate::math::grid::CellGrid;
 use crate::math::kernel::Kernel;
 use crate::math::real::Real;
 use crate::particles::arrays::{ParticleArrays, SpareColumns};
-use crate::particles::rows::Row;
+use crate::particles::rows::ParticleRow;
 use crate::particles::zone::Zone;
 use crate::physics::eos::Tait;
 use crate::physics::wall::WallModel;
@@ -33,14 +33,14 @@ pub struct Sample<R: Real, const D: usize> {
     pub sums: PairSums<R, D>,
 }
 
-/// The settings of a sample.
+/// Returns the settings of a sample.
 pub fn settings(kernel: Kernel, dimensions: usize, smoothing_ratio: f64) -> PairSettings {
     let discretisation =
         Discretisation::new(kernel, dimensions, SPACING, smoothing_ratio, WATER.reference_density);
     PairSettings::new(&discretisation, WATER)
 }
 
-/// A number in −1..1 that looks random, the same for the same key.
+/// Returns a pseudo-random number in −1..1 that depends on the key alone.
 pub fn noise(key: u32) -> f64 {
     let mut x = u64::from(key).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -49,8 +49,9 @@ pub fn noise(key: u32) -> f64 {
 }
 
 impl<R: Real, const D: usize> Sample<R, D> {
-    /// A box of fluid on a lattice of `counts` particles, at rest at the reference density. Not periodic, the box has
-    /// a margin of a spacing.
+    /// Returns a box of fluid on a lattice of `counts` particles, at rest at the reference density.
+    ///
+    /// Unless it is periodic, the box has a margin of one spacing.
     pub fn lattice(pair: PairSettings, counts: [usize; D], periodic: bool) -> Self {
         let margin = if periodic { 0.0 } else { SPACING };
         let lower = [-0.3 - margin; D];
@@ -64,7 +65,7 @@ impl<R: Real, const D: usize> Sample<R, D> {
                 position[d] = -0.3 + ((rest % counts[d]) as f64 + 0.5) * SPACING;
                 rest /= counts[d];
             }
-            particles.push(&Row {
+            particles.push(&ParticleRow {
                 id: index as u32,
                 position,
                 density: WATER.reference_density,
@@ -81,7 +82,8 @@ impl<R: Real, const D: usize> Sample<R, D> {
         sample
     }
 
-    /// Moves each particle by up to `shift` (in Δ) and gives it a velocity of up to `speed`, m/s, by its number.
+    /// Disorders the particles: moves each by up to `shift` (in Δ) and gives it a velocity of up to
+    /// `speed`, m/s, by its number.
     pub fn stir(&mut self, shift: f64, speed: f64) {
         for row in 0..self.particles.len() {
             let key = self.particles.id[row] * 8;
@@ -105,18 +107,18 @@ impl<R: Real, const D: usize> Sample<R, D> {
         self.sums.forget_order();
     }
 
-    /// Density and pressure.
+    /// Sums density and pressure.
     pub fn density(&mut self) {
         sum_density(&self.pair, &self.grid, &mut self.particles, &mut self.sums);
     }
 
-    /// Density, pressure and rates of strain.
+    /// Sums density, pressure and rates of strain.
     pub fn strain(&mut self) {
         let level = VelocityLevel::Present;
         sum_density_and_strain(&self.pair, &self.grid, &mut self.particles, level, &mut self.sums);
     }
 
-    /// Velocities that dummy walls show, where walls are dummies.
+    /// Finds the velocities of dummy walls, where walls are dummies.
     pub fn velocity_seen(&mut self) {
         if self.pair.wall_model == WallModel::Dummy {
             let level = VelocityLevel::Present;
@@ -124,18 +126,18 @@ impl<R: Real, const D: usize> Sample<R, D> {
         }
     }
 
-    /// Accelerations.
+    /// Sums the rates.
     pub fn rates(&mut self) -> RatesSummary {
         self.velocity_seen();
         sum_rates(&self.pair, &self.grid, &mut self.particles, VelocityLevel::Present, &mut self.sums)
     }
 
-    /// The row of a particle.
+    /// Returns the row of a particle.
     pub fn row(&self, id: u32) -> usize {
         self.particles.id.iter().position(|&found| found == id).expect("the particle exists")
     }
 
-    /// All results of density and rates by particle number: density, acceleration, shift, divergence.
+    /// Returns density, divergence, acceleration and shift by particle number.
     pub fn results(&self) -> Vec<Vec<f64>> {
         let columns = [&self.particles.density, &self.sums.divergence];
         let vectors = [&self.particles.acceleration, &self.sums.shift];
@@ -146,7 +148,8 @@ impl<R: Real, const D: usize> Sample<R, D> {
     }
 }
 
-/// The velocity that dummy particles show, neighbour by neighbour: of rows that are no walls their own.
+/// Returns the velocity of a dummy particle, summed neighbour by neighbour; of other particles
+/// their own.
 pub fn dummy_velocity<R: Real, const D: usize>(sample: &Sample<R, D>, row: usize) -> [f64; D] {
     let particles = &sample.particles;
     let of = |row: usize| -> [f64; D] { std::array::from_fn(|d| particles.velocity[d][row].to_f64()) };

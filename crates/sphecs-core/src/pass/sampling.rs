@@ -1,13 +1,16 @@
-//! The fluid's fields at arbitrary points: velocity by a quadratic fit, pressure and density by a linear one.
+//! The fluid's fields at arbitrary points: velocity by a quadratic fit, pressure and density by a
+//! linear one.
 //!
 //! ```text
 //! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i((x_b − x)/h))²   →   f(x) = c_0,   φ = 1, ξ, η, …, ξ², ξη, η², …
 //! ```
 //!
-//! Moving least squares: Liu & Liu (2006), as Negi et al. (2020), Eq. 22, use it with a linear basis for their mirror
-//! points. A linear field comes back exactly, next to a boundary too, and a quadratic velocity: a linear fit takes 0.2 % of
-//! the peak off a Poiseuille profile of 50 rows, and 0.3 % onto it at the wall. Pressure is too noisy for curvatures. Where
-//! the neighbours do not span the quadratic basis well the linear one is taken, and without that the Shepard mean.
+//! Moving least squares: Liu & Liu (2006), as Negi et al. (2020), Eq. 22, use it with a linear
+//! basis for their mirror points. A linear field is reproduced exactly, next to a boundary too, and
+//! so is a quadratic velocity. A linear fit would lower the peak of a Poiseuille profile with 50
+//! particles across by 0.2 %, and raise the velocity at the wall by 0.3 %. Pressure is too noisy
+//! for curvatures. Where the neighbours do not span the quadratic basis well, the linear fit is
+//! used; where they do not span that, the Shepard mean.
 
 use glam::{DMat4, DVec3, DVec4};
 
@@ -20,15 +23,19 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::sample::Sample;
 use crate::particles::zone::Zone;
 
-/// Below this determinant of the scaled moments the neighbours do not span all directions: a full support has
-/// about 0.1^D.
+/// Determinant of the scaled moments below which the neighbours do not span all directions.
+///
+/// A full support has about 0.1^D.
 const SMALLEST_DETERMINANT: f64 = 1e-6;
 
 /// Fields that are fitted at once: velocity, pressure, density.
 const FIELDS: usize = 5;
 
-/// Largest gain of a quadratic fit: the variance of what it finds over that of the particles, if each had noise of its own.
-/// 0.1 to 0.3 within the fluid, 1 to 3 on a flat wall; 1 is a fit that has the noise of one particle.
+/// Largest gain of a quadratic fit: variance of its value over that of the particles, for
+/// independent noise.
+///
+/// It is 0.1 to 0.3 within the fluid and 1 to 3 on a flat wall; a fit of gain 1 has the noise of
+/// one particle.
 const MOST_GAIN: f64 = 5.0;
 
 /// Samples the fields of sorted particles.
@@ -39,7 +46,7 @@ pub struct Sampler<'a, R: Real, const D: usize> {
 }
 
 impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
-    /// A sampler that sees the particles of the zones that `sees` accepts.
+    /// Returns a sampler of the particles whose zones `sees` accepts.
     pub fn new(
         grid: &'a CellGrid<D>,
         particles: &'a ParticleArrays<R, D>,
@@ -49,7 +56,7 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
         Self { neighbours: Neighbours::new(grid, particles), pair, sees }
     }
 
-    /// Velocity, pressure and density at a point; None where no particle is near.
+    /// Returns velocity, pressure and density at a point; None where no particle is in the support.
     pub fn sample(&self, point: DVec3) -> Option<Sample> {
         // A row of moments for each function of the basis: 1, D coordinates and their products.
         if D == 2 { self.fit::<6>(point) } else { self.fit::<10>(point) }
@@ -105,7 +112,7 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
 }
 
 impl<R: Real, const D: usize> Sampler<'_, R, D> {
-    /// Σ_b (V_b W_b Σ_i a_i φ_i / Σ V W)² of a fit with the shares a.
+    /// Returns Σ_b (V_b W_b Σ_i a_i φ_i / Σ V W)² of a fit with the shares a.
     fn gain<const N: usize>(&self, point: [f64; D], total: f64, shares: &[f64; N]) -> f64 {
         let particles = self.neighbours.particles;
         let scale = 1.0 / self.pair.smoothing_length;
@@ -122,7 +129,7 @@ impl<R: Real, const D: usize> Sampler<'_, R, D> {
     }
 }
 
-/// 1, the coordinates and their products.
+/// Returns 1, the coordinates and their products.
 fn basis<const D: usize, const N: usize>(x: [f64; D]) -> [f64; N] {
     let mut basis = [1.0; N];
     basis[1..=D].copy_from_slice(&x);
@@ -136,8 +143,10 @@ fn basis<const D: usize, const N: usize>(x: [f64; D]) -> [f64; N] {
     basis
 }
 
-/// The value at the point of a linear fit with these moments (of 1 and the `dimensions` coordinates over h) and right-hand side; the
-/// Shepard mean where the neighbours do not span the directions. The first moment must not be zero.
+/// Returns the value at the point of a linear fit, from its moments and right-hand side.
+///
+/// The basis is 1 and the `dimensions` coordinates over h. Returns the Shepard mean where the
+/// neighbours do not span all directions. The first moment must not be zero.
 pub(super) fn solve_linear(moments: [[f64; 4]; 4], right: [f64; 4], dimensions: usize) -> f64 {
     let total = moments[0][0];
     let mut scaled = DMat4::from_cols_array_2d(&moments) * (1.0 / total);
@@ -187,7 +196,8 @@ mod tests {
 
     #[test]
     fn a_parabola_of_velocity_is_exact_on_a_flat_wall() {
-        // On y = −0.3, where the fluid begins, half of the support is empty. With h = 1.3 Δ two rows are left of it: too few.
+        // On y = −0.3, where the fluid begins, half of the support is empty. With h = 1.3 Δ two
+        // rows are left of it: too few.
         let mut sample = Particles::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 2.2), [14, 12], false);
         sample.stir(0.2, 0.0);
         let parabola = |y: f64| 2.0 - 40.0 * (y + 0.3).powi(2);

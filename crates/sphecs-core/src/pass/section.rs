@@ -4,12 +4,14 @@
 //! q = Σ_b m_b ((v_b + w_b) · n) M4((x_b − x_s) · n/Δ)/Δ,   M4: cubic B-spline, |x| < 2
 //! ```
 //!
-//! in kg/s (kg/(s m), per metre of depth, in 2D), with w what shifting or the transport velocity moved the particle by beyond v: the mass
-//! that the particles carry, smoothed along the normal. With the density smoothed in
-//! the same way it is kept exactly: a steady flow has the same q in every section, on whatever lattice
-//! its walls stand. Velocities alone are not: next to sharp edges shifting moves the fluid as a whole (docs/noise.md). A sum of
-//! interpolated values over the section keeps mass less: between walls that cut across the lattice it found up to 4 % too much. On
-//! rows that are Δ apart M4 sums to one wherever the plane lies.
+//! in kg/s (kg/(s m), per metre of depth, in 2D). w is the drift, the velocity by which shifting or
+//! the transport velocity moved the particle beyond v. q is the mass flow of the particles,
+//! smoothed along the normal. With the density smoothed in the same way mass is conserved exactly:
+//! a steady flow has the same q in every section, whatever the position of its walls on the
+//! lattice. Without w it would not: next to sharp edges shifting moves the fluid as a whole
+//! (docs/noise.md). A sum of interpolated values over the section conserves mass less well: between
+//! walls oblique to the lattice it was up to 4 % too large. Over layers of particles that are Δ
+//! apart M4 sums to one wherever the plane lies.
 
 use std::collections::HashSet;
 
@@ -18,7 +20,6 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
 
 /// A connected part of a plane through the flow.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,16 +29,18 @@ pub struct Section {
     /// Unit vectors in the plane.
     along: [DVec3; 2],
     spacing: f64,
-    /// Squares of the plane, Δ wide, that belong to it, those next to its rim included: a particle beside a bent wall may have its foot
-    /// a little outside.
+    /// Squares of the plane, Δ wide, that belong to it, and those next to its rim.
+    ///
+    /// The foot point of a particle beside a curved wall may lie slightly outside.
     cells: HashSet<(i32, i32)>,
     /// Periods of the domain along the axes, m.
     periods: [Option<f64>; 3],
 }
 
 impl Section {
-    /// The part of the plane through `at`, m, with a unit normal, over which `points` (m) are spread, no farther from each other than the
-    /// spacing Δ, m.
+    /// Returns the part of the plane through `at`, m, that `points`, m, cover, with a unit normal.
+    ///
+    /// The points must be no farther from each other than the spacing Δ, m.
     pub fn new(
         at: DVec3,
         normal: DVec3,
@@ -61,7 +64,7 @@ impl Section {
         (i, j)
     }
 
-    /// From a point of the section to the nearest image of a position, m.
+    /// Returns the vector from the point `at` of the section to the nearest image of a position, m.
     fn offset(&self, position: DVec3) -> DVec3 {
         let mut offset = position - self.at;
         for (axis, period) in self.periods.iter().enumerate() {
@@ -72,7 +75,7 @@ impl Section {
         offset
     }
 
-    /// What of a particle's mass flow belongs to the section, 1/m.
+    /// Returns the share of a particle's mass flow that belongs to the section, 1/m.
     fn weight(&self, position: DVec3) -> f64 {
         let offset = self.offset(position);
         let weight = cubic_spline(offset.dot(self.normal) / self.spacing);
@@ -80,26 +83,26 @@ impl Section {
     }
 }
 
-/// The cubic B-spline on knots at distance one.
+/// Returns the cubic B-spline on knots at distance one.
 fn cubic_spline(x: f64) -> f64 {
     let x = x.abs();
     if x < 1.0 { 2.0 / 3.0 - x * x + 0.5 * x * x * x } else { (2.0 - x).max(0.0).powi(3) / 6.0 }
 }
 
-/// Mass flows through sections, kg/s, of particles of the mass `mass`, kg (both per metre of depth in 2D).
+/// Returns the mass flows through sections, kg/s, of particles of the mass `mass`, kg (both per
+/// metre of depth in 2D).
 pub fn mass_flows<R: Real, const D: usize>(
     particles: &ParticleArrays<R, D>,
     mass: f64,
     sections: &[&Section],
 ) -> Vec<f64> {
     let flow = |section: &&Section| {
-        let rows = (0..particles.len())
-            .filter(|&row| matches!(particles.zone[row], Zone::Fluid | Zone::Inflow | Zone::Outflow));
+        let rows = (0..particles.len()).filter(|&row| particles.zone[row].flows());
         let of_row = |row: usize| {
             let weight = section.weight(particles.position_of(row));
             if weight > 0.0 { weight * particles.carrying_velocity_of(row).dot(section.normal) } else { 0.0 }
         };
-        // In the order of the rows: the same bits for any number of threads.
+        // In the order of the rows, so that the sum is bitwise identical for any number of threads.
         mass * rows.map(of_row).sum::<f64>()
     };
     sections.par_iter().map(flow).collect()
@@ -118,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stream_on_the_lattice_has_its_flow_wherever_the_plane_lies() {
+    fn mass_flow_on_the_lattice_is_exact_wherever_the_plane_lies() {
         let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.33), [40, 20], false);
         sample.particles.velocity[0].fill(0.3);
         let exact = WATER.reference_density * 0.3 * 20.0 * SPACING;
@@ -132,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_shifting_moves_counts() {
+    fn mass_flow_includes_the_drift() {
         let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.33), [40, 20], false);
         sample.particles.velocity[0].fill(0.3);
         sample.particles.drifts = true;
@@ -144,9 +147,10 @@ mod tests {
         assert!((found / exact - 1.0).abs() < 1e-12, "{found} for {exact}");
     }
 
-    /// A plane across the lattice at an angle meets rows at all distances: what is left is the ends of the rows.
+    /// A plane oblique to the lattice cuts layers at all distances; the error is that of the ends
+    /// of the layers.
     #[test]
-    fn a_slanted_plane_has_the_same_flow() {
+    fn an_oblique_plane_has_the_same_mass_flow() {
         let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.33), [60, 40], false);
         sample.particles.velocity[0].fill(0.3);
         let normal = DVec3::new(0.8, 0.6, 0.0);
@@ -159,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_period_has_no_seam_and_another_leg_is_left_out() {
+    fn section_crosses_a_periodic_boundary_and_excludes_other_parts_of_its_plane() {
         let mut sample = Sample::<f32, 3>::lattice(settings(Kernel::WendlandC2, 3, 1.33), [20, 12, 12], true);
         sample.particles.velocity[0].fill(0.5);
         let periods = [Some(20.0 * SPACING), Some(12.0 * SPACING), Some(12.0 * SPACING)];

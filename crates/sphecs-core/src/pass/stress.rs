@@ -1,8 +1,10 @@
 //! Sub-particle stress of all particles, as the rates need it.
 //!
-//! Fluid, inflow and outflow have the stress of their velocity gradient ([`gradients`](super::gradients)). Walls have none of
-//! their own: they take the kernel mean of the flow's T/ρ², as they take its pressure, so that a uniform stress exerts no force
-//! on the fluid beside a wall. With T = 0 in the wall the cut of the stress at the surface would push particles off it.
+//! Fluid, inflow and outflow have the stress of their velocity gradient
+//! ([`gradients`](super::gradients)). Walls have none of their own: they take the kernel mean of
+//! the flow's T/ρ², as they take its pressure, so that a uniform stress exerts no force on the
+//! fluid beside a wall. With T = 0 in the wall the cut of the stress at the surface would push
+//! particles off it.
 
 use std::ops::Range;
 
@@ -22,7 +24,8 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::viscosity::Sps;
 
-/// Sets stress and eddy viscosity from the velocity gradient in `sums`. Does nothing unless the viscous term is `Sps`.
+/// Sets stress and eddy viscosity from the velocity gradient in `sums`. Does nothing unless the
+/// viscous term is `Sps`.
 pub fn find_stress<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,

@@ -1,4 +1,5 @@
-//! What the pair passes write beside the particle arrays, and the buffers they keep from step to step.
+//! Columns that the pair passes write beside the particle arrays, and buffers that they keep from
+//! step to step.
 
 use std::ops::Range;
 
@@ -13,81 +14,108 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::wall::WallModel;
 
-/// Sums per row and buffers of the passes. Rows are those of the particle arrays; only fluid rows are written.
+/// Sums per particle and buffers of the passes; the rows are those of the particle arrays.
 #[derive(Debug)]
 pub struct PairSums<R, const D: usize> {
-    /// Shifting vector. Fickian and Local: ∇C = Σ V_b ∇W, or `crowding` less its mean around, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves:
-    /// the acceleration by the background pressure, m/s², of fluid rows, and ∇C of outflow rows.
+    /// Shifting vector of the fluid, written by `rates`.
+    ///
+    /// Fickian and Local: ∇C = Σ V_b ∇W, or `concentration_gradient` less its mean over the
+    /// support, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves,
+    /// written by `edac`: acceleration by the background pressure, m/s²; for outflow ∇C, 1/m.
     pub shift: [Vec<R>; D],
-    /// dp/dt where the pressure evolves, Pa/s; else empty.
+    /// dp/dt of the fluid, Pa/s, written by `edac`; else empty.
     pub pressure_rate: Vec<R>,
-    /// ∇·v = Σ V_b (v_b − v_a)·∇W with image velocities, 1/s.
+    /// ∇·v = Σ V_b (v_b − v_a)·∇W of the fluid with image velocities, 1/s, written by `rates` and
+    /// `edac`.
     pub divergence: Vec<R>,
-    /// Rate λ at which the viscous term damps a fluid row among neighbours at rest, 1/s; empty without walls, and where the pressure evolves.
+    /// Rate λ at which the viscous term damps a fluid particle among neighbours at rest, 1/s,
+    /// written by `rates`.
+    ///
+    /// Empty without walls, and where the pressure evolves.
     pub damping: Vec<R>,
-    /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j, 1/s, of the flow's rows; empty until it is asked for.
+    /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j of the flow, 1/s, written by `gradients`;
+    /// else empty.
     pub gradient: [[Vec<R>; D]; D],
-    /// The same among a particle's neighbours alone (`pass/strain/mod.rs`), 1/s; empty unless shifting carries the velocity.
+    /// Velocity gradient among the neighbours of a particle, 1/s, written by `strain`.
+    ///
+    /// Empty unless shifting carries the velocity.
     pub neighbour_gradient: [[Vec<R>; D]; D],
-    /// ∇C = Σ V_b ∇W, 1/m, of the flow's rows, by the volumes of the step before (`pass/strain/mod.rs`); empty unless the fluid takes its mean
-    /// from the shift.
-    pub crowding: [Vec<R>; D],
-    /// Rate of strain (components as those of `stress`), 1/s, of the flow's rows; empty without damping of noise.
+    /// ∇C = Σ V_b ∇W of the flow, 1/m, by the volumes of the step before, written by `strain`.
+    ///
+    /// Empty unless the mean over the support is subtracted from the shift.
+    pub concentration_gradient: [Vec<R>; D],
+    /// Rate of strain of the flow, 1/s, with the components of `stress`, written by `strain`; else
+    /// empty.
     pub strain: [Vec<R>; 6],
-    /// Eddy viscosity ν_t, m²/s, of the flow's rows; empty without sub-particle stress.
+    /// Eddy viscosity ν_t of the flow, m²/s, written by `stress`; else empty.
     pub eddy_viscosity: Vec<R>,
-    /// T/ρ² (xx, yy, xy in 2D; xx, yy, zz, xy, yz, zx in 3D), m⁵/(kg s²), of all rows; empty without sub-particle stress.
+    /// T/ρ² of all particles, m⁵/(kg s²), written by `stress`: xx, yy, xy in 2D; xx, yy, zz, xy,
+    /// yz, zx in 3D; else empty.
     pub stress: [Vec<R>; 6],
-    /// Stress found for wall rows until all of them are.
+    /// Stress of wall particles until it is found for all of them.
     pub(super) wall_stress: [Vec<R>; 6],
-    /// Velocities as the fluid's viscous term sees them, m/s, of all rows: of walls those of `physics/wall/dummy.rs`. Empty unless
-    /// walls are dummy particles.
+    /// Velocities of all particles in the viscous term of the fluid, m/s, written by
+    /// `wall_velocity`.
+    ///
+    /// For walls see `physics/wall/dummy.rs`. Empty unless walls are dummy particles.
     pub velocity_seen: [Vec<R>; D],
-    /// Body force per mass, m/s², of the fluid rows: that by which a mirrored pressure goes on into a wall. Empty where it is the same everywhere,
+    /// Body force per mass on the fluid, m/s², by which a mirrored pressure is continued into a
+    /// wall; the caller writes it.
+    ///
+    /// Empty where it is uniform:
     /// [`PairSettings::body_force`](super::settings::PairSettings::body_force).
     pub body_force: [Vec<R>; D],
-    /// What a wall row with a wall function takes: acceleration of its neighbours over w(q), m/s²; 0 of all others. Empty where no wall has one.
+    /// Acceleration by a wall particle with a wall function over w(q), m/s², written by
+    /// `wall_friction`; 0 for others.
+    ///
+    /// Empty where no wall has a wall function.
     pub friction: [Vec<R>; D],
-    /// Σ w(q) over the fluid rows that feel it; empty with it.
+    /// Σ w(q) over the fluid that the friction acts on; empty with it.
     pub friction_felt: Vec<R>,
-    /// Which vectors of its cell's pack have something in the support of a row whose density was summed since the last sort; empty before that and in 3D.
+    /// Vectors of the pack with a neighbour in the support, for particles whose density was summed
+    /// since the last sort.
+    ///
+    /// Empty before that, and in 3D.
     pub(super) near: Vec<Near>,
     pub(super) columns: PairColumns<R>,
     pub(super) packs: PackPool<R>,
 }
 
-/// Columns that every neighbour is asked for, made once per pass.
+/// Neighbour columns that are derived from the particle arrays, made once per pass.
 #[derive(Debug, Default)]
 pub(super) struct PairColumns<R> {
-    /// Distance of a wall particle behind its surface, m; 0 for others. Negative for those of free-slip walls in the passes that
-    /// [`PairColumns::find_images`] made it for. Empty if there is no wall.
+    /// Distance of a wall particle behind its surface, m; 0 for others. Empty if there is no wall.
+    ///
+    /// Negative for free-slip walls after [`PairColumns::find_images`].
     pub image_distance: Vec<R>,
     /// 1 for fluid, inflow and outflow, 0 for walls.
     pub flow: Vec<R>,
-    /// Volume m/ρ of fluid rows, m³ (m² in 2D), 0 of others; empty unless an inlet, an outlet or shifting asks for the fluid.
+    /// Volume m/ρ of fluid particles, m³ (m² in 2D), 0 for others. Empty unless an inlet, an outlet
+    /// or shifting needs it.
     pub fluid_volume: Vec<R>,
-    /// Volume m/ρ of all rows before their density is summed, m³ (m² in 2D); empty unless shifting carries no mass.
+    /// Volume m/ρ of all particles before their density is summed, m³ (m² in 2D). Empty unless
+    /// shifting carries no mass.
     pub volume: Vec<R>,
-    /// Number of wall rows before each row, and of all at the end. Empty if there is no wall.
+    /// Number of wall particles before each row, and of all at the end. Empty if there is no wall.
     pub walls_before: Vec<u32>,
-    /// Number of wall rows before each chunk of rows.
+    /// Number of wall particles before each chunk of rows.
     walls_by_chunk: Vec<u32>,
-    /// What the columns above have of the walls; None until they are looked for in the present order.
+    /// Walls as the columns above describe them; None until they are found in the present order.
     walls: Option<Walls>,
-    /// Whether `fluid_volume` is that of the present densities.
+    /// True if `fluid_volume` is that of the present densities.
     has_fluid_volume: bool,
-    /// Pressure found for wall rows, Pa, until all of them are.
+    /// Pressure of wall particles, Pa, until it is found for all of them.
     pub wall_pressure: Vec<R>,
-    /// 1 for the wall rows of the body whose force is summed, 0 for all others.
+    /// 1 for the wall particles of the body whose force is summed, 0 for all others.
     pub body: Vec<R>,
 }
 
-/// Walls as the columns have them.
+/// Walls as the columns describe them.
 #[derive(Clone, Copy, Debug)]
 struct Walls {
-    /// Number of wall rows.
+    /// Number of wall particles.
     count: u32,
-    /// Whether the image distances are those of the wall model, for [`PairColumns::find_images`].
+    /// True if the image distances are those of the wall model, for [`PairColumns::find_images`].
     as_images: bool,
 }
 
@@ -100,7 +128,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             damping: Vec::new(),
             gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             neighbour_gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
-            crowding: std::array::from_fn(|_| Vec::new()),
+            concentration_gradient: std::array::from_fn(|_| Vec::new()),
             strain: std::array::from_fn(|_| Vec::new()),
             eddy_viscosity: Vec::new(),
             stress: std::array::from_fn(|_| Vec::new()),
@@ -117,7 +145,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
 }
 
 impl<R: Real, const D: usize> PairSums<R, D> {
-    /// Forgets what was noted of an order that the rows are no longer in, of zones that have changed and of walls that have moved.
+    /// Discards what depends on the order of the rows, on zones and on the position of walls.
     pub fn forget_order(&mut self) {
         self.near.clear();
         self.columns.walls = None;
@@ -125,17 +153,19 @@ impl<R: Real, const D: usize> PairSums<R, D> {
     }
 }
 
-/// A wall particle is never nearer to its surface than this, over Δ: a distance of 0 means "not a wall".
+/// A wall particle is never nearer to its surface than this, over Δ: a distance of 0 means "not a
+/// wall".
 const LEAST_IMAGE_DISTANCE: f64 = 1e-6;
 
 /// Rows that a thread takes at a time.
 const CHUNK: usize = 8192;
 
-/// Rows that are looked at together.
+/// Rows that are tested together for walls.
 const GROUP: usize = 32;
 
 impl<R: Real> PairColumns<R> {
-    /// Fills the columns that say where the walls are, unless they do since the last sort; returns the number of wall rows.
+    /// Fills the columns of the walls unless they are valid since the last sort; returns the number
+    /// of wall particles.
     pub(super) fn find_walls<const D: usize>(
         &mut self,
         pair: &PairSettings,
@@ -144,14 +174,15 @@ impl<R: Real> PairColumns<R> {
         match self.walls {
             Some(Walls { count, as_images: false }) => count,
             _ => {
-                let count = self.look_for_walls(pair, particles);
+                let count = self.fill_wall_columns(pair, particles);
                 self.walls = Some(Walls { count, as_images: false });
                 count
             }
         }
     }
 
-    fn look_for_walls<const D: usize>(
+    /// Fills image distances and wall counts; returns the number of wall particles.
+    fn fill_wall_columns<const D: usize>(
         &mut self,
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
@@ -177,8 +208,8 @@ impl<R: Real> PairColumns<R> {
         let inputs = zones.zip(particles.wall_distance.par_chunks(CHUNK)).zip(&self.walls_by_chunk);
         columns.zip(inputs).for_each(|((image, before), ((zones, distances), &walls))| {
             let mut walls = walls;
-            // Most groups of rows have no wall: they take no branch a row.
-            // The last chunk of those before has the total behind it.
+            // Most groups have no wall: they need no branch per row.
+            // The last chunk of `before` has the total behind it.
             let before = &mut before[..zones.len()];
             let groups = image.chunks_mut(GROUP).zip(before.chunks_mut(GROUP));
             for ((image, before), (zones, distances)) in
@@ -203,7 +234,7 @@ impl<R: Real> PairColumns<R> {
         total
     }
 
-    /// Fills the column of the volumes that the densities of the moment make.
+    /// Fills the column of the volumes from the present densities.
     pub(super) fn find_volume<const D: usize>(
         &mut self,
         pair: &PairSettings,
@@ -212,7 +243,8 @@ impl<R: Real> PairColumns<R> {
         fill_volumes(&mut self.volume, pair, particles, |_| true);
     }
 
-    /// Fills the column of the fluid's volumes, unless it has them since the last density was summed.
+    /// Fills the column of the fluid's volumes unless it is valid since the density was last
+    /// summed.
     pub(super) fn find_fluid_volume<const D: usize>(
         &mut self,
         pair: &PairSettings,
@@ -224,12 +256,12 @@ impl<R: Real> PairColumns<R> {
         }
     }
 
-    /// Forgets what was made of densities of the fluid that have changed.
+    /// Discards the volumes of densities that are about to change.
     pub(super) fn forget_densities(&mut self) {
         self.has_fluid_volume = false;
     }
 
-    /// Fills the column that says what flows.
+    /// Fills the column of particles of the flow.
     pub(super) fn find_flow<const D: usize>(&mut self, particles: &ParticleArrays<R, D>) {
         self.flow.resize(particles.len(), R::default());
         let work = |rows: Range<usize>, flow: &mut [R]| {
@@ -240,7 +272,7 @@ impl<R: Real> PairColumns<R> {
         for_each_part(0..particles.len(), self.flow.as_mut_slice(), &work);
     }
 
-    /// Fills the column that says which rows are those of a part of the wall.
+    /// Fills the column of the particles of a part of the wall.
     pub(super) fn find_body<const D: usize>(&mut self, part: u16, particles: &ParticleArrays<R, D>) {
         self.body.resize(particles.len(), R::default());
         let work = |rows: Range<usize>, body: &mut [R]| {
@@ -252,8 +284,10 @@ impl<R: Real> PairColumns<R> {
         for_each_part(0..particles.len(), self.body.as_mut_slice(), &work);
     }
 
-    /// Fills the columns that say where the walls are, as the wall model has the distances, with the sign that tells free-slip
-    /// walls from others; returns whether there are any.
+    /// Fills the columns of the walls with the distances of the wall model, negative for free-slip
+    /// walls.
+    ///
+    /// Returns whether there are any walls.
     pub(super) fn find_images<const D: usize>(
         &mut self,
         pair: &PairSettings,
@@ -285,7 +319,7 @@ impl<R: Real> PairColumns<R> {
     }
 }
 
-/// Volumes of the rows whose zone counts, 0 for the others.
+/// Fills a column with the volumes of the particles whose zone counts, 0 for the others.
 fn fill_volumes<R: Real, const D: usize>(
     column: &mut Vec<R>,
     pair: &PairSettings,
@@ -307,11 +341,11 @@ fn fill_volumes<R: Real, const D: usize>(
 mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
-    use crate::particles::rows::Row;
+    use crate::particles::rows::ParticleRow;
     use crate::pass::samples::{SPACING, settings};
 
     #[test]
-    fn walls_are_counted_wherever_groups_and_chunks_of_rows_end() {
+    fn walls_are_counted_across_ends_of_groups_and_chunks() {
         let pair = settings(Kernel::WendlandC2, 2, 1.3);
         for rows in [1, GROUP - 1, GROUP, 3 * GROUP + 7, CHUNK, CHUNK + 1, CHUNK + GROUP + 5] {
             let mut particles = ParticleArrays::<f64, 2>::default();
@@ -320,7 +354,7 @@ mod tests {
                 let is_wall = id + 1 == rows || (id / 50 % 3 == 0 && id % 7 == 2);
                 let zone = if is_wall { Zone::Wall } else { Zone::Fluid };
                 let wall_distance = if id % 2 == 0 { 0.3 * SPACING } else { 0.0 };
-                particles.push(&Row { id: id as u32, zone, wall_distance, ..Default::default() });
+                particles.push(&ParticleRow { id: id as u32, zone, wall_distance, ..Default::default() });
             }
             let mut columns = PairColumns::default();
             let total = columns.find_walls(&pair, &particles);

@@ -5,11 +5,12 @@
 //! d_a = min_b √(t_n² + max(0, t_s − R)²),   R = 0.75 Δ
 //! ```
 //!
-//! Every wall particle knows its foot point s_b on the surface and represents a disc of radius R around it. R is more than half
-//! the diagonal of a lattice cell, so the discs of a flat wall leave no gap and its distance is exact. At a convex corner a disc
-//! reaches beyond the wall by at most R − Δ/2, and shortens a distance by no more than that. Beside the particle of the corner
-//! itself, which belongs to one face only, a distance to the other face is 12 % too long. At a concave corner the nearer wall
-//! counts. The distance is positive on both sides of the surface.
+//! Every wall particle knows its foot point s_b on the surface and represents a disc of radius R
+//! around it. R is more than half the diagonal of a lattice cell, so the discs of a flat wall leave
+//! no gap and its distance is exact. At a convex corner a disc reaches beyond the wall by at most R
+//! − Δ/2, and shortens a distance by no more than that. Beside the particle of the corner itself,
+//! which belongs to one face only, a distance to the other face is 12 % too long. At a concave
+//! corner the nearer wall counts. The distance is positive on both sides of the surface.
 
 use super::pack::{Only, Pack, Source};
 use super::row_pass::{PassInput, RowPass, splat};
@@ -25,7 +26,8 @@ use crate::particles::zone::Zone;
 /// Radius R of the disc that a wall particle represents, over Δ.
 const DISC: f64 = 0.75;
 
-/// Finds the wall distance of fluid, inflow and outflow particles, m; infinite where no wall is in the support.
+/// Finds the wall distance of fluid, inflow and outflow particles, m; infinite where no wall is in
+/// the support.
 pub fn find_wall_distance<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -89,7 +91,8 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallDistancePass<'a> {
     }
 }
 
-/// Returns the distance, in units of h, to the nearest disc of the packed wall particles within `limit` (r²/h²).
+/// Returns the distance, in units of h, to the nearest disc of the packed wall particles within
+/// `limit` (r²/h²).
 #[inline(always)]
 fn nearest_disc<L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -127,8 +130,8 @@ mod tests {
     use crate::math::kernel::Kernel;
     use crate::pass::samples::{SPACING, Sample, settings};
 
-    /// A block whose particles with positive `depth` (m) are wall, with the given normal; returns the distances found by
-    /// position.
+    /// A block whose particles with positive `depth` (m) are wall, with the given normal; returns
+    /// the distances found by position.
     fn distances<const D: usize>(
         counts: [usize; D],
         depth: impl Fn([f64; D]) -> f64,
@@ -173,7 +176,8 @@ mod tests {
     #[test]
     fn distance_at_corners_is_that_of_the_nearer_surface() {
         let edge = 6.0 * SPACING;
-        // Convex: the wall fills x < edge and y < edge. Concave: it fills all but x > edge and y > edge.
+        // Convex: the wall fills x < edge and y < edge. Concave: it fills all but x > edge and
+        // y > edge.
         for convex in [true, false] {
             let depth = |x: [f64; 2]| {
                 let (along_x, along_y) = (edge - x[0], edge - x[1]);

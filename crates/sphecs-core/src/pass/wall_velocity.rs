@@ -4,8 +4,8 @@
 //! ṽ_w = Σ_b v_b W_wb / Σ_b W_wb   over fluid, inflow and outflow;   velocity of the dummy: physics/wall/dummy.rs
 //! ```
 //!
-//! Adami et al. (2012), Eqs. 22 and 23. All other particles enter with their own velocity. A wall particle without such a
-//! neighbour has the velocity of its wall: it is in nobody's support.
+//! Adami et al. (2012), Eqs. 22 and 23. All other particles enter with their own velocity. A wall
+//! particle without such a neighbour has the velocity of its wall: it is in nobody's support.
 
 use std::ops::Range;
 
@@ -24,7 +24,8 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::wall::dummy;
 
-/// Finds the velocities of all particles in the viscous term, from those of a level, into `sums.velocity_seen`.
+/// Finds the velocities of all particles in the viscous term, from those of a level, into
+/// `sums.velocity_seen`.
 pub fn find_velocity_seen<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -107,7 +108,8 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallVelocityPass<'a, R, D> {
     }
 }
 
-/// Returns the kernel mean of the packed flow's velocity at a point, m/s; None where there is no flow.
+/// Returns the kernel mean of the packed flow's velocity at a point, m/s; None where there is no
+/// flow.
 #[inline(always)]
 fn mean_velocity<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -136,7 +138,7 @@ mod tests {
     use crate::pass::samples::{SPACING, Sample, dummy_velocity, noise, settings};
     use crate::pass::settings::WallPartSettings;
 
-    /// Stirred fluid over a wall that moves and in parts lets the fluid slip, checked row by row against the formula.
+    /// Disordered fluid over a moving, partly free-slip wall, checked particle by particle.
     fn check<R: Real, const D: usize>(kernel: Kernel, counts: [usize; D], tolerance: f64) {
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         let pair = PairSettings {
@@ -173,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_are_seen_as_the_formula_has_them_and_the_flow_as_it_moves() {
+    fn dummy_velocities_agree_with_the_formula_and_the_flow_keeps_its_own() {
         for kernel in Kernel::ALL {
             check::<f64, 2>(kernel, [12, 14], 1e-12);
             check::<f64, 3>(kernel, [6, 9, 5], 1e-12);

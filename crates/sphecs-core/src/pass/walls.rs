@@ -4,8 +4,8 @@
 //! p_w = Σ_b [p_b + ρ_b (g − a_wall)·x_wb] W_wb / Σ_b W_wb,   ρ_w by the inverse of Tait, where the pressure is Tait's
 //! ```
 //!
-//! Adami et al. (2012), Eq. 27, over fluid, inflow and outflow. A wall particle without such a neighbour has the reference state:
-//! it is in nobody's support.
+//! Adami et al. (2012), Eq. 27, over fluid, inflow and outflow. A wall particle without such a
+//! neighbour has the reference state: it is in nobody's support.
 
 use std::ops::Range;
 
@@ -22,7 +22,8 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing contributes.
+/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing
+/// contributes.
 pub(super) const LEAST_WEIGHT: f64 = 1e-20;
 
 /// Columns of the pack beside the coordinates: density and pressure of the flow.
@@ -56,7 +57,8 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     set_wall_states(pair, particles, wall_pressure, walls_before);
 }
 
-/// Sets pressure and density of the wall particles; apart from the pass, which reads pressures while it runs.
+/// Sets pressure and density of the wall particles; apart from the pass, which reads pressures
+/// while it runs.
 fn set_wall_states<R: Real, const D: usize>(
     pair: &PairSettings,
     particles: &mut ParticleArrays<R, D>,
@@ -125,7 +127,8 @@ where
     }
 }
 
-/// Returns the kernel mean of the flow's pressure, Pa, continued to a point by `force` (force per mass times h, m²/s²).
+/// Returns the kernel mean of the flow's pressure, Pa, continued to a point by `force` (force per
+/// mass times h, m²/s²).
 #[inline(always)]
 fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -190,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn hydrostatic_pressure_goes_on_into_the_wall() {
+    fn hydrostatic_pressure_is_continued_into_the_wall() {
         for kernel in Kernel::ALL {
             let pair = settings(kernel, 2, 1.3);
             let hydrostatic = |height: f64| 50.0 - 1000.0 * 10.0 * height;

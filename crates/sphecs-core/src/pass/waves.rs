@@ -1,4 +1,5 @@
-//! Sums of an outlet's wave equation over the neighbours of its particles, and their concentration gradient.
+//! Sums of an outlet's wave equation over the neighbours of its particles, and their concentration
+//! gradient.
 
 use glam::DVec3;
 
@@ -27,7 +28,8 @@ pub struct WaveFound {
     pub concentration: DVec3,
 }
 
-/// Sums over the neighbours of the particles of `rows`, which must be in ascending order, into `found`.
+/// Sums over the neighbours of the particles of `rows`, which must be in ascending order, into
+/// `found`.
 ///
 /// Walls enter as the images that the fluid has of them.
 pub fn sum_waves<R: Real, const D: usize>(

@@ -70,7 +70,11 @@ impl ZoneMotion<'_, '_> {
         for (index, (outlet, rows)) in scene.outlets.iter().zip(&self.rows.outflow).enumerate() {
             move_outflow(outlet, &self.outlets.0[index], rows, time_step, arrays);
         }
-        arrays.fresh.par_iter_mut().with_min_len(CHUNK).for_each(|fresh| *fresh = false);
+        arrays
+            .needs_restart
+            .par_iter_mut()
+            .with_min_len(CHUNK)
+            .for_each(|needs_restart| *needs_restart = false);
         clock.time += time_step;
         clock.time_step = time_step;
         clock.step += 1;
@@ -79,8 +83,10 @@ impl ZoneMotion<'_, '_> {
 
 /// Returns true if all rows are fluid that needs no restart: a loop over them has no branches.
 #[inline(always)]
-pub(crate) fn are_regular_fluid(zone: &[Zone], fresh: &[bool]) -> bool {
-    zone.iter().zip(fresh).fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh)
+pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
+    zone.iter()
+        .zip(needs_restart)
+        .fold(true, |all, (zone, needs_restart)| all & (*zone == Zone::Fluid) & !needs_restart)
 }
 
 /// Returns the largest |dv/dt| of fluid particles, m/s².

@@ -115,28 +115,39 @@ fn advance_fluid<R: Real, const D: usize>(
 ) {
     let ParticleArrays {
         zone,
-        fresh,
+        needs_restart,
         position,
         velocity,
-        velocity_before,
+        previous_velocity,
         acceleration,
         pressure,
-        pressure_before,
+        previous_pressure,
         drift,
         ..
     } = arrays;
-    let (zone, fresh, acceleration) = (&**zone, &**fresh, &*acceleration);
+    let (zone, needs_restart, acceleration) = (&**zone, &**needs_restart, &*acceleration);
     let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): Columns<R, D>| {
         let rates = Rates { acceleration, background, pressure: pressure_rate };
         R::dispatch(
             lanes,
-            DriftPart { scheme, zone, fresh, rates, rows, position, velocity, half, drift, pressures },
+            DriftPart {
+                scheme,
+                zone,
+                needs_restart,
+                rates,
+                rows,
+                position,
+                velocity,
+                half,
+                drift,
+                pressures,
+            },
         );
     };
     let columns = (
         position.each_mut().map(Vec::as_mut_slice),
-        [velocity, velocity_before, drift].map(|columns| columns.each_mut().map(Vec::as_mut_slice)),
-        [pressure.as_mut_slice(), pressure_before.as_mut_slice()],
+        [velocity, previous_velocity, drift].map(|columns| columns.each_mut().map(Vec::as_mut_slice)),
+        [pressure.as_mut_slice(), previous_pressure.as_mut_slice()],
     );
     for_each_part(0..zone.len(), columns, &work);
 }
@@ -159,7 +170,7 @@ struct Rates<'a, R, const D: usize> {
 struct DriftPart<'a, R, const D: usize> {
     scheme: KickDrift,
     zone: &'a [Zone],
-    fresh: &'a [bool],
+    needs_restart: &'a [bool],
     rates: Rates<'a, R, D>,
     rows: Range<usize>,
     position: [&'a mut [f64]; D],
@@ -178,14 +189,14 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
         for start in self.rows.clone().step_by(GROUP) {
             let group = start..self.rows.end.min(start + GROUP);
             let part = start - first..group.end - first;
-            if are_regular_fluid(&self.zone[group.clone()], &self.fresh[group.clone()]) {
+            if are_regular_fluid(&self.zone[group.clone()], &self.needs_restart[group.clone()]) {
                 self.advance(group, part, false);
                 continue;
             }
             for row in group {
                 let at = row - first;
                 if self.zone[row] == Zone::Fluid {
-                    self.advance(row..row + 1, at..at + 1, self.fresh[row]);
+                    self.advance(row..row + 1, at..at + 1, self.needs_restart[row]);
                 } else {
                     for drift in &mut self.drift {
                         drift[at] = R::default();
@@ -197,10 +208,10 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
 }
 
 impl<R: Real, const D: usize> DriftPart<'_, R, D> {
-    /// Advances fluid rows, which are `part` of the written columns and either all `fresh` or all
+    /// Advances fluid rows, which are `part` of the written columns and either all to be restarted or all
     /// not.
     #[inline(always)]
-    fn advance(&mut self, rows: Range<usize>, part: Range<usize>, fresh: bool) {
+    fn advance(&mut self, rows: Range<usize>, part: Range<usize>, needs_restart: bool) {
         let scheme = self.scheme;
         let time_step = R::from_f64(scheme.time_step);
         for axis in 0..D {
@@ -210,7 +221,7 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
                 self.velocity[axis][part.clone()].iter_mut().zip(&mut self.half[axis][part.clone()]);
             let moved = self.position[axis][part.clone()].iter_mut().zip(&mut self.drift[axis][part.clone()]);
             for (((v, half), (x, drift)), (&rate, &background)) in velocities.zip(moved).zip(rates) {
-                *half = scheme.half(fresh, *v, *half, rate);
+                *half = scheme.half(needs_restart, *v, *half, rate);
                 *v = scheme.predict(*half, rate);
                 *drift = time_step * background;
                 *x = scheme.position(*x, half.to_f64(), drift.to_f64());
@@ -219,7 +230,7 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
         let [pressure, half] = &mut self.pressures;
         let pressures = pressure[part.clone()].iter_mut().zip(&mut half[part]);
         for ((pressure, half), &rate) in pressures.zip(&self.rates.pressure[rows]) {
-            *half = scheme.half(fresh, *pressure, *half, rate);
+            *half = scheme.half(needs_restart, *pressure, *half, rate);
             *pressure = scheme.predict(*half, rate);
         }
     }

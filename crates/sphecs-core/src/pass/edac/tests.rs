@@ -36,7 +36,7 @@ fn sample<R: Real, const D: usize>(pair: PairSettings, counts: [usize; D], perio
     sample.particles.evolves_pressure = true;
     sample.particles.drifts = true;
     let rows = sample.particles.len();
-    sample.particles.pressure_before.resize(rows, R::default());
+    sample.particles.previous_pressure.resize(rows, R::default());
     for column in &mut sample.particles.drift {
         column.resize(rows, R::default());
     }

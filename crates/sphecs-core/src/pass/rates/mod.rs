@@ -73,7 +73,7 @@ impl VelocityLevel {
     pub fn columns<R: Real, const D: usize>(self, particles: &ParticleArrays<R, D>) -> &[Vec<R>; D] {
         match self {
             VelocityLevel::Present => &particles.velocity,
-            VelocityLevel::Previous => &particles.velocity_before,
+            VelocityLevel::Previous => &particles.previous_velocity,
         }
     }
 }

@@ -89,7 +89,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
         strain: (pair.noise_damping != 0.0).then(|| list.add_symmetric(&sums.strain)),
         image_distance: has_walls.then(|| list.add_scalar(&sums.columns.image_distance)),
         concentration: (!pair.shifting.keeps_drift()).then(|| Concentration {
-            gradient: list.add_vector(&sums.crowding),
+            gradient: list.add_vector(&sums.concentration_gradient),
             volume: list.add_scalar(&sums.columns.fluid_volume),
         }),
         normal: (has_walls && pair.has_free_slip()).then(|| list.add_vector(&particles.wall_normal)),

@@ -1,7 +1,7 @@
 //! Velocity gradient among the neighbours of a particle, summed together with its density.
 //!
-//! Its symmetric part, the rate of strain, serves the damping of noise; all of it carries the velocity of a shifted particle.
-//! The same loop sums ∇C for a shift without drift.
+//! Its symmetric part, the rate of strain, serves the damping of noise; all of it carries the
+//! velocity of a shifted particle. The same loop sums ∇C for a shift without drift.
 //!
 //! ```text
 //! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,   w = −(1/r) dW/dr,   ‾ = Σ_b w_b …/Σ_b w_b, b ≠ a
@@ -9,13 +9,15 @@
 //! s_a  = Σ_b V_b ∇W,   V_b = m/ρ_b of the step before
 //! ```
 //!
-//! The weights are those of Bonet & Lok (1999); the least squares are about the neighbours' own mean. The velocity of the particle
-//! itself does not enter, so neither the damping nor the shifting can amplify its noise. The sums are over fluid, inflow and
-//! outflow. Walls are left out (except in s), since the images of a particle close to a wall multiply its noise. The gradient is
-//! exact for linear fields whatever the weights of the neighbours. So all weigh the same, and the density of the step need not be
-//! known yet. s needs volumes and takes those of the step before, which differ by what acoustic waves change in a step. With equal
-//! volumes s would contain the gradient of the pressure, of which the mean over the support leaves the short waves, next to edges
-//! (docs/noise.md).
+//! The weights are those of Bonet & Lok (1999); the least squares are about the neighbours' own
+//! mean. The velocity of the particle itself does not enter, so neither the damping nor the
+//! shifting can amplify its noise. The sums are over fluid, inflow and outflow. Walls are left out
+//! (except in s), since the images of a particle close to a wall multiply its noise. The gradient
+//! is exact for linear fields whatever the weights of the neighbours. So all weigh the same, and
+//! the density of the step need not be known yet. s needs volumes and takes those of the step
+//! before, which differ by what acoustic waves change in a step. With equal volumes s would contain
+//! the gradient of the pressure, of which the mean over the support leaves the short waves, next to
+//! edges (docs/noise.md).
 
 mod pending;
 mod row;
@@ -42,10 +44,12 @@ use crate::particles::zone::Zone;
 /// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
 const MOST_COLUMNS: usize = 3 + 1 + 1;
 
-/// Sums density and pressure of the fluid, and the rate of strain of fluid, inflow and outflow, into `sums.strain`.
+/// Sums density and pressure of the fluid, and the rate of strain of fluid, inflow and outflow,
+/// into `sums.strain`.
 ///
-/// The density is over all particles, the strain over fluid, inflow and outflow. The whole gradient goes into
-/// `sums.neighbour_gradient` if shifting carries velocities, s into `sums.crowding` if it carries no mass.
+/// The density is over all particles, the strain over fluid, inflow and outflow. The whole gradient
+/// goes into `sums.neighbour_gradient` if shifting carries velocities, s into
+/// `sums.concentration_gradient` if it carries no mass.
 pub fn sum_density_and_strain<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -55,11 +59,11 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
 ) {
     let has_shift_without_drift = !pair.shifting.keeps_drift();
     prepare(pair, particles, has_shift_without_drift, sums);
-    let PairSums { strain, neighbour_gradient, crowding, near, columns, packs, .. } = sums;
-    let ParticleArrays { zone, position, velocity, velocity_before, density, pressure, .. } = particles;
+    let PairSums { strain, neighbour_gradient, concentration_gradient, near, columns, packs, .. } = sums;
+    let ParticleArrays { zone, position, velocity, previous_velocity, density, pressure, .. } = particles;
     let velocity = match level {
         VelocityLevel::Present => &*velocity,
-        VelocityLevel::Previous => &*velocity_before,
+        VelocityLevel::Previous => &*previous_velocity,
     };
     let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
     for d in 0..D {
@@ -76,7 +80,7 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
     let outputs = (
         [&mut density[..], &mut pressure[..]],
         gradients,
-        (crowding.each_mut().map(Vec::as_mut_slice), &mut near[..]),
+        (concentration_gradient.each_mut().map(Vec::as_mut_slice), &mut near[..]),
     );
     input.run_blocks(&StrainPass { pair, zone, has_shift_without_drift }, outputs);
 }
@@ -103,7 +107,7 @@ fn prepare<R: Real, const D: usize>(
     if has_shift_without_drift {
         sums.columns.find_volume(pair, particles);
     }
-    for column in &mut sums.crowding {
+    for column in &mut sums.concentration_gradient {
         column.resize(if has_shift_without_drift { rows } else { 0 }, R::default());
     }
 }
@@ -114,7 +118,8 @@ struct StrainPass<'a> {
     has_shift_without_drift: bool,
 }
 
-/// Density and pressure, strain and gradient, ∇C, and the vectors of the pack with a neighbour in the support.
+/// Density and pressure, strain and gradient, ∇C, and the vectors of the pack with a neighbour in
+/// the support.
 type Outputs<'a, R, const D: usize> =
     ([&'a mut [R]; 2], Gradients<'a, R, D>, ([&'a mut [R]; D], &'a mut [Near]));
 
@@ -126,7 +131,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
     fn block<K: KernelShape, L: Lanes<Real = R>>(
         &self,
         block: Block<'_, R, D>,
-        ([density, pressure], mut gradients, (mut crowding, masks)): Outputs<'a, R, D>,
+        ([density, pressure], mut gradients, (mut concentration_gradient, masks)): Outputs<'a, R, D>,
     ) {
         let rows = block.rows();
         let Block { source, cells, pack } = block;
@@ -157,7 +162,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
                     density[slot] = kernel_sum;
                 }
                 pending.push(slot, &of_flow, &mut gradients);
-                for (column, slope) in crowding.iter_mut().zip(slopes) {
+                for (column, slope) in concentration_gradient.iter_mut().zip(slopes) {
                     if let Some(found) = column.get_mut(slot) {
                         *found = R::from_f64(gradient_scale * slope);
                     }

@@ -1,4 +1,5 @@
-//! Velocity gradients from the moments of particles, many particles at a time so that the compiler vectorises the loops.
+//! Velocity gradients from the moments of particles, many particles at a time so that the compiler
+//! vectorises the loops.
 
 use super::row::FlowSums;
 use crate::math::linear::invert_symmetric;
@@ -9,7 +10,8 @@ use crate::pass::blocks::GROUP;
 /// One number per waiting particle.
 type Column = [f64; GROUP];
 
-/// Columns of a block for the symmetric parts of the gradients, by component, and for the gradients; empty ones are left out.
+/// Columns of a block for the symmetric parts of the gradients, by component, and for the
+/// gradients; empty ones are left out.
 pub(super) type Gradients<'a, R, const D: usize> = ([&'a mut [R]; 6], [[&'a mut [R]; D]; D]);
 
 /// Moments of particles whose gradients are not computed yet.
@@ -46,7 +48,8 @@ impl<const D: usize> PendingGradients<D> {
         }
     }
 
-    /// Adds the sums of the particle whose gradient goes to `slot`; writes all gradients once a group is complete.
+    /// Adds the sums of the particle whose gradient goes to `slot`; writes all gradients once a
+    /// group is complete.
     #[inline(always)]
     pub(super) fn push<R: Real>(&mut self, slot: usize, sums: &FlowSums<D>, to: &mut Gradients<R, D>) {
         let row = self.waiting % GROUP;
@@ -89,7 +92,8 @@ impl<const D: usize> PendingGradients<D> {
         self.waiting = 0;
     }
 
-    /// Returns the gradient of each particle, 1/s; zero where the neighbours do not span all dimensions.
+    /// Returns the gradient of each particle, 1/s; zero where the neighbours do not span all
+    /// dimensions.
     ///
     /// Computes a whole group: entries behind the waiting ones have older sums and are not written.
     #[inline(always)]

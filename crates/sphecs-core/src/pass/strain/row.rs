@@ -34,10 +34,11 @@ pub(super) struct FlowSums<const D: usize> {
     pub sum: [[f64; D]; D],
 }
 
-/// Sums over a pack for the particle of a row, with the slopes if `SLOPES`. `all_slopes` is a buffer for f(q) of a stretch.
+/// Sums over a pack for the particle of a row, with the slopes if `SLOPES`. `all_slopes` is a
+/// buffer for f(q) of a stretch.
 ///
-/// In three loops: one finds the neighbours in the support, without a branch; one computes their roots and kernel; one adds to the
-/// many sums, which would find no registers beside the kernel.
+/// In three loops: one finds the neighbours in the support, without a branch; one computes their
+/// roots and kernel; one adds to the many sums, which would find no registers beside the kernel.
 #[inline(always)]
 pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const SLOPES: bool>(
     pack: &Pack<L::Real>,

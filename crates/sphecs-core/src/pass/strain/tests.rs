@@ -9,7 +9,7 @@ use crate::physics::shifting::{DriftCorrection, Local, Shifting};
 
 const SLOPES: [[f64; 3]; 3] = [[1.0, -2.0, 0.5], [3.0, 0.2, 0.0], [-1.0, 0.7, 2.0]];
 
-/// A stirred linear flow whose lowest rows are a wall at rest.
+/// A disordered linear flow whose lowest layers are a wall at rest.
 fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
     for lanes in InstructionSet::available() {
         let pair = PairSettings { lanes, ..settings(kernel, D, 1.3) };
@@ -24,7 +24,7 @@ fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
             for i in 0..D {
                 let velocity = 0.3 + (0..D).map(|j| SLOPES[i][j] * point[j]).sum::<f64>();
                 sample.particles.velocity[i][row] = velocity;
-                sample.particles.velocity_before[i][row] = -2.0 * velocity;
+                sample.particles.previous_velocity[i][row] = -2.0 * velocity;
             }
         }
         sample.density();
@@ -56,8 +56,8 @@ fn strain_of_a_linear_flow_is_exact_beside_walls_and_faces_and_density_is_the_sa
     }
 }
 
-/// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along x by `drawn` Δ, and
-/// stirred by `noise` Δ.
+/// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along
+/// x by `drawn` Δ, and stirred by `noise` Δ.
 fn shifts(drift_correction: DriftCorrection, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
     let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction });
     let pair = PairSettings { shifting, ..settings(Kernel::WendlandC2, 2, 1.5) };
@@ -73,9 +73,15 @@ fn shifts(drift_correction: DriftCorrection, drawn: f64, noise: f64) -> [Vec<[f6
     sample.rates();
     let of = |columns: &[Vec<f64>; 2], row: usize| columns.each_ref().map(|column| column[row]);
     let rows = || (0..24 * 12).map(|id| sample.row(id));
-    let crowding =
-        if drift_correction == DriftCorrection::Off { &sample.sums.shift } else { &sample.sums.crowding };
-    [rows().map(|row| of(crowding, row)).collect(), rows().map(|row| of(&sample.sums.shift, row)).collect()]
+    let concentration_gradient = if drift_correction == DriftCorrection::Off {
+        &sample.sums.shift
+    } else {
+        &sample.sums.concentration_gradient
+    };
+    [
+        rows().map(|row| of(concentration_gradient, row)).collect(),
+        rows().map(|row| of(&sample.sums.shift, row)).collect(),
+    ]
 }
 
 fn size(shifts: &[[f64; 2]]) -> f64 {
@@ -84,19 +90,22 @@ fn size(shifts: &[[f64; 2]]) -> f64 {
 
 #[test]
 fn the_gradient_of_the_concentration_is_that_of_the_rates_when_nobody_has_moved() {
-    let [crowding, _] = shifts(DriftCorrection::On, 0.1, 0.2);
+    let [concentration_gradient, _] = shifts(DriftCorrection::On, 0.1, 0.2);
     let [shift, _] = shifts(DriftCorrection::Off, 0.1, 0.2);
-    for (crowding, shift) in crowding.iter().zip(&shift) {
+    for (concentration_gradient, shift) in concentration_gradient.iter().zip(&shift) {
         for d in 0..2 {
-            assert!((crowding[d] - shift[d]).abs() < 1e-12 * size(std::slice::from_ref(shift)).max(1.0));
+            assert!(
+                (concentration_gradient[d] - shift[d]).abs()
+                    < 1e-12 * size(std::slice::from_ref(shift)).max(1.0)
+            );
         }
     }
 }
 
 #[test]
 fn a_shift_less_its_drift_leaves_long_waves_alone_and_mends_short_ones() {
-    let [crowding, removed] = shifts(DriftCorrection::On, 0.3, 0.0);
-    let share = size(&removed) / size(&crowding);
+    let [concentration_gradient, removed] = shifts(DriftCorrection::On, 0.3, 0.0);
+    let share = size(&removed) / size(&concentration_gradient);
     // 1 − Ŵ(k) of Wendland's kernel with h = 1.5 Δ and a wave of 24 Δ.
     assert!((0.01..0.06).contains(&share), "{share}");
     let [[_, kept], [_, removed]] =

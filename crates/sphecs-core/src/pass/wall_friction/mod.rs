@@ -6,14 +6,15 @@
 //! dv_a/dt += (1/m) Σ_w F_w w_aw / Σ_b w_wb
 //! ```
 //!
-//! Sums over b are over the flow around a wall particle. The stress is that of the mean flow in its support, about one spacing
-//! away. The force on the wall acts with opposite sign on the same particles, by the same weights, so momentum is conserved. Of
-//! the layers behind a flat wall one is nearer than Δ, wherever the lattice is cut, so it has the stress of its own area. In the
-//! edge of two walls the particle behind both has the stress of another Δ^(D−1): 1/N of the stress of a square duct with N
-//! particles across in plug flow.
+//! Sums over b are over the flow around a wall particle. The stress is that of the mean flow in its
+//! support, about one spacing away. The force on the wall acts with opposite sign on the same
+//! particles, by the same weights, so momentum is conserved. Of the layers behind a flat wall one
+//! is nearer than Δ, wherever the lattice is cut, so it has the stress of its own area. In the edge
+//! of two walls the particle behind both has the stress of another Δ^(D−1): 1/N of the stress of a
+//! square duct with N particles across in plug flow.
 //!
-//! A stress per wall particle that the kernel distributes is our own way to give it to the particles. Its purpose:
-//! docs/walls.md.
+//! A stress per wall particle that the kernel distributes is our own way to give it to the
+//! particles. Its purpose: docs/walls.md.
 
 #[cfg(test)]
 mod tests;
@@ -46,7 +47,8 @@ const REACH: f64 = 1.0 - 1e-6;
 /// Least distance of the mean flow from the wall, over Δ.
 const LEAST_DISTANCE: f64 = 0.1;
 
-/// Adds the friction of walls with a wall function to the accelerations of the fluid, by the velocities of a level.
+/// Adds the friction of walls with a wall function to the accelerations of the fluid, by the
+/// velocities of a level.
 pub fn add_wall_friction<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,

@@ -12,7 +12,8 @@ fn wall_function() -> WallPartSettings {
     WallPartSettings { free_slip: true, wall_function: true }
 }
 
-/// Fluid over a wall of five layers, which is flat in y; `offset` (Δ) puts its surface between two layers.
+/// Fluid over a wall of five layers, which is flat in y; `offset` (Δ) puts its surface between two
+/// layers.
 fn over_a_wall<R: Real, const D: usize>(
     pair: PairSettings,
     counts: [usize; D],
@@ -30,7 +31,7 @@ fn over_a_wall<R: Real, const D: usize>(
     sample
 }
 
-fn rub<R: Real, const D: usize>(sample: &mut Sample<R, D>) {
+fn add_friction<R: Real, const D: usize>(sample: &mut Sample<R, D>) {
     let Sample { pair, grid, particles, sums } = sample;
     for column in &mut particles.acceleration {
         column.clear();
@@ -48,7 +49,7 @@ fn gained<R: Real, const D: usize>(sample: &Sample<R, D>) -> DVec3 {
     sum
 }
 
-/// The same neighbour by neighbour, from the formulas.
+/// Returns the accelerations from the formulas, neighbour by neighbour.
 fn expected<R: Real, const D: usize>(sample: &Sample<R, D>) -> Vec<[f64; D]> {
     let Sample { pair, grid, particles, .. } = sample;
     let neighbours = Neighbours::new(grid, particles);
@@ -104,7 +105,8 @@ fn check<R: Real, const D: usize>(kernel: Kernel, counts: [usize; D], tolerance:
     let mut sample = over_a_wall::<R, D>(pair, counts, false, 0.3);
     sample.stir(0.2, 1.0);
     for row in 0..sample.particles.len() {
-        // A part of another kind, inflow that is felt but does not feel, and a surface that is not flat.
+        // A part of another kind, inflow that is felt but does not feel, and a surface that is not
+        // flat.
         sample.particles.patch[row] = u16::from(noise(8 * sample.particles.id[row]) > 0.8);
         if sample.particles.zone[row] == Zone::Wall {
             sample.particles.wall_normal[0][row] = R::from_f64(0.6);
@@ -113,7 +115,7 @@ fn check<R: Real, const D: usize>(kernel: Kernel, counts: [usize; D], tolerance:
             sample.particles.zone[row] = Zone::Inflow;
         }
     }
-    rub(&mut sample);
+    add_friction(&mut sample);
     let mut felt = 0;
     let all = expected(&sample);
     let largest = all.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -131,7 +133,7 @@ fn check<R: Real, const D: usize>(kernel: Kernel, counts: [usize; D], tolerance:
 }
 
 #[test]
-fn rows_feel_what_the_formulas_say() {
+fn friction_agrees_with_the_formulas() {
     for kernel in Kernel::ALL {
         check::<f64, 2>(kernel, [12, 14], 1e-11);
         check::<f64, 3>(kernel, [6, 12, 5], 1e-11);
@@ -152,7 +154,8 @@ fn a_resolved_shear_has_its_own_stress_wherever_the_lattice_is_cut() {
         let shear = 1e-2;
         for row in 0..sample.particles.len() {
             if sample.particles.zone[row] == Zone::Fluid {
-                // Periodic in y too: what stands above has the wall's other side beneath it, too far off to be met.
+                // Periodic in y too: what stands above has the wall's other side beneath it, too
+                // far off to be met.
                 let height = -sample.particles.wall_distance[row];
                 sample.particles.velocity[0][row] = 0.8 * shear * height;
                 sample.particles.velocity[2][row] = -0.6 * shear * height;
@@ -169,7 +172,7 @@ fn a_resolved_shear_has_its_own_stress_wherever_the_lattice_is_cut() {
                 .expect("inside")
         };
         sample.particles.reorder(order, &mut Default::default());
-        rub(&mut sample);
+        add_friction(&mut sample);
         let area = (counts[0] * counts[2]) as f64 * SPACING * SPACING;
         let stress = WATER.reference_density * VISCOSITY * shear;
         let found = gained(&sample);
@@ -179,7 +182,7 @@ fn a_resolved_shear_has_its_own_stress_wherever_the_lattice_is_cut() {
 }
 
 #[test]
-fn a_body_gets_what_the_fluid_loses() {
+fn a_body_gains_the_momentum_that_the_fluid_loses() {
     let pair = PairSettings {
         viscosity: VISCOSITY,
         wall_parts: vec![wall_function()],
@@ -187,14 +190,15 @@ fn a_body_gets_what_the_fluid_loses() {
     };
     let mut sample = over_a_wall::<f64, 3>(pair, [7, 12, 6], false, 0.5);
     sample.stir(0.1, 1.0);
-    rub(&mut sample);
+    add_friction(&mut sample);
     let body = Body::new(0, DVec3::new(-0.26, 0.1, -0.27));
     let mut sum = BodySum::default();
     add_friction_on(&sample.pair, &sample.grid, &sample.particles, &sample.sums, &body, &mut sum);
     let lost = -gained(&sample);
     assert!(lost.length() > 0.0 && (sum.viscous_force - lost).length() < 1e-12 * lost.length());
     assert_eq!(sum.pressure_force, DVec3::ZERO);
-    // The stress acts at the surface, so that a point of the surface as centre leaves only the torque about its normal.
+    // The stress acts at the surface, so that a point of the surface as centre leaves only the
+    // torque about its normal.
     let below = 4.5 * SPACING + 0.5 * SPACING - 0.3;
     let mut sum = BodySum::default();
     let body = Body::new(0, DVec3::new(-0.26, below, -0.27));
@@ -207,10 +211,10 @@ fn a_body_gets_what_the_fluid_loses() {
 }
 
 #[test]
-fn walls_without_a_wall_function_take_nothing() {
+fn walls_without_a_wall_function_have_no_friction() {
     let pair = PairSettings { viscosity: VISCOSITY, ..settings(Kernel::WendlandC2, 2, 1.3) };
     let mut sample = over_a_wall::<f64, 2>(pair, [8, 10], false, 0.5);
     sample.stir(0.1, 1.0);
-    rub(&mut sample);
+    add_friction(&mut sample);
     assert_eq!(gained(&sample), DVec3::ZERO);
 }

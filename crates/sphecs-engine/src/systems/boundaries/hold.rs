@@ -47,13 +47,13 @@ pub fn hold_at_walls<R: Real, const D: usize>(
     // Drawn out beyond the far ends of the zones, which are no walls.
     let walls = &scene.layout.confines;
     let near = R::from_f64(NEAR * scene.spacing);
-    let ParticleArrays { zone, position, velocity, velocity_before, wall_distance, .. } = &mut **arrays;
+    let ParticleArrays { zone, position, velocity, previous_velocity, wall_distance, .. } = &mut **arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
     let count = AtomicU64::new(0);
     let columns = (
         position.each_mut().map(Vec::as_mut_slice),
         velocity.each_mut().map(Vec::as_mut_slice),
-        velocity_before.each_mut().map(Vec::as_mut_slice),
+        previous_velocity.each_mut().map(Vec::as_mut_slice),
     );
     let work = |rows: Range<usize>, (position, mut now, mut before): Columns<R, D>| {
         // Most parts are far from all walls: a glance that has no branches finds it.

@@ -95,7 +95,7 @@ pub fn apply_inlets<R: Real, const D: usize>(
                     None => own,
                 },
             };
-            let at_once = before.fresh[row] || clock.step == 0;
+            let at_once = before.needs_restart[row] || clock.step == 0;
             let pressure = if at_once { pressure } else { own + share * (pressure - own) };
             let velocity = inlet_velocity(inlet, nu, place, clock.time);
             Prescribed { velocity, pressure, density: pair.0.density_at(pressure) }

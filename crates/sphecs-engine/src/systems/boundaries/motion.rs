@@ -33,7 +33,7 @@ pub fn move_inflow<R: Real, const D: usize>(
     for (&row, &next) in rows.iter().zip(&*velocities) {
         let row = row as usize;
         let v = arrays.velocity_of(row);
-        set_real_vector(&mut arrays.velocity_before, row, v);
+        set_real_vector(&mut arrays.previous_velocity, row, v);
         set_real_vector(&mut arrays.velocity, row, next);
         // The mean of both ends carries the prescribed flux through a ramp to second order.
         move_row(arrays, row, (v + next) * (0.5 * time_step));
@@ -72,7 +72,7 @@ pub fn move_outflow<R: Real, const D: usize>(
                 0.5 * (v + next).dot(normal)
             }
         };
-        set_real_vector(&mut arrays.velocity_before, row, v);
+        set_real_vector(&mut arrays.previous_velocity, row, v);
         set_real_vector(&mut arrays.velocity, row, next);
         move_row(arrays, row, normal * (speed * time_step));
     }

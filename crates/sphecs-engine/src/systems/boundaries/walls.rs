@@ -44,7 +44,7 @@ pub fn apply_walls<R: Real, const D: usize>(
             patch,
             position,
             velocity,
-            velocity_before,
+            previous_velocity,
             wall_distance,
             wall_normal,
             ..
@@ -69,7 +69,7 @@ pub fn apply_walls<R: Real, const D: usize>(
             }
         };
         let columns =
-            (velocity.each_mut().map(Vec::as_mut_slice), velocity_before.each_mut().map(Vec::as_mut_slice));
+            (velocity.each_mut().map(Vec::as_mut_slice), previous_velocity.each_mut().map(Vec::as_mut_slice));
         for_each_part(0..zone.len(), columns, &work);
     }
     match scene.walls.model.pressure() {

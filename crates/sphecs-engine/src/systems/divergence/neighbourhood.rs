@@ -97,7 +97,7 @@ fn nearby<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) ->
         patch: arrays.patch[row],
         position: arrays.position_of(row),
         velocity: arrays.velocity_of(row),
-        previous_velocity: real_vector(&arrays.velocity_before, row),
+        previous_velocity: real_vector(&arrays.previous_velocity, row),
         acceleration: arrays.acceleration_of(row),
         density: arrays.density[row].to_f64(),
         pressure: arrays.pressure[row].to_f64(),
@@ -120,13 +120,18 @@ fn centre<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sphecs_core::particles::rows::Row;
+    use sphecs_core::particles::rows::ParticleRow;
 
     fn arrays() -> ParticleArrays<f64, 2> {
         let mut arrays = ParticleArrays::default();
         for id in 0..20_u32 {
             let x = f64::from(19 - id);
-            arrays.push(&Row { id, position: DVec3::new(x, 0.0, 0.0), density: 1000.0, ..Row::default() });
+            arrays.push(&ParticleRow {
+                id,
+                position: DVec3::new(x, 0.0, 0.0),
+                density: 1000.0,
+                ..ParticleRow::default()
+            });
         }
         arrays
     }

@@ -13,7 +13,7 @@ use crate::resources::ledger::{InflowCapacity, Ledger};
 use crate::systems::boundaries::inlets::inlet_velocity;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
-use sphecs_core::particles::rows::Row;
+use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_scene::model::Scene;
@@ -58,17 +58,17 @@ pub(super) fn inject<R: Real, const D: usize>(
         // The velocity of the particle at the plane: the particles between the two move with it.
         _ => injection.velocity,
     };
-    arrays.push(&Row {
+    arrays.push(&ParticleRow {
         id,
         zone,
         patch,
-        fresh: true,
+        needs_restart: true,
         position: place,
         velocity,
-        velocity_before: velocity,
+        previous_velocity: velocity,
         density: scene.fluid.tait().density(pressure),
         pressure,
-        ..Row::default()
+        ..ParticleRow::default()
     });
     let mut ledger = world.resource_mut::<Ledger>();
     ledger.by_zone[Zone::Reservoir as usize] -= 1;

@@ -295,7 +295,7 @@ fn set_zone<R: Real, const D: usize>(arrays: &mut ParticleArrays<R, D>, change: 
     let row = change.row;
     arrays.zone[row] = change.zone;
     arrays.patch[row] = if change.zone == Zone::Fluid { 0 } else { change.patch };
-    arrays.fresh[row] = true;
+    arrays.needs_restart[row] = true;
     if change.zone == Zone::Fluid {
         arrays.wall_distance[row] = R::from_f64(f64::INFINITY);
     }

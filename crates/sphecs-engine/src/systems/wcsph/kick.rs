@@ -79,17 +79,17 @@ fn limit_friction<A: Advance, R: Real, const D: usize>(
     damping: &[R],
     arrays: &mut ParticleArrays<R, D>,
 ) {
-    let (zone, fresh) = (&arrays.zone, &arrays.fresh);
+    let (zone, needs_restart) = (&arrays.zone, &arrays.needs_restart);
     for acceleration in &mut arrays.acceleration {
         acceleration
             .par_iter_mut()
             .zip(damping.par_iter())
-            .zip(zone.par_iter().zip(fresh.par_iter()))
+            .zip(zone.par_iter().zip(needs_restart.par_iter()))
             .with_min_len(CHUNK)
-            .for_each(|((a, damping), (&zone, &fresh))| {
+            .for_each(|((a, damping), (&zone, &needs_restart))| {
                 let damping = damping.to_f64();
                 if zone == Zone::Fluid && friction::is_fast(scheme, damping) {
-                    *a = *a * R::from_f64(friction::implicit_factor(scheme, fresh, damping));
+                    *a = *a * R::from_f64(friction::implicit_factor(scheme, needs_restart, damping));
                 }
             });
     }
@@ -101,15 +101,19 @@ fn kick_fluid<A: Advance, R: Real, const D: usize>(
     lanes: InstructionSet,
     arrays: &mut ParticleArrays<R, D>,
 ) {
-    let ParticleArrays { zone, fresh, position, velocity, velocity_before, acceleration, .. } = arrays;
-    let (zone, fresh, acceleration) = (&**zone, &**fresh, &*acceleration);
+    let ParticleArrays { zone, needs_restart, position, velocity, previous_velocity, acceleration, .. } =
+        arrays;
+    let (zone, needs_restart, acceleration) = (&**zone, &**needs_restart, &*acceleration);
     let work = |rows: Range<usize>, (position, velocity, before): Columns<R, D>| {
-        R::dispatch(lanes, KickPart { scheme, zone, fresh, acceleration, rows, position, velocity, before });
+        R::dispatch(
+            lanes,
+            KickPart { scheme, zone, needs_restart, acceleration, rows, position, velocity, before },
+        );
     };
     let columns = (
         position.each_mut().map(Vec::as_mut_slice),
         velocity.each_mut().map(Vec::as_mut_slice),
-        velocity_before.each_mut().map(Vec::as_mut_slice),
+        previous_velocity.each_mut().map(Vec::as_mut_slice),
     );
     for_each_part(0..zone.len(), columns, &work);
 }
@@ -123,7 +127,7 @@ type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'
 struct KickPart<'a, A, R, const D: usize> {
     scheme: &'a A,
     zone: &'a [Zone],
-    fresh: &'a [bool],
+    needs_restart: &'a [bool],
     acceleration: &'a [Vec<R>; D],
     rows: Range<usize>,
     position: [&'a mut [f64]; D],
@@ -136,13 +140,13 @@ impl<A: Advance, R: Real, const D: usize> Vectorised<R> for KickPart<'_, A, R, D
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) {
-        let Self { scheme, zone, fresh, acceleration, rows, position, velocity, before } = self;
+        let Self { scheme, zone, needs_restart, acceleration, rows, position, velocity, before } = self;
         let first = rows.start;
         for start in rows.clone().step_by(GROUP) {
             let group = start..rows.end.min(start + GROUP);
             let part = group.start - first..group.end - first;
-            let (zone, fresh) = (&zone[group.clone()], &fresh[group.clone()]);
-            let is_regular = are_regular_fluid(zone, fresh);
+            let (zone, needs_restart) = (&zone[group.clone()], &needs_restart[group.clone()]);
+            let is_regular = are_regular_fluid(zone, needs_restart);
             for axis in 0..D {
                 let x = &mut position[axis][part.clone()];
                 let v = &mut velocity[axis][part.clone()];
@@ -153,9 +157,11 @@ impl<A: Advance, R: Real, const D: usize> Vectorised<R> for KickPart<'_, A, R, D
                         (*x, [*v, *v_before]) = scheme.advance(false, *x, [*v, *v_before], a);
                     }
                 } else {
-                    for ((((x, v), v_before), &a), (&zone, &fresh)) in advanced.zip(zone.iter().zip(fresh)) {
+                    for ((((x, v), v_before), &a), (&zone, &needs_restart)) in
+                        advanced.zip(zone.iter().zip(needs_restart))
+                    {
                         if zone == Zone::Fluid {
-                            (*x, [*v, *v_before]) = scheme.advance(fresh, *x, [*v, *v_before], a);
+                            (*x, [*v, *v_before]) = scheme.advance(needs_restart, *x, [*v, *v_before], a);
                         }
                     }
                 }

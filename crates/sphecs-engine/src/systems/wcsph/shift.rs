@@ -39,10 +39,10 @@ pub(crate) fn shift<R: Real, const D: usize>(
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };
-    let ParticleArrays { zone, position, velocity, velocity_before, drift, .. } = &mut **arrays;
+    let ParticleArrays { zone, position, velocity, previous_velocity, drift, .. } = &mut **arrays;
     let (zone, sums) = (&**zone, &sums.0);
     let position = position.each_mut().map(Vec::as_mut_slice);
-    let velocities = [velocity, velocity_before].map(|columns| columns.each_mut().map(Vec::as_mut_slice));
+    let velocities = [velocity, previous_velocity].map(|columns| columns.each_mut().map(Vec::as_mut_slice));
     let drift = drift.each_mut().map(Vec::as_mut_slice);
     let work = |rows: Range<usize>, (position, velocities, drift): Columns<R, D>| {
         R::dispatch(

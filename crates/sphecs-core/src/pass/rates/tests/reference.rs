@@ -30,14 +30,14 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
     let (mut acceleration, mut fickian, mut repulsion) = ([0.0; D], [0.0; D], [0.0; D]);
     let (mut divergence, mut signal, mut damping) = (0.0, 0.0f64, 0.0);
     let (mut count, mut distances) = (0.0, 0.0);
-    let (mut crowding, mut weights) = ([0.0; D], 0.0);
+    let (mut concentration_gradient, mut weights) = ([0.0; D], 0.0);
     let point = std::array::from_fn(|d| particles.position[d][a]);
     Neighbours::new(&sample.grid, particles).for_each(point, |b, x, r2| {
         if !pair.shifting.keeps_drift() && particles.zone[b] == Zone::Fluid {
             let weight = pair.mass / particles.density[b] * pair.w(r2.sqrt());
             weights += weight;
             for d in 0..D {
-                crowding[d] += weight * sample.sums.crowding[d][b];
+                concentration_gradient[d] += weight * sample.sums.concentration_gradient[d][b];
             }
         }
         if r2 < 1e-20 {
@@ -129,9 +129,9 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
     let mean = distances / count;
     let shift = match pair.shifting {
         Shifting::Vacondio(_) => repulsion.map(|x| mean * mean * x / count),
-        shifting if !shifting.keeps_drift() => {
-            std::array::from_fn(|d| sample.sums.crowding[d][a] - crowding[d] / weights)
-        }
+        shifting if !shifting.keeps_drift() => std::array::from_fn(|d| {
+            sample.sums.concentration_gradient[d][a] - concentration_gradient[d] / weights
+        }),
         _ => fickian,
     };
     Reference { acceleration, shift, divergence, signal: WATER.sound_speed_at(rho_a) + signal, damping }
@@ -170,7 +170,7 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
         }
     }
     if !sample.pair.shifting.keeps_drift() {
-        for (d, column) in sample.sums.crowding.iter_mut().enumerate() {
+        for (d, column) in sample.sums.concentration_gradient.iter_mut().enumerate() {
             *column = sample.particles.id.iter().map(|id| 7.0 * noise(id * 64 + 56 + d as u32)).collect();
         }
     }
