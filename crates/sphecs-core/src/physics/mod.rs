@@ -3,12 +3,11 @@
 pub mod density;
 pub mod edac;
 pub mod eos;
-pub mod inlet;
 pub mod integrator;
 pub mod momentum;
-pub mod outlet;
 pub mod shifting;
 pub mod sps;
 pub mod timestep;
 pub mod viscosity;
 pub mod wall;
+pub mod wave_sums;

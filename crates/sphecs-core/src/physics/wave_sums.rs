@@ -1,33 +1,52 @@
-//! The outgoing wave equation of an outlet, in particle form.
+//! Pair sums of the outgoing wave equation of an outlet.
 //!
 //! ```text
-//! ∂v/∂t + v_n ∂v/∂n − ν ∇²_t v = f          Alvarado-Rodríguez et al. (2017), Eq. 27 with the body force f
-//! ∂v/∂n |_o = Σ V_b (v_b − v_o) ∂W/∂n       Eq. 29, first term
+//! ∂v/∂n |_o = Σ V_b (v_b − v_o) ∂W/∂n       Alvarado-Rodríguez et al. (2017), Eq. 29, first term
 //! v̄_n,o    = Σ V_b v_n,b W / Σ V_b W        Eq. 30, Shepard-normalised: the far end of the zone cuts the support
 //! ```
-//!
-//! `Frame::Fixed` integrates the rate of a fixed point along the moving particle, as they do:
-//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `Frame::Moving` takes the equation at its word: the particle moves with the
-//! convective velocity, the convective term drops out, dv/dt = ν L v + f, as Negi et al. (2020), Sec. 3.1, remark.
 //!
 //! Forms of the transverse Laplacian L v ≈ ∇²_t v, with e = x_ob/r, F = (dW/dr)/r and e_t² = 1 − e_n²:
 //!
 //! ```text
-//! Normalised  L v = 2 (D−1) Σ V_b v_ob g / (−Σ V_b t_ob² g),  g = e_t² F, t_ob² = r² e_t²   (zero-sum where nothing is across)
-//! Printed     L v = 2 Σ V_b v_ob (r² e_t²) F/(r² + η²)        sign mended: as printed a bump sharpens
+//! Normalised  L v = 2 (D−1) Σ V_b v_ob g / (−Σ V_b t_ob² g),  g = e_t² F, t_ob² = r² e_t²   (0 where no neighbour is beside o)
+//! Printed     L v = 2 Σ V_b v_ob (r² e_t²) F/(r² + η²)        sign corrected: as published a bump steepens
 //! Consistent  L v = Σ V_b v_ob ((D+2) e_t² − (D−1)) F         Español & Revenga (2003)
 //! ```
 //!
-//! In 3D the sums run over both transverse axes. `Consistent` diverges where the support is cut.
+//! In 3D the sums run over both transverse axes. `Consistent` diverges where the support is cut. The
+//! equation itself is in [`wave_equation`](crate::boundary::outlet::wave_equation).
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
-use super::{Frame, TransverseOperator};
 use crate::math::lanes::{Lanes, dot};
 use crate::math::real::Real;
 
-/// Least r² under a division, over h²: a particle meets itself.
+/// Smallest r² of a division, over h²: the sums include the particle itself.
 const LEAST_R2: f64 = 1e-30;
+
+/// Frame in which the wave equation of an outlet is integrated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename = "Frame")]
+pub enum ReferenceFrame {
+    /// As published: ∂v/∂t of a fixed point, integrated along the moving particle.
+    Fixed,
+    /// Carried by the particle; the convective term drops out.
+    #[default]
+    Moving,
+}
+
+/// Discrete form of the transverse Laplacian of Alvarado-Rodríguez et al. (2017), Eq. 29.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TransverseOperator {
+    /// L v = 2 Σ V v_ob g / (−Σ V y_ob² g), g = e_y² F, walls included.
+    #[default]
+    Normalised,
+    /// As published, with the sign corrected.
+    Printed,
+    /// Español & Revenga (2003).
+    Consistent,
+}
 
 /// Sums over the neighbours of one outflow particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,7 +58,7 @@ pub struct WaveSums {
     shepard_weight: f64,
 }
 
-/// The same as they run, one neighbour per lane. Lengths are in units of h, W and F without their norm.
+/// Running sums with one neighbour per lane. Lengths are in units of h, W and F without their norm.
 #[derive(Clone, Copy)]
 pub struct WaveLanes<L, const D: usize> {
     normal_gradient: [L; D],
@@ -49,11 +68,11 @@ pub struct WaveLanes<L, const D: usize> {
     shepard_weight: L,
 }
 
-/// What the sums of one particle need to know.
+/// Settings of the sums at one outlet.
 #[derive(Clone, Copy, Debug)]
 pub struct WaveSetting {
     /// Frame of the rate.
-    pub frame: Frame,
+    pub frame: ReferenceFrame,
     /// Transverse operator; None drops the diffusion term (Orlanski, Eq. 28).
     pub transverse: Option<TransverseOperator>,
     /// Unit normal in the direction of the outflow.
@@ -66,12 +85,12 @@ pub struct WaveSetting {
     pub viscosity: f64,
 }
 
-/// Neighbours as the sums see them.
+/// State of the neighbours in a vector of lanes.
 #[derive(Clone, Copy)]
 pub struct WavePair<L, const D: usize> {
     /// (x_o − x_b)/h.
     pub x_ob: [L; D],
-    /// v_o − v_b with wall images, m/s: what diffusion and gradient see.
+    /// v_o − v_b with wall images, m/s, for diffusion and gradient.
     pub v_ob: [L; D],
     /// Normal velocity of the neighbour, m/s.
     pub v_n_b: L,
@@ -86,7 +105,7 @@ pub struct WavePair<L, const D: usize> {
 }
 
 impl<L: Lanes, const D: usize> WaveLanes<L, D> {
-    /// Empty sums.
+    /// Returns empty sums.
     #[inline(always)]
     pub fn new() -> Self {
         let zero = L::constant(0.0);
@@ -136,7 +155,8 @@ impl<L: Lanes, const D: usize> WaveLanes<L, D> {
         self.transverse_weight = self.transverse_weight - across_squared * g;
     }
 
-    /// The sums over all lanes in SI units; `f_scale` is F over (dw/dq)/q, 1/m^(D+2), `h` the smoothing length, m.
+    /// Returns the sums over all lanes in SI units; `f_scale` is F over (dw/dq)/q, 1/m^(D+2), `h` the
+    /// smoothing length, m.
     #[inline(always)]
     pub fn total(self, f_scale: f64, h: f64) -> WaveSums {
         let (mut normal_gradient, mut transverse) = (DVec3::ZERO, DVec3::ZERO);
@@ -148,7 +168,7 @@ impl<L: Lanes, const D: usize> WaveLanes<L, D> {
             normal_gradient,
             transverse,
             transverse_weight: f_scale * h * h * self.transverse_weight.sum().to_f64(),
-            // Only their ratio is asked for.
+            // Only their ratio is used.
             shepard_velocity: self.shepard_velocity.sum().to_f64(),
             shepard_weight: self.shepard_weight.sum().to_f64(),
         }
@@ -162,12 +182,12 @@ impl<L: Lanes, const D: usize> Default for WaveLanes<L, D> {
 }
 
 impl WaveSums {
-    /// Smoothed convective velocity v̄_n, m/s.
+    /// Returns the smoothed convective velocity v̄_n, m/s.
     pub fn convective_velocity(&self) -> f64 {
         if self.shepard_weight > 0.0 { self.shepard_velocity / self.shepard_weight } else { 0.0 }
     }
 
-    /// Transverse Laplacian of the velocity, 1/(m s).
+    /// Returns the transverse Laplacian of the velocity, 1/(m s).
     pub fn transverse_laplacian(&self, setting: &WaveSetting) -> DVec3 {
         match setting.transverse {
             None => DVec3::ZERO,
@@ -183,12 +203,12 @@ impl WaveSums {
         }
     }
 
-    /// Rate of change of the particle's velocity without the body force, m/s².
+    /// Returns the rate of change of the particle's velocity without the body force, m/s².
     pub fn rate(&self, setting: &WaveSetting) -> DVec3 {
         let diffusion = self.transverse_laplacian(setting) * setting.viscosity;
         match setting.frame {
-            Frame::Moving => diffusion,
-            Frame::Fixed => diffusion - self.normal_gradient * self.convective_velocity(),
+            ReferenceFrame::Moving => diffusion,
+            ReferenceFrame::Fixed => diffusion - self.normal_gradient * self.convective_velocity(),
         }
     }
 }
@@ -198,9 +218,8 @@ mod tests {
     use super::*;
     use crate::math::lanes::Array;
 
-    /// Sums over a unit square lattice of spacing 1 around the origin, for a velocity field along x,
-    /// with a Wendland kernel of h = 3 Δ:
-    /// the fourth moments of the lattice are 2 % off at 2 Δ.
+    /// Returns the sums over a square lattice of spacing 1 about the origin, for a velocity field along x and
+    /// a Wendland kernel of h = 3 Δ: at 2 Δ the fourth moments of the lattice are 2 % off.
     fn lattice_sums(setting: &WaveSetting, v: impl Fn(f64, f64) -> f64) -> WaveSums {
         let mut sums = WaveLanes::<Array<f64, 1>, 2>::new();
         let h = 3.0;
@@ -237,7 +256,7 @@ mod tests {
 
     fn setting(transverse: Option<TransverseOperator>) -> WaveSetting {
         WaveSetting {
-            frame: Frame::Moving,
+            frame: ReferenceFrame::Moving,
             transverse,
             normal: DVec3::X,
             dimensions: 2,
@@ -261,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn the_printed_form_returns_three_quarters_across_and_one_along() {
+    fn the_printed_form_returns_three_quarters_across_and_a_quarter_along() {
         let k = 0.05;
         let setting = setting(Some(TransverseOperator::Printed));
         let rate = lattice_sums(&setting, |_, y| (k * y).cos()).rate(&setting).x;
@@ -279,7 +298,7 @@ mod tests {
 
     #[test]
     fn the_fixed_frame_convects() {
-        let setting = WaveSetting { frame: Frame::Fixed, ..setting(None) };
+        let setting = WaveSetting { frame: ReferenceFrame::Fixed, ..setting(None) };
         let rate = lattice_sums(&setting, |x, _| 3.0 + 0.1 * x).rate(&setting).x;
         // −v ∂v/∂x = −3 · 0.1; the lattice sum of the gradient is 0.1 % off.
         assert!((rate + 0.3).abs() < 2e-3, "{rate}");

@@ -11,8 +11,8 @@ use crate::model::{Inlet, InletVelocity, Outlet};
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
-use sphecs_core::physics::inlet::InletPressure;
-use sphecs_core::physics::outlet::{OutletCondition, OutletPressure};
+use sphecs_core::boundary::inlet::InletPressure;
+use sphecs_core::boundary::outlet::OutletCondition;
 
 /// Layers of an inlet's zone: Alvarado-Rodríguez et al. (2017) take five.
 const INLET_LAYERS: f64 = 5.0;
@@ -190,48 +190,22 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
                 site,
                 check,
             )?;
-            let condition =
-                file.condition.as_ref().map_or_else(OutletCondition::default, |condition| condition.value);
+            let condition = file.condition.as_ref().map(|condition| condition.value.clone());
+            let condition = condition.unwrap_or_default();
             Some(Outlet { patch, condition })
         })
         .collect();
     outlets.into_iter().collect()
 }
 
-/// The numbers of an outlet's condition.
+/// Reports the parameters that an outlet's condition cannot work with.
 fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
-    let mut positive = |value: f64, what: &str, unit: &str| {
-        if !(value.is_finite() && value > 0.0) {
-            let label = format!("is `{value}`{unit}, must be finite and greater than 0");
-            check.report(Fault::new(format!("{what} is not positive"), file.head, label));
-        }
-    };
-    let pressure = match file.value {
-        OutletCondition::WaveEquation { pressure, .. } | OutletCondition::Orlanski { pressure, .. } => {
-            let (target, time) = match pressure {
-                OutletPressure::Frozen => return,
-                OutletPressure::Reference(target) => (target, 1.0),
-                OutletPressure::Relaxed { target, time } => (target, time),
-                OutletPressure::Absorbing { target, time, .. } => (target, time.unwrap_or(1.0)),
-            };
-            positive(time, "the time constant of an outlet's pressure", " s");
-            target
-        }
-        OutletCondition::DoNothing
-        | OutletCondition::ModifiedDoNothing { .. }
-        | OutletCondition::Mirror { .. } => return,
-        OutletCondition::Characteristic { velocity, pressure } => {
-            finite(velocity, "the reference velocity of an outlet", file.head, check);
-            pressure
-        }
-        OutletCondition::Hybrid { velocity, pressure, steps } => {
-            positive(velocity.unwrap_or(1.0), "the velocity of an outlet's threshold", " m/s");
-            if !(steps.is_finite() && steps >= 1.0) {
-                let label = format!("is `{steps}` steps, must be finite and at least 1");
-                check.report(Fault::new("the time mean of an outlet is too short", file.head, label));
-            }
-            pressure
-        }
-    };
-    finite(pressure, "the pressure of an outlet", file.head, check);
+    let parameters = file.value.parameters();
+    for fault in parameters.faults() {
+        let title =
+            format!("`{}` of the outlet condition `{}` is out of range", fault.field, parameters.name());
+        let label = format!("is {}, must be {}", fault.value, fault.must_be);
+        let fault_at = Fault::new(title, file.head, label);
+        check.report(if fault.advice.is_empty() { fault_at } else { fault_at.help(fault.advice) });
+    }
 }

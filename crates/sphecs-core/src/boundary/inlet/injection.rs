@@ -1,55 +1,58 @@
-//! Where stored particles enter an inflow zone.
+//! Positions at which particles enter an inflow zone.
 //!
 //! ```text
-//! along an axis    x − L n, x the particle that crossed: the lattice of the zone goes on as it is
-//! slantwise        in rows along n, one row for each width w ≈ Δ of the section, Δ^D/w^(D−1) apart, as far as the zone reaches
+//! along an axis   x − L n, x the particle that crossed: the lattice of the zone continues
+//! oblique         in lines along n, one for each width w ≈ Δ of the section, Δ^D/w^(D−1) apart, over the length L of the zone
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Fig. 1, for the first. A lattice that lies slantwise to a sheared inflow has no two
-//! particles on one streamline: each has a speed of its own, and in a zone where nothing keeps them apart the faster
-//! ones catch up with the slower ones until they clump (a channel turned by 20 degrees burst after 5 s). In rows
-//! along the flow all have one speed. The lattice that a slantwise zone is filled with at the start flows off and rows follow.
+//! Alvarado-Rodríguez et al. (2017), Fig. 1, for the first. A lattice oblique to a sheared inflow has no two
+//! particles on one streamline: each has a speed of its own. In a zone where no force separates them the
+//! faster ones approach the slower ones until they clump (a channel turned by 20° diverged after 5 s). In
+//! lines along the flow all have one speed. The lattice that fills an oblique zone at the start is advected
+//! out, and lines follow.
 //!
-//! A zone that is filled once, Alvarado-Rodríguez et al. (2017), Sec. 5.3, takes none; it is drained when behind a particle
-//! that crosses less than the support of the kernel is left, since the fluid would see the end of the zone.
+//! A zone that is filled once, Alvarado-Rodríguez et al. (2017), Sec. 5.3, takes no particles. It is drained
+//! when the zone behind a particle that crosses is shorter than the kernel's support, since the fluid would
+//! then see its end.
 
 use glam::DVec3;
 
-use sphecs_scene::model::{Patch, Scene};
+use crate::boundary::patch::Patch;
 
-/// Whether a patch lies slantwise to the lattice.
-pub fn is_slantwise(patch: &Patch) -> bool {
-    patch.is_slantwise()
-}
-
-/// Whether too little is left behind a particle that crossed at a point (m) of an inlet that is filled once; `places` (m) are
-/// those of the particles in its zone.
-pub fn is_drained(patch: &Patch, scene: &Scene, crossed: DVec3, places: impl Iterator<Item = DVec3>) -> bool {
-    let support = scene.scheme.support(scene.spacing);
+/// Tells whether the zone of an inlet that is filled once is drained behind a particle that crossed.
+///
+/// `crossed` is its position, `positions` are those of the particles in the zone, `spacing` is Δ and
+/// `support` the radius of the kernel's support, all in m.
+pub fn is_drained(
+    patch: &Patch,
+    (spacing, support): (f64, f64),
+    crossed: DVec3,
+    positions: impl Iterator<Item = DVec3>,
+) -> bool {
     let aside = |at: DVec3| {
         let offset = at - crossed;
         patch.across.iter().map(|across| offset.dot(*across).abs()).fold(0.0, f64::max)
     };
-    // Its own row and the halves of those beside it.
-    let behind = places.filter(|at| aside(*at) <= scene.spacing).map(|at| patch.along(at));
+    // Its own line and the halves of those beside it.
+    let behind = positions.filter(|at| aside(*at) <= spacing).map(|at| patch.along(at));
     behind.fold(f64::INFINITY, f64::min) > -support
 }
 
-/// The row of a slantwise inflow zone that a point belongs to.
+/// A line of particles in an oblique inflow zone, along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InflowRow {
+pub struct InflowLine {
     /// Coordinates of its axis along `across`, m.
     axis: [f64; 2],
     /// Half widths about the axis, m.
     half_width: [f64; 2],
-    /// From one particle to the next, m.
+    /// Distance of neighbouring particles, m.
     pitch: f64,
 }
 
-impl InflowRow {
-    /// The row of `patch` nearest to a point, for particles of an initial spacing (m).
+impl InflowLine {
+    /// Returns the line of `patch` nearest to a point, for particles of an initial spacing (m).
     pub fn of(patch: &Patch, point: DVec3, spacing: f64) -> Self {
-        let mut row = Self { axis: [0.0; 2], half_width: [f64::INFINITY; 2], pitch: spacing };
+        let mut line = Self { axis: [0.0; 2], half_width: [f64::INFINITY; 2], pitch: spacing };
         for side in 0..2 {
             let extent = 2.0 * patch.half_extent[side];
             if patch.across[side] == DVec3::ZERO || extent <= 0.0 {
@@ -59,22 +62,22 @@ impl InflowRow {
             let width = extent / count;
             let offset = (point - patch.at).dot(patch.across[side]) + 0.5 * extent;
             let index = (offset / width).floor().clamp(0.0, count - 1.0);
-            row.axis[side] = (index + 0.5) * width - 0.5 * extent;
-            row.half_width[side] = 0.5 * width;
-            row.pitch *= spacing / width;
+            line.axis[side] = (index + 0.5) * width - 0.5 * extent;
+            line.half_width[side] = 0.5 * width;
+            line.pitch *= spacing / width;
         }
-        row
+        line
     }
 
-    /// Whether a point stands in the row, wherever along it.
+    /// Tells whether a point lies in the line, anywhere along it.
     pub fn holds(&self, patch: &Patch, point: DVec3) -> bool {
         (0..2).all(|side| {
             ((point - patch.at).dot(patch.across[side]) - self.axis[side]).abs() <= self.half_width[side]
         })
     }
 
-    /// The places upstream of the row's particles, the last of which stands at `last` along the patch's normal (m, < 0
-    /// in the zone), that are to be taken so that the row reaches as far as the zone.
+    /// Returns the positions that fill the line up to the end of the zone. The last particle of the line is at
+    /// `last` along the normal of the patch (m, < 0 in the zone).
     pub fn vacancies(&self, patch: &Patch, last: f64) -> impl Iterator<Item = DVec3> {
         let foot = patch.at + patch.across[0] * self.axis[0] + patch.across[1] * self.axis[1];
         let (pitch, depth, towards) = (self.pitch, patch.depth, patch.towards);
@@ -103,28 +106,20 @@ mod tests {
     }
 
     #[test]
-    fn only_slanted_patches_have_rows_of_their_own() {
-        assert!(is_slantwise(&patch(0.3)));
-        for quarter in 0..4 {
-            assert!(!is_slantwise(&patch(f64::from(quarter) * std::f64::consts::FRAC_PI_2)));
-        }
-    }
-
-    #[test]
-    fn a_row_is_filled_as_far_as_its_zone_reaches() {
+    fn a_line_is_filled_up_to_the_end_of_its_zone() {
         let patch = patch(0.3);
         let point = patch.at + patch.across[0] * 0.023 + patch.towards * 0.001;
-        let row = InflowRow::of(&patch, point, 0.01);
-        assert!(row.holds(&patch, point) && !row.holds(&patch, point + patch.across[0] * 0.011));
-        // 16 rows of 0.010125 m: a particle's volume is Δ².
-        assert!((row.pitch * 2.0 * row.half_width[0] - 1e-4).abs() < 1e-15);
-        assert_eq!(row.vacancies(&patch, -5.0 * row.pitch).count(), 0, "the zone is 5.06 pitches long");
-        let places: Vec<DVec3> = row.vacancies(&patch, -2.0 * row.pitch + 0.001).collect();
-        assert_eq!(places.len(), 3);
-        for place in places {
-            assert!(row.holds(&patch, place) && (-0.05..0.0).contains(&patch.along(place)));
+        let line = InflowLine::of(&patch, point, 0.01);
+        assert!(line.holds(&patch, point) && !line.holds(&patch, point + patch.across[0] * 0.011));
+        // 16 lines of 0.010125 m: a particle's volume is Δ².
+        assert!((line.pitch * 2.0 * line.half_width[0] - 1e-4).abs() < 1e-15);
+        assert_eq!(line.vacancies(&patch, -5.0 * line.pitch).count(), 0, "the zone is 5.06 pitches long");
+        let positions: Vec<DVec3> = line.vacancies(&patch, -2.0 * line.pitch + 0.001).collect();
+        assert_eq!(positions.len(), 3);
+        for place in positions {
+            assert!(line.holds(&patch, place) && (-0.05..0.0).contains(&patch.along(place)));
             let lateral = (place - patch.at).dot(patch.across[0]);
-            assert!((lateral - row.axis[0]).abs() < 1e-15);
+            assert!((lateral - line.axis[0]).abs() < 1e-15);
         }
     }
 }

@@ -1,18 +1,20 @@
-//! Inlets: the door lists the rooms and holds the closed choices.
+//! Inlet conditions.
 //!
-//! - [`poiseuille`]: the exact start-up profile between parallel plates
+//! - [`injection`]: positions at which particles enter an inflow zone
+//! - [`poiseuille`]: exact start-up profile between parallel plates
 
+pub mod injection;
 pub mod poiseuille;
 
 use serde::{Deserialize, Serialize};
 
-/// What follows the particles of an inflow zone.
+/// Supply of an inflow zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Feed {
-    /// One for each that crosses the plane: the zone stays full.
+    /// One particle enters for each that crosses the plane: the zone stays full.
     #[default]
     Fed,
-    /// Nothing: the zone is filled once and drained, as a cylinder by its piston. The run stops when what is left behind a
+    /// The zone is filled once and drained, as a cylinder by its piston. The run stops when the zone behind a
     /// particle that crosses is shorter than the kernel's support.
     Once,
 }
@@ -24,6 +26,6 @@ pub enum InletPressure {
     /// Extrapolated from the fluid inside, first-order consistent.
     #[default]
     Extrapolated,
-    /// Given, Pa.
+    /// A given pressure, Pa.
     Prescribed(f64),
 }

@@ -9,8 +9,9 @@
 
 use std::f64::consts::PI;
 
-/// Velocity, m/s, at distance `y` (m) from the middle and time `t` (s) between walls at ± `half_width` (m),
-/// for a force per mass `body_force` (m/s²) and a kinematic viscosity (m²/s). Zero outside the gap.
+/// Returns the velocity, m/s, at a distance `y` (m) from the middle and a time `t` (s) between walls at
+/// ± `half_width` (m), for a force per mass `body_force` (m/s²) and a kinematic viscosity (m²/s). It is 0
+/// outside the gap.
 pub fn startup_velocity(y: f64, t: f64, half_width: f64, body_force: f64, viscosity: f64) -> f64 {
     let d = half_width;
     if y.abs() >= d || t <= 0.0 {
@@ -67,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn starts_from_rest_and_sticks_to_the_walls() {
+    fn the_flow_starts_from_rest_and_does_not_slip() {
         assert_eq!(startup_velocity(1e-4, 0.0, HALF, FORCE, NU), 0.0);
         assert!(startup_velocity(0.999_999 * HALF, 0.5, HALF, FORCE, NU).abs() < 1e-10);
     }

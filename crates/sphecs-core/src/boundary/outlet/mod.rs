@@ -1,265 +1,153 @@
-//! Outlets: the door lists the rooms and holds the closed choices.
+//! Outlet conditions.
 //!
-//! - [`absorbing`]: an outlet pressure that lets plane sound waves leave
-//! - [`characteristic`]: the outgoing characteristic about reference values
-//! - [`continuation`]: a zone that carries a wave of sound on
-//! - [`convection`]: how fast an outflow zone is carried away
-//! - [`do_nothing`]: particles that keep what they had when they crossed
-//! - [`hybrid`]: the base flow is kept, sound leaves by its characteristic
-//! - [`mirror`]: the fluid's mirror image
-//! - [`modified_do_nothing`]: the same, carried away by the fluid
-//! - [`oblique`]: an outlet pressure that lets sound leave at any angle
-//! - [`wave`]: the outgoing wave equation
+//! - [`characteristic`]: outgoing characteristic about reference values
+//! - [`convection`]: convective velocity of an outflow zone and pressure of backflow
+//! - [`do_nothing`]: the state of the crossing
+//! - [`hybrid`]: frozen base flow with acoustic waves transmitted by their characteristic
+//! - [`method`]: interface of a condition
+//! - [`mirror`]: mirror image of the fluid
+//! - [`modified_do_nothing`]: the state of the crossing, advected by the fluid
+//! - [`non_reflecting`]: acoustic waves at an outlet of nonreflecting pressure
+//! - [`orlanski`]: outgoing wave equation without diffusion
+//! - [`pressure`]: pressure under a wave equation
+//! - [`wave_equation`]: outgoing wave equation with transverse diffusion
+//! - [`zone`]: the zone of outflow particles that a condition works on
 //!
-//! `WaveEquation` and `Orlanski` set rates and share their rooms; each of the others sets what a particle has in every step, as an
-//! [`Outflow`].
+//! To add a condition: a file with a parameter type that implements [`OutletParameters`] and
+//! [`OutletMethod`], a variant of [`OutletCondition`] and an arm of its dispatch below, and the source in
+//! docs/REFERENCES.md. A plugin adds a condition without any of these, under a name for
+//! [`OutletCondition::Custom`].
 
-pub mod absorbing;
 pub mod characteristic;
-pub mod continuation;
 pub mod convection;
 pub mod do_nothing;
 pub mod hybrid;
+pub mod method;
 pub mod mirror;
 pub mod modified_do_nothing;
-pub mod oblique;
-pub mod wave;
+pub mod non_reflecting;
+pub mod orlanski;
+pub mod pressure;
+pub mod wave_equation;
+pub mod zone;
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use mirror::MirrorVariant;
-use modified_do_nothing::ShownVelocity;
+use characteristic::Characteristic;
+use do_nothing::DoNothing;
+use hybrid::Hybrid;
+use method::{OutletMethod, OutletParameters};
+use mirror::Mirror;
+use modified_do_nothing::ModifiedDoNothing;
+use orlanski::Orlanski;
+use wave_equation::WaveEquation;
 
-/// What an outflow particle does.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Condition at an outlet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum OutletCondition {
-    /// Outgoing wave equation with transverse diffusion: Alvarado-Rodríguez et al. (2017), Eqs. 27, 29 and 30.
-    WaveEquation {
-        /// Frame in which ∂v/∂t is integrated.
-        #[serde(default)]
-        frame: Frame,
-        /// Form of the transverse Laplacian.
-        #[serde(default)]
-        transverse: TransverseOperator,
-        /// Pressure of the outflow particles.
-        #[serde(default)]
-        pressure: OutletPressure,
-    },
-    /// The same without the diffusion term, Eq. 28.
-    Orlanski {
-        /// Frame in which ∂v/∂t is integrated.
-        #[serde(default)]
-        frame: Frame,
-        /// Pressure of the outflow particles.
-        #[serde(default)]
-        pressure: OutletPressure,
-    },
-    /// Velocity and pressure stay as they were when the particle crossed: Negi et al. (2020), Eqs. 14–16.
+    /// Outgoing wave equation with transverse diffusion: Alvarado-Rodríguez et al. (2017), Eqs. 27, 29
+    /// and 30.
+    WaveEquation(WaveEquation),
+    /// Outgoing wave equation without diffusion: Alvarado-Rodríguez et al. (2017), Eq. 28.
+    Orlanski(Orlanski),
+    /// Velocity and pressure of the crossing: Negi et al. (2020), Eqs. 14–16.
     DoNothing,
-    /// The same, but moved with the velocity of the fluid next to the plane: Negi et al. (2020), Eqs. 17 and 18.
-    ModifiedDoNothing {
-        /// Normal velocity that the fluid sees of its particles.
-        #[serde(default)]
-        shown: ShownVelocity,
-    },
+    /// Velocity and pressure of the crossing, moved with the velocity of the fluid next to the plane: Negi
+    /// et al. (2020), Eqs. 17 and 18.
+    ModifiedDoNothing(ModifiedDoNothing),
     /// Velocity and pressure of the fluid's mirror image: Negi et al. (2020), Eqs. 22–24.
-    Mirror {
-        /// What is made of the value and the slope at the image.
-        #[serde(default)]
-        variant: MirrorVariant,
-    },
-    /// The outgoing characteristic about reference values, nothing comes in: Negi et al. (2020), Eqs. 25–27. Its two fields have no
-    /// default: a stream of another velocity than this has a pressure of ρ0 c0 times the difference.
-    Characteristic {
-        /// Reference velocity along the outlet's normal, m/s.
-        velocity: f64,
-        /// Reference pressure, Pa.
-        pressure: f64,
-    },
-    /// The base flow is kept as by `DoNothing`, sound leaves as by `Characteristic` about it: Negi et al. (2020), Eqs. 28–31.
-    Hybrid {
-        /// Velocity u of the threshold: while |p − `pressure`| ≥ ½ ρ0 u² a particle's flow is taken for sound, m/s. None: the mean
-        /// speed of what enters, followed over `steps`.
-        #[serde(default)]
-        velocity: Option<f64>,
-        /// Pressure about which sound swings, Pa, default 0.
-        #[serde(default)]
-        pressure: f64,
-        /// Steps N of the time mean that is taken for the base flow, default 6.
-        #[serde(default = "usual_steps")]
-        steps: f64,
-    },
+    Mirror(Mirror),
+    /// Outgoing characteristic about reference values, no wave enters: Negi et al. (2020), Eqs. 25–27.
+    Characteristic(Characteristic),
+    /// Frozen base flow, with acoustic waves transmitted by their outgoing characteristic: Negi et al.
+    /// (2020), Eqs. 28–31.
+    Hybrid(Hybrid),
+    /// A condition that a plugin adds under this name.
+    Custom(String),
 }
 
-/// N of Negi et al. (2020), Sec. 3.4.
-fn usual_steps() -> f64 {
-    6.0
+/// Evaluates an expression with the parameters of a condition: the only match on the conditions.
+macro_rules! with_condition {
+    ($condition:expr, $method:ident => $result:expr, custom $name:ident => $custom:expr) => {
+        match $condition {
+            OutletCondition::WaveEquation($method) => $result,
+            OutletCondition::Orlanski($method) => $result,
+            OutletCondition::DoNothing => {
+                let $method = &DoNothing;
+                $result
+            }
+            OutletCondition::ModifiedDoNothing($method) => $result,
+            OutletCondition::Mirror($method) => $result,
+            OutletCondition::Characteristic($method) => $result,
+            OutletCondition::Hybrid($method) => $result,
+            OutletCondition::Custom($name) => $custom,
+        }
+    };
 }
 
-/// What a condition says of an outflow particle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Outflow {
-    /// Velocity, m/s.
-    pub velocity: DVec3,
-    /// Pressure, Pa.
-    pub pressure: f64,
-    /// Speed along the normal with which it moves, m/s.
-    pub speed: f64,
+/// A function of an outlet condition, generic over its type.
+pub trait OutletVisitor {
+    /// Result of the function.
+    type Output;
+
+    /// Evaluates the function for a condition.
+    fn visit<M: OutletMethod>(self, method: &M) -> Self::Output;
 }
 
-impl Outflow {
-    /// A particle whose velocity (m/s) is that with which it moves along the normal.
-    pub fn moving(velocity: DVec3, pressure: f64, normal: DVec3) -> Self {
-        Self { velocity, pressure, speed: velocity.dot(normal) }
+impl OutletCondition {
+    /// Evaluates a function of the condition.
+    ///
+    /// # Errors
+    /// The name of a [`Custom`](Self::Custom) condition, which only the plugin that adds it knows.
+    pub fn visit<V: OutletVisitor>(&self, visitor: V) -> Result<V::Output, &str> {
+        with_condition!(self, method => Ok(visitor.visit(method)), custom name => Err(name))
     }
 
-    /// The same with another velocity along the normal, m/s.
-    pub fn at_speed(self, speed: f64, normal: DVec3) -> Self {
-        Self { velocity: self.velocity + normal * (speed - self.velocity.dot(normal)), speed, ..self }
-    }
-}
-
-/// What the conditions that solve a wave equation have in common.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WaveCondition {
-    /// Frame in which the wave equation is integrated.
-    pub frame: Frame,
-    /// Form of the transverse Laplacian; None where it is dropped.
-    pub transverse: Option<TransverseOperator>,
-    /// Pressure of the outflow particles.
-    pub pressure: OutletPressure,
-}
-
-/// Frame in which the wave equation of an outlet is integrated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Frame {
-    /// As printed: ∂v/∂t of a fixed point, integrated along the moving particle.
-    Fixed,
-    /// Carried by the particle, the convective term drops out.
-    #[default]
-    Moving,
-}
-
-/// Discrete form of the transverse Laplacian of Alvarado-Rodríguez et al. (2017), Eq. 29.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum TransverseOperator {
-    /// L v = 2 Σ V v_ob g / (−Σ V y_ob² g), g = e_y² F, walls included.
-    #[default]
-    Normalised,
-    /// As printed with the sign mended.
-    Printed,
-    /// Español & Revenga (2003).
-    Consistent,
-}
-
-/// Pressure of outflow particles.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum OutletPressure {
-    /// As it was when the particle crossed the outlet.
-    Frozen,
-    /// A given pressure, Pa.
-    Reference(f64),
-    /// The crossing pressure, relaxed towards `target` (Pa) over `time` (s).
-    Relaxed {
-        /// Pressure approached, Pa.
-        target: f64,
-        /// Time constant, s.
-        time: f64,
-    },
-    /// Lets sound leave: the incoming characteristic is held at `target` (Pa) and the mean velocity followed over
-    /// `time` (s).
-    Absorbing {
-        /// Mean pressure approached, Pa.
-        #[serde(default)]
-        target: f64,
-        /// Time constant with which the mean velocity is followed, s. None: four passages of sound through the
-        /// domain along the outlet's normal.
-        #[serde(default)]
-        time: Option<f64>,
-        /// Which waves may leave.
-        #[serde(default)]
-        waves: Waves,
-    },
-}
-
-/// Waves of sound that an absorbing outlet lets leave.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Waves {
-    /// Plane ones that run along the normal: those of the section's mean.
-    Plane,
-    /// Waves at any angle too.
-    #[default]
-    All,
-}
-
-impl Default for OutletPressure {
-    fn default() -> Self {
-        OutletPressure::Absorbing { target: 0.0, time: None, waves: Waves::All }
+    /// Returns the parameters of the condition.
+    pub fn parameters(&self) -> &dyn OutletParameters {
+        with_condition!(self, parameters => parameters, custom name => name)
     }
 }
 
 impl Default for OutletCondition {
-    /// What the comparison in docs/which_outlet.md came to, under either scheme.
+    /// Returns the condition that the comparison in docs/which_outlet.md recommends for both schemes.
     fn default() -> Self {
-        OutletCondition::WaveEquation {
-            frame: Frame::default(),
-            transverse: TransverseOperator::default(),
-            pressure: OutletPressure::default(),
-        }
+        OutletCondition::WaveEquation(WaveEquation::default())
     }
 }
 
-impl OutletCondition {
-    /// Its name in a scene.
-    pub fn name(&self) -> &'static str {
-        match self {
-            OutletCondition::WaveEquation { .. } => "WaveEquation",
-            OutletCondition::Orlanski { .. } => "Orlanski",
-            OutletCondition::DoNothing => "DoNothing",
-            OutletCondition::ModifiedDoNothing { .. } => "ModifiedDoNothing",
-            OutletCondition::Mirror { .. } => "Mirror",
-            OutletCondition::Characteristic { .. } => "Characteristic",
-            OutletCondition::Hybrid { .. } => "Hybrid",
-        }
+/// The name of a condition that a plugin adds, in place of its parameters.
+impl OutletParameters for String {
+    fn name(&self) -> &str {
+        self
     }
+}
 
-    /// Velocity (m/s) and pressure (Pa) that it is given for its surroundings; 0 where it has none.
-    pub fn references(&self) -> (f64, f64) {
-        match *self {
-            OutletCondition::WaveEquation { pressure, .. } | OutletCondition::Orlanski { pressure, .. } => {
-                let target = match pressure {
-                    OutletPressure::Frozen => 0.0,
-                    OutletPressure::Reference(target)
-                    | OutletPressure::Relaxed { target, .. }
-                    | OutletPressure::Absorbing { target, .. } => target,
-                };
-                (0.0, target)
-            }
-            OutletCondition::Characteristic { velocity, pressure } => (velocity, pressure),
-            OutletCondition::Hybrid { velocity, pressure, .. } => (velocity.unwrap_or(0.0), pressure),
-            OutletCondition::DoNothing
-            | OutletCondition::ModifiedDoNothing { .. }
-            | OutletCondition::Mirror { .. } => (0.0, 0.0),
-        }
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// The wave equation of the condition, if it solves one.
-    pub fn wave(&self) -> Option<WaveCondition> {
-        match *self {
-            OutletCondition::WaveEquation { frame, transverse, pressure } => {
-                Some(WaveCondition { frame, transverse: Some(transverse), pressure })
-            }
-            OutletCondition::Orlanski { frame, pressure } => {
-                Some(WaveCondition { frame, transverse: None, pressure })
-            }
-            OutletCondition::DoNothing
-            | OutletCondition::ModifiedDoNothing { .. }
-            | OutletCondition::Mirror { .. }
-            | OutletCondition::Characteristic { .. }
-            | OutletCondition::Hybrid { .. } => None,
+    #[test]
+    fn names_are_those_of_the_scene_notation() {
+        let characteristic = Characteristic { velocity: 0.1, pressure: 0.0 };
+        let hybrid = Hybrid { velocity: None, pressure: 0.0, steps: 6.0 };
+        for condition in [
+            OutletCondition::default(),
+            OutletCondition::Orlanski(Orlanski::default()),
+            OutletCondition::DoNothing,
+            OutletCondition::ModifiedDoNothing(ModifiedDoNothing::default()),
+            OutletCondition::Mirror(Mirror::default()),
+            OutletCondition::Characteristic(characteristic),
+            OutletCondition::Hybrid(hybrid),
+        ] {
+            // The derived form begins with the variant, which is the name in a scene.
+            let derived = format!("{condition:?}");
+            let variant = derived.split('(').next().expect("a first part");
+            assert_eq!(condition.parameters().name(), variant);
+            assert_eq!(condition.parameters().faults(), [], "{derived}");
         }
+        let custom = OutletCondition::Custom("Sponge".to_owned());
+        assert_eq!(custom.parameters().name(), "Sponge");
     }
 }

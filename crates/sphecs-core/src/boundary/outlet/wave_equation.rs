@@ -1,163 +1,287 @@
-//! The zone of a wave equation: pressure, convective velocity and rates of its particles.
+//! Outgoing wave equation with transverse diffusion.
+//!
+//! ```text
+//! ∂v/∂t + v_n ∂v/∂n − ν ∇²_t v = f          with the body force f
+//! ∂v/∂n |_o = Σ V_b (v_b − v_o) ∂W/∂n       first term of Eq. 29
+//! v̄_n,o    = Σ V_b v_n,b W / Σ V_b W        Eq. 30, Shepard-normalised: the far end of the zone cuts the support
+//! ```
+//!
+//! Alvarado-Rodríguez et al. (2017), Eqs. 27, 29 and 30; the pair sums and the forms of ∇²_t are in
+//! [`wave_sums`](crate::physics::wave_sums).
+//!
+//! `frame: Fixed` integrates the rate of a fixed point along the moving particle, as published:
+//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `frame: Moving` takes the equation literally: the particle moves with
+//! the convective velocity, the convective term drops out, dv/dt = ν L v + f, as Negi et al. (2020),
+//! Sec. 3.1, remark.
+//!
+//! A particle moves along the normal with the velocity v̄_n of [`convection`](super::convection), from a
+//! fit that preserves the velocity profile where Eq. 30 takes a kernel mean. Its pressure is that of
+//! [`pressure`](super::pressure). Backflow is drawn in from a reservoir at rest.
+//!
+//! Columns of particles that slide past each other bring particles close together, and a vortex carries such
+//! pairs back into the fluid, whose density changes at once. So the zone is shifted as the fluid is.
 
-use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
 
-use super::outlets::{OutletStage, OutletState};
-use super::rows::PatchRows;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
-use crate::systems::setup::SceneInUse;
-use sphecs_core::math::lattice::ETA_SQUARED;
-use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
-use sphecs_core::particles::rows::set_real_vector;
-use sphecs_core::pass::fits::PointFit;
-use sphecs_core::pass::waves::{WaveFound, sum_waves};
-use sphecs_core::physics::outlet::convection::{backflow_pressure, convective_velocity};
-use sphecs_core::physics::outlet::wave::WaveSetting;
-use sphecs_core::physics::outlet::{Frame, OutletPressure};
+use super::convection::{backflow_pressure, convective_velocity};
+use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, References};
+use super::non_reflecting::NonReflecting;
+use super::pressure::OutletPressure;
+use super::zone::OutflowZone;
+use crate::boundary::parameter_fault::ParameterFault;
+use crate::math::lattice::ETA_SQUARED;
+use crate::math::real::Real;
+use crate::particles::rows::set_real_vector;
+use crate::pass::fits::PointFit;
+use crate::pass::waves::{WaveFound, sum_waves};
+use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator, WaveSetting};
 
-/// Particles of the zone that a thread takes at least.
+/// Smallest number of outflow particles per thread.
 const CHUNK: usize = 64;
 
-/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would see no fluid.
+/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would have no fluid.
 const LAYERS_INSIDE: f64 = 1.0;
 
-/// Sets pressure and density of the zone of a wave equation and finds its convective velocities.
-pub fn apply_wave<R: Real, const D: usize>(stage: &mut OutletStage<'_, R, D>, state: &mut OutletState) {
-    let (scene, outlet, zone, normal) = (stage.scene, stage.outlet, stage.zone, stage.normal());
-    let Some(wave) = outlet.condition.wave() else { return };
-    set_pressure(wave.pressure, zone, stage.time_step, stage.arrays);
-    let absorbs = matches!(wave.pressure, OutletPressure::Absorbing { .. });
-    let inside = |foot: DVec3| foot - normal * (LAYERS_INSIDE * scene.spacing);
-    let offsets = if absorbs { state.absorbing.section(scene, outlet).offsets.as_slice() } else { &[] };
-    let section = PointFit::Section { normal, across: outlet.patch.across };
-    stage.find_at_zone(
-        section,
-        |point| inside(point - normal * outlet.patch.along(point)),
-        offsets.iter().map(|&offset| inside(outlet.patch.at + offset)),
-    );
-    let mean = state.mean();
-    let points = &stage.found()[zone.len()..];
-    state.absorbing.advance(scene, outlet, points, mean, stage.time_step);
-    let impedance = stage.impedance();
-    // A pressure that a particle keeps from step to step must not lose its dynamic part again and again.
-    let given = matches!(wave.pressure, OutletPressure::Reference(_) | OutletPressure::Absorbing { .. });
-    let mut of_zone = std::mem::take(&mut stage.buffers.of_zone);
-    let (arrays, found, pair) = (&*stage.arrays, stage.found(), stage.pair);
-    let absorbing = &state.absorbing;
-    let moves = zone.par_iter().enumerate().with_min_len(CHUNK).map(|(at, &row)| {
-        let row = row as usize;
-        let flow = found[at].unwrap_or(mean);
-        let own = arrays.pressure[row].to_f64();
-        let (pressure, velocity) = if absorbs {
-            absorbing.at(scene, outlet, arrays.position_of(row), flow)
-        } else {
-            (own, convective_velocity(flow.velocity, flow.pressure, own, impedance))
-        };
-        let pressure =
-            if given { backflow_pressure(pressure, velocity, scene.fluid.density) } else { pressure };
-        ZoneMove { pressure, velocity, density: pair.density_at(pressure) }
-    });
-    moves.collect_into_vec(&mut of_zone);
-    for (&row, &ZoneMove { pressure, velocity, density }) in zone.iter().zip(&of_zone) {
-        let row = row as usize;
-        stage.arrays.pressure[row] = R::from_f64(pressure);
-        state.convective.push(velocity);
-        match density {
-            Some(density) => stage.arrays.density[row] = R::from_f64(density),
-            // The divergence drives an evolved pressure: it must see the velocity with which the zone moves, not that with
-            // which its particles crossed the plane, or the outlet throws back a quarter of a pulse of sound.
-            None if wave.frame == Frame::Moving => {
-                let own = stage.arrays.velocity_of(row);
-                let moved = own + normal * (velocity - own.dot(normal));
-                set_real_vector(&mut stage.arrays.velocity, row, moved);
-            }
-            None => {}
-        }
-    }
-    stage.buffers.of_zone = of_zone;
+/// Parameters of the condition.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaveEquation {
+    /// Frame in which ∂v/∂t is integrated.
+    #[serde(default)]
+    pub frame: ReferenceFrame,
+    /// Form of the transverse Laplacian.
+    #[serde(default)]
+    pub transverse: TransverseOperator,
+    /// Pressure of the outflow particles.
+    #[serde(default)]
+    pub pressure: OutletPressure,
 }
 
-/// What a step finds for a particle of the zone.
+/// State of a wave equation between steps.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaveMemory {
+    /// State of a nonreflecting pressure.
+    pub non_reflecting: NonReflecting,
+    /// Buffer: results of a step by outflow particle.
+    #[serde(skip)]
+    moves: Vec<ZoneMove>,
+    /// Buffer: pair sums by outflow particle.
+    #[serde(skip)]
+    sums: Vec<WaveFound>,
+}
+
+/// Results of a step for an outflow particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ZoneMove {
+struct ZoneMove {
     /// Pressure, Pa.
     pressure: f64,
     /// Convective velocity, m/s.
     velocity: f64,
-    /// Density that the pressure belongs to, kg/m³; None where it is summed.
+    /// Density that belongs to the pressure, kg/m³; None where it is summed.
     density: Option<f64>,
 }
 
-fn set_pressure<R: Real, const D: usize>(
-    pressure: OutletPressure,
-    zone: &[u32],
-    time_step: f64,
-    arrays: &mut ParticleArrays<R, D>,
-) {
-    match pressure {
-        OutletPressure::Frozen => {}
-        OutletPressure::Reference(pressure) => {
-            for &row in zone {
-                arrays.pressure[row as usize] = R::from_f64(pressure);
-            }
-        }
-        OutletPressure::Relaxed { target, time } => {
-            let share = -(-time_step / time).exp_m1();
-            for &row in zone {
-                let pressure = arrays.pressure[row as usize].to_f64();
-                arrays.pressure[row as usize] = R::from_f64(pressure + share * (target - pressure));
-            }
-        }
-        // See `absorb`.
-        OutletPressure::Absorbing { .. } => {}
+/// Parameters of an outgoing wave equation, with or without diffusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveCondition {
+    /// Frame in which ∂v/∂t is integrated.
+    pub frame: ReferenceFrame,
+    /// Form of the transverse Laplacian; None drops the diffusion.
+    pub transverse: Option<TransverseOperator>,
+    /// Pressure of the outflow particles.
+    pub pressure: OutletPressure,
+}
+
+impl WaveEquation {
+    fn wave(&self) -> WaveCondition {
+        WaveCondition { frame: self.frame, transverse: Some(self.transverse), pressure: self.pressure }
     }
 }
 
-/// Rates of outflow particles by the wave equation of their outlet, and their shifting vector; none of either under another condition.
-///
-/// Rods that slide past each other bring particles close together, and a vortex carries such pairs back into the fluid, whose density sees them
-/// at once: so the zone of a wave equation is kept even by the same shifting as the fluid.
-pub fn outlet_rates<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
-    pair: Res<Pair>,
-    grid: Res<Grid<D>>,
-    rows: Res<PatchRows>,
-    mut waves: Local<Vec<WaveFound>>,
-    mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
-) {
-    let scene = &*scene.0;
-    for (outlet, rows) in scene.outlets.iter().zip(&rows.outflow) {
-        let Some(wave) = outlet.condition.wave() else {
-            for &row in rows {
-                set_real_vector(&mut arrays.acceleration, row as usize, DVec3::ZERO);
-                set_real_vector(&mut sums.0.shift, row as usize, DVec3::ZERO);
-            }
-            continue;
-        };
-        let setting = WaveSetting {
-            frame: wave.frame,
-            transverse: wave.transverse,
-            normal: outlet.patch.towards,
-            dimensions: scene.dimensions,
-            eta_squared: ETA_SQUARED,
-            viscosity: scene.fluid.viscosity,
-        };
-        sum_waves(&setting, &pair.0, &grid.0, &arrays, &mut sums.0, rows, &mut waves);
-        for (&row, wave) in rows.iter().zip(&*waves) {
+impl OutletParameters for WaveEquation {
+    fn name(&self) -> &str {
+        "WaveEquation"
+    }
+
+    fn references(&self) -> References {
+        self.wave().references()
+    }
+
+    fn faults(&self) -> Vec<ParameterFault> {
+        self.pressure.faults()
+    }
+}
+
+impl OutletMethod for WaveEquation {
+    type Memory = WaveMemory;
+
+    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+        self.wave().apply(zone, memory);
+    }
+
+    fn find_rates<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+        self.wave().find_rates(zone, memory);
+    }
+
+    fn advance(&self, particle: &OutflowMotion) -> Advanced {
+        self.wave().advance(particle)
+    }
+}
+
+impl WaveCondition {
+    /// Returns the stated pressure of the surroundings.
+    pub fn references(&self) -> References {
+        References { velocity: 0.0, pressure: self.pressure.target() }
+    }
+
+    /// Sets pressure and density of the outflow particles and finds their convective velocities.
+    pub fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+        self.pressure.set(zone);
+        self.fit_fluid(zone, &mut memory.non_reflecting);
+        let mut moves = std::mem::take(&mut memory.moves);
+        self.find_moves(zone, &memory.non_reflecting, &mut moves);
+        let normal = zone.normal();
+        for (&row, &ZoneMove { pressure, velocity, density }) in zone.rows.iter().zip(&moves) {
             let row = row as usize;
-            set_real_vector(&mut arrays.acceleration, row, wave.sums.rate(&setting));
+            zone.arrays.pressure[row] = R::from_f64(pressure);
+            zone.speeds.push(velocity);
+            match density {
+                Some(density) => zone.arrays.density[row] = R::from_f64(density),
+                // The divergence drives an evolved pressure: it must see the velocity with which the zone
+                // moves, not that of the crossing, or the outlet reflects a quarter of an acoustic pulse.
+                None if self.frame == ReferenceFrame::Moving => {
+                    let own = zone.arrays.velocity_of(row);
+                    let moved = own + normal * (velocity - own.dot(normal));
+                    set_real_vector(&mut zone.arrays.velocity, row, moved);
+                }
+                None => {}
+            }
+        }
+        memory.moves = moves;
+    }
+
+    /// Fits the fluid upstream of the outflow particles and advances a nonreflecting pressure by a step.
+    fn fit_fluid<R: Real, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        non_reflecting: &mut NonReflecting,
+    ) {
+        let (flow, patch, normal) = (zone.flow, zone.patch, zone.normal());
+        let inside = |foot: DVec3| foot - normal * (LAYERS_INSIDE * flow.spacing);
+        let transmits = matches!(self.pressure, OutletPressure::NonReflecting { .. });
+        let offsets = if transmits { non_reflecting.section(&flow, patch).offsets.as_slice() } else { &[] };
+        zone.fit_fluid(
+            PointFit::Section { normal, across: patch.across },
+            |point| inside(point - normal * patch.along(point)),
+            offsets.iter().map(|&offset| inside(patch.at + offset)),
+        );
+        if let OutletPressure::NonReflecting { target, time, waves } = self.pressure {
+            non_reflecting.advance(zone, target, time, waves);
+        }
+    }
+
+    /// Finds pressure, convective velocity and density of the outflow particles.
+    fn find_moves<R: Real, const D: usize>(
+        &self,
+        zone: &OutflowZone<'_, R, D>,
+        non_reflecting: &NonReflecting,
+        moves: &mut Vec<ZoneMove>,
+    ) {
+        let (flow, patch, mean, impedance) = (zone.flow, zone.patch, zone.adjacent, zone.flow.impedance());
+        let (arrays, found, pair) = (&*zone.arrays, zone.fitted(), zone.pair);
+        let transmits = matches!(self.pressure, OutletPressure::NonReflecting { .. });
+        let is_set_anew = self.pressure.is_set_anew();
+        let all = zone.rows.par_iter().enumerate().with_min_len(CHUNK).map(|(at, &row)| {
+            let row = row as usize;
+            let fluid = found[at].unwrap_or(mean);
+            let own = arrays.pressure[row].to_f64();
+            let (pressure, velocity) = if transmits {
+                non_reflecting.at(&flow, patch, arrays.position_of(row), fluid)
+            } else {
+                (own, convective_velocity(fluid.velocity, fluid.pressure, own, impedance))
+            };
+            let pressure =
+                if is_set_anew { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
+            ZoneMove { pressure, velocity, density: pair.density_at(pressure) }
+        });
+        all.collect_into_vec(moves);
+    }
+
+    /// Finds the rates of the outflow particles and their shifting vectors.
+    pub fn find_rates<R: Real, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
+        let setting = WaveSetting {
+            frame: self.frame,
+            transverse: self.transverse,
+            normal: zone.normal(),
+            dimensions: zone.flow.dimensions,
+            eta_squared: ETA_SQUARED,
+            viscosity: zone.flow.viscosity,
+        };
+        sum_waves(&setting, zone.pair, zone.grid, zone.arrays, zone.sums, zone.rows, &mut memory.sums);
+        for (&row, wave) in zone.rows.iter().zip(&memory.sums) {
+            let row = row as usize;
+            set_real_vector(&mut zone.arrays.acceleration, row, wave.sums.rate(&setting));
             let mut concentration = wave.concentration;
-            // Beyond the far end there is nothing: the normal part would empty the zone.
-            if outlet.patch.along(arrays.position_of(row)) > outlet.patch.depth - pair.0.support() {
+            // The support is empty beyond the far end: the normal part would empty the zone.
+            if zone.patch.along(zone.arrays.position_of(row)) > zone.patch.depth - zone.pair.support() {
                 concentration -= setting.normal * concentration.dot(setting.normal);
             }
-            set_real_vector(&mut sums.0.shift, row, concentration);
+            set_real_vector(&mut zone.sums.shift, row, concentration);
         }
+    }
+
+    /// Advances an outflow particle: in the moving frame at its convective velocity, in the fixed frame at
+    /// its own, never backwards.
+    pub fn advance(&self, particle: &OutflowMotion) -> Advanced {
+        let mut next = particle.accelerated();
+        let speed = match self.frame {
+            ReferenceFrame::Moving => {
+                if particle.speed < 0.0 {
+                    // Backflow has the velocity with which it is drawn in, not that of its crossing.
+                    next += particle.normal * (particle.speed - next.dot(particle.normal));
+                }
+                particle.speed
+            }
+            ReferenceFrame::Fixed => {
+                next -= particle.normal * next.dot(particle.normal).min(0.0);
+                0.5 * (particle.velocity + next).dot(particle.normal)
+            }
+        };
+        Advanced { velocity: next, speed }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BACKFLOW: OutflowMotion = OutflowMotion {
+        velocity: DVec3::new(0.2, 0.1, 0.0),
+        acceleration: DVec3::new(-3.0, 1.0, 0.0),
+        speed: -0.05,
+        normal: DVec3::X,
+        time_step: 0.1,
+    };
+
+    #[test]
+    fn backflow_is_drawn_in_at_the_convective_velocity_in_the_moving_frame() {
+        let advanced = WaveEquation::default().advance(&BACKFLOW);
+        assert_eq!(advanced.speed, -0.05);
+        assert!((advanced.velocity - DVec3::new(-0.05, 0.2, 0.0)).length() < 1e-15, "{advanced:?}");
+    }
+
+    #[test]
+    fn no_particle_returns_in_the_fixed_frame() {
+        let fixed = WaveEquation { frame: ReferenceFrame::Fixed, ..WaveEquation::default() };
+        let advanced = fixed.advance(&BACKFLOW);
+        assert!((advanced.velocity - DVec3::new(0.0, 0.2, 0.0)).length() < 1e-15, "{advanced:?}");
+        assert!((advanced.speed - 0.1).abs() < 1e-15, "the mean of both ends, {}", advanced.speed);
     }
 }

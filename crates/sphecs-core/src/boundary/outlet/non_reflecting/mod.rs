@@ -1,45 +1,50 @@
-//! The zone of an absorbing outlet: which pressure and which velocity a wave of sound has where in it.
+//! Nonreflecting outlet pressure: acoustic waves in the zone and at its section.
+//!
+//! - [`oblique_waves`]: waves at any angle to the normal
+//! - [`plane_waves`]: plane waves along the normal
+//! - [`propagation`]: propagation of waves through the zone
+//!
+//! In each step the flow is sampled at points of the section. The outgoing waves there give the pressure
+//! of the outlet, which then propagates through the zone.
+
+pub mod oblique_waves;
+pub mod plane_waves;
+pub mod propagation;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::section::SectionPoints;
-use sphecs_core::pass::fits::PointFlow;
-use sphecs_core::physics::outlet::absorbing::{Absorbing, AbsorbingSetting};
-use sphecs_core::physics::outlet::continuation::Continuation;
-use sphecs_core::physics::outlet::convection::convective_velocity;
-use sphecs_core::physics::outlet::oblique::{Oblique, ObliqueSetting};
-use sphecs_core::physics::outlet::{OutletPressure, Waves};
-use sphecs_scene::model::{Outlet, Scene};
+use super::convection::convective_velocity;
+use super::pressure::Waves;
+use super::zone::{OutflowZone, settling_time};
+use crate::boundary::flow::FlowProperties;
+use crate::boundary::patch::Patch;
+use crate::boundary::section_points::SectionPoints;
+use crate::math::real::Real;
+use crate::pass::fits::PointFlow;
+use oblique_waves::{ObliqueSetting, ObliqueWaves};
+use plane_waves::{PlaneSetting, PlaneWaves};
+use propagation::Propagation;
 
-/// Passages of sound through the domain in which an absorbing pressure follows the mean flow, where a scene says nothing. Shorter, and
-/// the resonance of an inlet with a throat is hardly damped; longer, and the start takes longer to settle.
-const PASSAGES: f64 = 4.0;
-
-/// Time in which sound that an outlet lets go has left, s.
-pub fn settling_time(scene: &Scene, outlet: &Outlet) -> f64 {
-    PASSAGES * scene.extent_along(outlet.patch.towards) / scene.fluid.sound_speed
-}
-
-/// Passages of sound along the section in which the velocity at its points is followed: of a vortex more is read as sound, the longer it
-/// is, of sound less the shorter it is (docs/outlets.md).
+/// Travel times of sound along the section over which the velocity at its points is followed. Longer, and
+/// more of a vortex counts as sound; shorter, and less of the sound does (docs/outlets.md).
 const CROSSINGS: f64 = 1.0;
 
-/// Layers from where the flow is seen to where it is sampled: the mean over a support whose outer part has no fluid is that of
-/// a place further inside.
+/// Layers upstream of the sampled points that their mean represents: the outer part of the support has no
+/// fluid.
 const LAYERS_SEEN: f64 = 1.0;
 
-/// State of the zone of one absorbing outlet, and what the present step found.
+/// State of a nonreflecting outlet, with the results of the present step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct AbsorbingZone {
-    /// The plane wave.
-    pub plane: Absorbing,
-    /// The other waves.
-    pub oblique: Oblique,
-    /// What went into the zone before.
-    pub continuation: Continuation,
-    /// Points of the section; the scene gives them.
+pub struct NonReflecting {
+    /// Plane waves.
+    pub plane: PlaneWaves,
+    /// Oblique waves.
+    pub oblique: ObliqueWaves,
+    /// Waves that entered the zone before.
+    pub propagation: Propagation,
+    /// Points of the section, from the scene.
     #[serde(skip)]
     section: Option<SectionPoints>,
     /// Pressure of the outlet at the points, Pa.
@@ -48,80 +53,81 @@ pub struct AbsorbingZone {
     /// Convective velocity at the points, m/s.
     #[serde(skip)]
     velocity: Vec<f64>,
-    /// Of the fluid at the points, less its mean: pressure (Pa) and normal velocity (m/s).
+    /// Pressure (Pa) and normal velocity (m/s) of the fluid at the points, less their means.
     #[serde(skip)]
     deviation: [Vec<f64>; 2],
 }
 
-impl AbsorbingZone {
-    /// The points at which the fluid must be known.
-    pub fn section(&mut self, scene: &Scene, outlet: &Outlet) -> &SectionPoints {
-        self.section.get_or_insert_with(|| SectionPoints::new(scene, &outlet.patch))
+impl NonReflecting {
+    /// Returns the points at which the fluid must be known.
+    pub fn section(&mut self, flow: &FlowProperties<'_>, patch: &Patch) -> &SectionPoints {
+        self.section.get_or_insert_with(|| SectionPoints::new(flow, patch))
     }
 
-    /// Takes up one step (s), from the flow at the points; `near` is its mean over the particles near the plane, for points without fluid.
-    pub fn advance(
+    /// Advances the waves by a step, from the flow fitted at the points behind those of the zone's rows.
+    ///
+    /// `target` (Pa) and `time` (s) are those of
+    /// [`OutletPressure::NonReflecting`](super::pressure::OutletPressure::NonReflecting).
+    pub fn advance<R: Real, const D: usize>(
         &mut self,
-        scene: &Scene,
-        outlet: &Outlet,
-        found: &[Option<PointFlow>],
-        near: PointFlow,
-        time_step: f64,
+        zone: &OutflowZone<'_, R, D>,
+        target: f64,
+        time: Option<f64>,
+        waves: Waves,
     ) {
-        let Some(OutletPressure::Absorbing { target, time, waves }) =
-            outlet.condition.wave().map(|wave| wave.pressure)
-        else {
-            return;
-        };
-        let (density, sound_speed) = (scene.fluid.density, scene.fluid.sound_speed);
-        let time = time.unwrap_or_else(|| settling_time(scene, outlet));
-        let setting = AbsorbingSetting { target, time, density, sound_speed };
-        let mean = self.take_apart(found, near);
+        let (flow, patch, time_step) = (&zone.flow, zone.patch, zone.time_step);
+        let (fitted, adjacent) = (&zone.fitted()[zone.rows.len()..], zone.adjacent);
+        let (density, sound_speed) = (flow.density, flow.sound_speed);
+        let time = time.unwrap_or_else(|| settling_time(zone.extent, sound_speed));
+        let setting = PlaneSetting { target, time, density, sound_speed };
+        let mean = self.split(fitted, adjacent);
         let plane = self.plane.advance(&setting, mean.pressure, mean.velocity, time_step);
         self.pressure.clear();
-        self.pressure.resize(found.len(), plane);
+        self.pressure.resize(fitted.len(), plane);
         if waves == Waves::All {
-            self.add_oblique(scene, outlet, time_step);
+            self.add_oblique(flow, patch, time_step);
         }
         self.velocity.clear();
-        self.velocity.extend(found.iter().zip(&self.pressure).map(|(flow, &own)| {
-            let flow = flow.unwrap_or(near);
-            convective_velocity(flow.velocity, flow.pressure, own, density * sound_speed)
+        self.velocity.extend(fitted.iter().zip(&self.pressure).map(|(fluid, &own)| {
+            let fluid = fluid.unwrap_or(adjacent);
+            convective_velocity(fluid.velocity, fluid.pressure, own, density * sound_speed)
         }));
-        let layers = (outlet.patch.depth / scene.spacing + LAYERS_SEEN).ceil() as usize + 1;
-        let courant = sound_speed * time_step / scene.spacing;
-        self.continuation.advance(layers, &self.pressure, &self.velocity, courant);
+        let layers = (patch.depth / flow.spacing + LAYERS_SEEN).ceil() as usize + 1;
+        let courant = sound_speed * time_step / flow.spacing;
+        self.propagation.advance(layers, &self.pressure, &self.velocity, courant);
     }
 
-    /// Splits the flow at the points into its mean over the section, which is returned, and what each of them has over it.
+    /// Splits the flow at the points into its mean over the section, which is returned, and deviations from
+    /// it. Points without fluid count as the flow `adjacent` to the plane.
     ///
-    /// A mean over the particles near the plane, which are not even and lie behind each other, takes crowding and depth for a wave: it threw back
-    /// 2.4 % of a pulse head on where this throws back 1 %, and drew with up to 25 Pa at a vortex that left.
-    fn take_apart(&mut self, found: &[Option<PointFlow>], near: PointFlow) -> PointFlow {
+    /// A mean over the particles near the plane, which are disordered and at different depths, takes
+    /// disorder and depth for a wave. It reflected 2.4 % of a plane pulse where this reflects 1 %, and drew
+    /// at a vortex that left with up to 25 Pa.
+    fn split(&mut self, fitted: &[Option<PointFlow>], adjacent: PointFlow) -> PointFlow {
         let fields = [|flow: PointFlow| flow.pressure, |flow: PointFlow| flow.velocity];
-        let mut means = [near.pressure, near.velocity];
+        let mut means = [adjacent.pressure, adjacent.velocity];
         for ((deviation, field), mean) in self.deviation.iter_mut().zip(fields).zip(&mut means) {
             deviation.clear();
-            deviation.extend(found.iter().map(|flow| field(flow.unwrap_or(near))));
+            deviation.extend(fitted.iter().map(|flow| field(flow.unwrap_or(adjacent))));
             if !deviation.is_empty() {
                 *mean = deviation.iter().sum::<f64>() / deviation.len() as f64;
             }
             deviation.iter_mut().for_each(|value| *value -= *mean);
         }
         let [pressure, velocity] = means;
-        PointFlow { pressure, velocity, ..near }
+        PointFlow { pressure, velocity, ..adjacent }
     }
 
-    /// Adds the pressure of the waves that are not plane.
-    fn add_oblique(&mut self, scene: &Scene, outlet: &Outlet, time_step: f64) {
+    /// Adds the pressure of the oblique waves.
+    fn add_oblique(&mut self, flow: &FlowProperties<'_>, patch: &Patch, time_step: f64) {
         let Some(section) = &self.section else {
             return;
         };
-        let width = 2.0 * outlet.patch.half_extent[0].max(outlet.patch.half_extent[1]);
+        let width = 2.0 * patch.half_extent[0].max(patch.half_extent[1]);
         let setting = ObliqueSetting {
-            time: CROSSINGS * width / scene.fluid.sound_speed,
-            density: scene.fluid.density,
-            sound_speed: scene.fluid.sound_speed,
+            time: CROSSINGS * width / flow.sound_speed,
+            density: flow.density,
+            sound_speed: flow.sound_speed,
             spacing: section.spacing,
         };
         let [pressure, velocity] = &mut self.deviation;
@@ -131,30 +137,35 @@ impl AbsorbingZone {
         }
     }
 
-    /// Pressure (Pa) and convective velocity (m/s) of a particle of the zone, from the flow at its foot on the plane.
-    pub fn at(&self, scene: &Scene, outlet: &Outlet, position: DVec3, foot: PointFlow) -> (f64, f64) {
+    /// Returns pressure (Pa) and convective velocity (m/s) of an outflow particle, from the flow fitted at
+    /// its foot on the plane.
+    pub fn at(
+        &self,
+        flow: &FlowProperties<'_>,
+        patch: &Patch,
+        position: DVec3,
+        foot: PointFlow,
+    ) -> (f64, f64) {
         let Some(section) = &self.section else {
             return (0.0, foot.velocity);
         };
-        let patch = &outlet.patch;
-        let offset = position - patch.at;
-        let place = section.place(patch, offset);
-        let depth = patch.along(position) / scene.spacing + LAYERS_SEEN;
-        let then = |field: &[f64]| {
+        let location = section.locate(patch, position - patch.at);
+        let depth = patch.along(position) / flow.spacing + LAYERS_SEEN;
+        let propagated = |field: &[f64]| {
             let points = self.pressure.len();
             let last = field.len() / points - 1;
             let depth = depth.clamp(0.0, last as f64);
-            let before = depth as usize;
-            let behind = (before + 1).min(last);
-            let low = place.interpolate(&field[before * points..][..points]);
-            let high = place.interpolate(&field[behind * points..][..points]);
-            low + (depth - before as f64) * (high - low)
+            let layer = depth as usize;
+            let next = (layer + 1).min(last);
+            let low = location.interpolate(&field[layer * points..][..points]);
+            let high = location.interpolate(&field[next * points..][..points]);
+            low + (depth - layer as f64) * (high - low)
         };
-        let impedance = scene.fluid.density * scene.fluid.sound_speed;
-        let present = place.interpolate(&self.pressure);
+        let impedance = flow.density * flow.sound_speed;
+        let present = location.interpolate(&self.pressure);
         let velocity = convective_velocity(foot.velocity, foot.pressure, present, impedance);
-        // The fit at the foot knows the profile better than the points do; they know how it was before.
-        let change = then(&self.continuation.velocity) - place.interpolate(&self.velocity);
-        (then(&self.continuation.pressure), velocity + change)
+        // The fit at the foot resolves the profile better than the points do; they know the past.
+        let change = propagated(&self.propagation.velocity) - location.interpolate(&self.velocity);
+        (propagated(&self.propagation.pressure), velocity + change)
     }
 }

@@ -1,36 +1,41 @@
-//! An outlet pressure that lets sound leave at any angle.
+//! Outlet pressure that transmits acoustic waves at any angle.
 //!
 //! ```text
 //! J2 = p' + ρ0 c0 (v' − u'),   du'/dt = (w' − u')/½τ,  dw'/dt = (v' − w')/½τ     carried out by the flow
-//! ∂²J3/∂t² + (2/τ) ∂J3/∂t + J3/τ² − ¼ c0² ∇_t² J3 = ¼ c0² ∇_t² J2                   comes back
+//! ∂²J3/∂t² + (2/τ) ∂J3/∂t + J3/τ² − ¼ c0² ∇_t² J3 = ¼ c0² ∇_t² J2                   enters
 //! p_o' = ½ (J2 + J3)
 //! ```
 //!
-//! p' and v' are what the pressure and the normal velocity of the fluid next to the plane differ from their means over the
-//! section, which [`absorbing`](super::absorbing) looks after. A plane wave at the angle θ to the normal has
-//! ρ0 c0 v' = p' cos θ, so that J3 = 0, Negi et al. (2020), Eqs. 25–27, throws back (1 − cos θ)/(1 + cos θ) of it. The second line is
-//! the wave equation of the plane that follows from the second approximation of Engquist & Majda (1977),
+//! p' and v' are the deviations of pressure and normal velocity of the fluid next to the plane from their
+//! means over the section, which [`plane_waves`](super::plane_waves) treats. A plane wave at the angle θ to
+//! the normal has ρ0 c0 v' = p' cos θ, so that J3 = 0, Negi et al. (2020), Eqs. 25–27, reflects the share
+//! R = (1 − cos θ)/(1 + cos θ) of it. The second line is the wave equation in the plane that follows from
+//! the second approximation of Engquist & Majda (1977),
 //!
 //! ```text
 //! cos θ ≈ 1 − ½ sin² θ,   R = ((1 − cos θ)/(1 + cos θ))²
 //! ```
 //!
-//! 0.03 at 45° and 0.11 at 60°. What varies along the plane and slowly in time is a vortex: there J3 = −J2, the pressure is let go and the
-//! flow has its way. Their third approximation, R = ((1 − cos θ)/(1 + cos θ))³, answers to the velocity of a slow vortex with ⅓ ρ0 c0 v', orders of
-//! magnitude above its pressure, and turns it round before it leaves; it throws back a fifth less at 45° (docs/outlets.md).
+//! 0.03 at 45° and 0.11 at 60°. A field that varies along the plane and slowly in time is a vortex: there
+//! J3 = −J2, and the outlet does not act on the pressure. Their third approximation,
+//! R = ((1 − cos θ)/(1 + cos θ))³, responds to the velocity of a slow vortex with ⅓ ρ0 c0 v', orders of
+//! magnitude above its pressure, and reverses it before it leaves; it reflects a fifth less at 45°
+//! (docs/outlets.md).
 //!
-//! u' follows the flow in two stages within τ, what sound takes along the section: of a vortex that stays nothing is read as sound.
-//! Waves that are not plane run along a channel only above the frequency c0/(2 width), so that little is lost by it.
+//! u' follows the flow in two stages within τ, the travel time of sound along the section: nothing of a
+//! vortex that stays is taken for sound. Waves that are not plane propagate along a channel only above the
+//! frequency c0/(2 width), so that little is lost.
 //!
-//! By itself J3 rings with ω = ½ c0 k, below the c0 k of any sound with the wave number k along the plane: what answers to it is the
-//! flow next to the plane alone, and with the third approximation waves of some seven spacings grew between both (`scenes/quickstart.ron` with
-//! `EdacTvf` burst by them at 0.69 s). So ∂J3/∂t decays at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7 points loses an e-fold in
-//! 35 h/c0, one of 40 in 33 000 h/c0.
+//! By itself J3 oscillates with ω = ½ c0 k, below the c0 k of any sound of the wave number k along the
+//! plane, so that only the flow next to the plane responds to it. With the third approximation waves of
+//! some seven spacings grew between both (`scenes/quickstart.ron` with `EdacTvf` diverged by them at
+//! 0.69 s). So ∂J3/∂t is damped at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7 points decays by a
+//! factor e in 35 h/c0, one of 40 points in 33 000 h/c0.
 
 use serde::{Deserialize, Serialize};
 
-/// Most spacings that sound passes in one step of the wave equation along the section.
-const MOST_COURANT: f64 = 0.9;
+/// Largest Courant number of a step of the wave equation along the section.
+const LARGEST_COURANT: f64 = 0.9;
 
 /// β of the damping of short waves.
 const DAMPING: f64 = 0.1;
@@ -48,29 +53,29 @@ pub struct ObliqueSetting {
     pub spacing: [f64; 2],
 }
 
-/// What the points of a section remember.
+/// State of the oblique waves at the points of a section.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Oblique {
+pub struct ObliqueWaves {
     /// Followed velocity u', m/s.
     pub followed: Vec<f64>,
-    /// First stage w' of the following, m/s.
+    /// First stage w' of the following velocity, m/s.
     pub first_stage: Vec<f64>,
     /// J3, Pa.
     pub incoming: Vec<f64>,
     /// ∂J3/∂t, Pa/s.
     pub incoming_rate: Vec<f64>,
-    /// J2, Pa: of the present step.
+    /// J2 of the present step, Pa.
     outgoing: Vec<f64>,
-    /// h² ∇_t² ∂J3/∂t, Pa/s: of the present step.
+    /// h² ∇_t² ∂J3/∂t of the present step, Pa/s.
     #[serde(skip)]
     roughness: Vec<f64>,
 }
 
-impl Oblique {
-    /// Puts p_o' (Pa) at every point in the place of `pressure`, which holds p' (Pa), after a step (s).
+impl ObliqueWaves {
+    /// Advances the waves by a step (s) and replaces p' (Pa) in `pressure` by p_o' (Pa) at every point.
     ///
-    /// `neighbours` are the points before and behind each one along both directions; a point at a wall is its own.
+    /// `neighbours` are the previous and the next point along both directions; a point at a wall is its own.
     pub fn advance(
         &mut self,
         setting: &ObliqueSetting,
@@ -88,7 +93,7 @@ impl Oblique {
             self.incoming_rate = vec![0.0; points];
             self.outgoing = vec![0.0; points];
         }
-        // Not part of the state.
+        // Not saved by a checkpoint.
         self.roughness.resize(points, 0.0);
         let impedance = setting.density * setting.sound_speed;
         let share = -(-2.0 * time_step / setting.time).exp_m1();
@@ -104,12 +109,12 @@ impl Oblique {
             (before + behind - 2.0 * field[point]) / (h * h) + (left + right - 2.0 * field[point]) / (k * k)
         };
         let leak = 1.0 / setting.time;
-        // A leapfrog is stable while c0 Δt is below the spacing, in both directions, and the damping while it does not turn the
-        // roughest wave round; a scene may choose longer steps.
+        // The leapfrog is stable while c0 Δt is below the spacing in both directions, and the damping while
+        // it does not reverse the shortest wave; a scene may choose longer steps.
         let nearest = setting.spacing[0].min(setting.spacing[1]);
         let roughest: f64 = setting.spacing.iter().map(|spacing| 4.0 * (nearest / spacing).powi(2)).sum();
-        let most = MOST_COURANT.min(1.0 / (DAMPING * roughest * roughest));
-        let parts = (setting.sound_speed * time_step / (most * nearest)).ceil().max(1.0);
+        let largest = LARGEST_COURANT.min(1.0 / (DAMPING * roughest * roughest));
+        let parts = (setting.sound_speed * time_step / (largest * nearest)).ceil().max(1.0);
         let part = time_step / parts;
         let damped = DAMPING * setting.sound_speed * part / nearest;
         for _ in 0..parts as usize {
@@ -152,7 +157,8 @@ mod tests {
         (0..points).map(|point| [(point + points - 1) % points, (point + 1) % points, point, point]).collect()
     }
 
-    /// Largest difference between the outlet's pressure and that of a wave at this angle of unit amplitude, which rises slowly.
+    /// Returns the largest difference between the pressure of the outlet and that of a wave at this angle,
+    /// of unit amplitude, which rises slowly.
     fn error_at(degrees: f64) -> f64 {
         let setting = setting(1e6);
         let impedance = setting.density * setting.sound_speed;
@@ -161,12 +167,13 @@ mod tests {
         let omega = setting.sound_speed * across / angle.sin();
         let periods = 30.0;
         let time_step = 2e-3 / omega;
-        let mut state = Oblique::default();
+        let mut state = ObliqueWaves::default();
         let mut worst: f64 = 0.0;
         let end = periods * TAU / omega;
         for step in 0..(end / time_step) as usize {
             let time = step as f64 * time_step;
-            // Smooth at both ends: a wave that is switched on has all frequencies, and what it excites along the plane stays.
+            // Smooth at both ends: a wave that starts at once has all frequencies, and the waves along the plane
+            // that it excites stay.
             let rise = (1.25 * time / end).min(1.0);
             let amplitude = rise.powi(3) * (10.0 - 15.0 * rise + 6.0 * rise * rise);
             let wave =
@@ -183,10 +190,11 @@ mod tests {
     }
 
     #[test]
-    fn a_wave_at_an_angle_sees_its_own_pressure() {
+    fn an_oblique_wave_meets_its_own_pressure() {
         for degrees in [15.0_f64, 30.0, 45.0, 60.0] {
             let cosine = degrees.to_radians().cos();
-            // J3 is to be (1 − cos θ) p and is ¼ s/(1 − ¼ s) (1 + cos θ) p with s = sin² θ; the points take 0.2 % off the Laplacian.
+            // J3 should be (1 − cos θ) p and is ¼ s/(1 − ¼ s) (1 + cos θ) p with s = sin² θ; the discrete
+            // Laplacian is 0.2 % too small.
             let s = 1.0 - cosine * cosine;
             let missing = 0.5 * (1.0 - cosine - 0.25 * s / (1.0 - 0.25 * s) * (1.0 + cosine)).abs();
             let normal_alone = 0.5 * (1.0 - cosine);
@@ -197,12 +205,12 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_is_no_wave() {
-        // A vortex that hardly moves: its velocity is taken for the flow's, its pressure is let go.
+    fn a_vortex_that_stays_is_no_wave() {
+        // A vortex that hardly moves: its velocity is taken for that of the flow, its pressure is released.
         let setting = setting(0.04);
         let shape = |point: usize| (TAU * point as f64 / POINTS as f64).sin();
         let velocity: Vec<f64> = (0..POINTS).map(|point| 0.1 * shape(point)).collect();
-        let mut state = Oblique::default();
+        let mut state = ObliqueWaves::default();
         let mut pressure = Vec::new();
         for step in 0..4000 {
             pressure = (0..POINTS).map(|point| 5.0 * shape(point)).collect();
@@ -214,16 +222,17 @@ mod tests {
         }
     }
 
-    /// kh of a wave of so many points, as they see it.
+    /// Returns the discrete kh of a wave of so many points.
     fn roughness_of(points_of_a_wave: usize) -> f64 {
         2.0 * (std::f64::consts::PI / points_of_a_wave as f64).sin()
     }
 
-    /// What is left of the amplitude of a wave of so many points after this time, in units of h/c0, when nothing comes out.
-    fn left_of(points_of_a_wave: usize, time: f64) -> f64 {
+    /// Returns the remaining share of the amplitude of a wave of so many points after a time, in h/c0, without
+    /// an outgoing wave.
+    fn remaining_of(points_of_a_wave: usize, time: f64) -> f64 {
         let setting = setting(1e6);
         let shape = |point: usize| (TAU * point as f64 / points_of_a_wave as f64).sin();
-        let mut state = Oblique {
+        let mut state = ObliqueWaves {
             followed: vec![0.0; POINTS],
             first_stage: vec![0.0; POINTS],
             incoming: (0..POINTS).map(shape).collect(),
@@ -235,7 +244,7 @@ mod tests {
         for _ in 0..(time / 0.05) as usize {
             state.advance(&setting, &periodic(), &[0.0; POINTS], &mut [0.0; POINTS], time_step);
         }
-        // Of an oscillation with the frequency ½ c0 k that decays: J3 and (∂J3/∂t + ½ γ J3)/ω are its two phases.
+        // J3 and (∂J3/∂t + ½ γ J3)/ω are the two phases of a damped oscillation of the frequency ½ c0 k.
         let unit = setting.sound_speed / setting.spacing[0];
         let rough = roughness_of(points_of_a_wave);
         let (omega, gamma) = (0.5 * rough * unit, DAMPING * rough.powi(4) * unit);
@@ -246,20 +255,20 @@ mod tests {
     }
 
     #[test]
-    fn short_waves_die_and_long_ones_stay() {
+    fn short_waves_decay_and_long_waves_stay() {
         for (points, time) in [(5, 30.0), (8, 60.0), (40, 300.0)] {
             let expected = (-0.5 * DAMPING * roughness_of(points).powi(4) * time).exp();
-            let left = left_of(points, time);
+            let remaining = remaining_of(points, time);
             assert!(
-                (left / expected - 1.0).abs() < 0.1,
-                "{left} of a wave of {points} points, not {expected}"
+                (remaining / expected - 1.0).abs() < 0.1,
+                "{remaining} of a wave of {points} points, not {expected}"
             );
         }
     }
 
     #[test]
-    fn steps_longer_than_sound_takes_from_point_to_point_are_stable() {
-        // In both directions, on the shortest wave that the points carry.
+    fn steps_longer_than_the_travel_time_between_points_are_stable() {
+        // In both directions, for the shortest wave that the points resolve.
         let setting = ObliqueSetting { spacing: [0.01, 0.01], ..setting(0.04) };
         let side = 8_u32;
         let at = |i: u32, j: u32| i % side + side * (j % side);
@@ -268,7 +277,7 @@ mod tests {
             .map(|(i, j)| [at(i + side - 1, j), at(i + 1, j), at(i, j + side - 1), at(i, j + 1)])
             .collect();
         let checkers = |point: u32| if (point % side + point / side).is_multiple_of(2) { 1.0 } else { -1.0 };
-        let mut state = Oblique::default();
+        let mut state = ObliqueWaves::default();
         for _ in 0..400 {
             let mut pressure: Vec<f64> = (0..side * side).map(checkers).collect();
             let still = vec![0.0; neighbours.len()];
@@ -278,8 +287,8 @@ mod tests {
     }
 
     #[test]
-    fn the_same_everywhere_gives_half_of_it() {
-        let mut state = Oblique::default();
+    fn a_uniform_deviation_is_halved() {
+        let mut state = ObliqueWaves::default();
         let mut pressure = vec![3.0; POINTS];
         state.advance(&setting(0.04), &periodic(), &[0.2; POINTS], &mut pressure, 1e-4);
         assert!(pressure.iter().all(|pressure| (pressure - 1.5).abs() < 1e-12));

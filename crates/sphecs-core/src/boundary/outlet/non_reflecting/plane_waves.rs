@@ -1,38 +1,40 @@
-//! An outlet pressure that lets plane sound waves leave.
+//! Outlet pressure that transmits plane acoustic waves along the normal.
 //!
 //! ```text
-//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    carried out by the flow, from the mean over even points of the section a layer inside
-//! J3 = (p  − p_t) − ρ0 c0 (v  − u)    would come in from outside: 0
+//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    carried out by the flow, from the mean over uniform points of the section a layer inside
+//! J3 = (p  − p_t) − ρ0 c0 (v  − u)    would enter from outside: 0
 //! p  = p_t + ½ J2,     du/dt = (w − u)/½τ,  dw/dt = (v̄ − w)/½τ
 //! ```
 //!
-//! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009), taken for the
-//! section mean only. In a nearly incompressible flow the velocity of a passing vortex is orders of
-//! magnitude too large to be read as sound: ½ ρ0 c0 v' of a jet with v' = 0.1 m/s is 200 Pa at c0 = 4 m/s, its true
-//! pressure 5 Pa. A plane wave is all that a channel carries below its cut-on frequency c0/(2 width), and the mean
-//! over the section is exactly that part. The mean velocity u follows the flow over a time τ, so that the anchor p_t holds in the
-//! long run, and in two stages, so that a passing pulse leaves no step behind; a fixed pressure instead reflects every
-//! wave and, with a prescribed inlet velocity, makes a resonator of the channel.
+//! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009), for the
+//! mean over the section only. In a nearly incompressible flow the velocity of a passing vortex is orders
+//! of magnitude too large to be taken for sound: ½ ρ0 c0 v' of a jet with v' = 0.1 m/s is 200 Pa at
+//! c0 = 4 m/s, its true pressure 5 Pa. A channel carries only plane waves below its cut-on frequency
+//! c0/(2 width), and the mean over the section is exactly that part.
+//!
+//! The mean velocity u follows the flow over a time τ, so that the target p_t holds in the long run. It
+//! does so in two stages, so that a passing pulse leaves no offset. A fixed pressure would reflect every
+//! wave and, with a prescribed inlet velocity, make a resonator of the channel.
 
 use serde::{Deserialize, Serialize};
 
-/// State and constants of one absorbing outlet.
+/// State of the plane waves at an outlet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Absorbing {
-    /// Followed mean velocity u, m/s; None before the first step, which takes the flow's: a flow already in motion is
-    /// no wave.
+pub struct PlaneWaves {
+    /// Followed mean velocity u, m/s. None before the first step, which takes that of the flow: a flow
+    /// already in motion is no wave.
     pub mean_velocity: Option<f64>,
-    /// First stage w of the following, m/s.
+    /// First stage w of the following velocity, m/s.
     pub first_stage: f64,
 }
 
-impl Absorbing {
-    /// Pressure at the outlet, Pa, from the section means of pressure (Pa) and normal velocity (m/s) of the
-    /// adjacent fluid; then lets the followed velocity move by one step (s) towards the flow's.
+impl PlaneWaves {
+    /// Returns the pressure at the outlet, Pa, from the section means of pressure (Pa) and normal velocity
+    /// (m/s) of the adjacent fluid, and advances the followed velocity by a step (s).
     pub fn advance(
         &mut self,
-        setting: &AbsorbingSetting,
+        setting: &PlaneSetting,
         mean_pressure: f64,
         mean_velocity: f64,
         time_step: f64,
@@ -50,9 +52,9 @@ impl Absorbing {
     }
 }
 
-/// Constants of an absorbing outlet.
+/// Constants of the plane waves at an outlet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AbsorbingSetting {
+pub struct PlaneSetting {
     /// Pressure approached, Pa.
     pub target: f64,
     /// Time constant τ, s.
@@ -67,20 +69,19 @@ pub struct AbsorbingSetting {
 mod tests {
     use super::*;
 
-    const SETTING: AbsorbingSetting =
-        AbsorbingSetting { target: 5.0, time: 0.5, density: 1000.0, sound_speed: 4.0 };
+    const SETTING: PlaneSetting = PlaneSetting { target: 5.0, time: 0.5, density: 1000.0, sound_speed: 4.0 };
 
     #[test]
-    fn an_outgoing_wave_sees_its_own_pressure() {
-        // p' = ρ c v': then the outlet must have the wave's pressure, as if the channel went on.
-        let mut state = Absorbing { mean_velocity: Some(0.1), first_stage: 0.1 };
+    fn an_outgoing_wave_meets_its_own_pressure() {
+        // p' = ρ c v': the outlet must have the pressure of the wave, as if the channel continued.
+        let mut state = PlaneWaves { mean_velocity: Some(0.1), first_stage: 0.1 };
         let p = state.advance(&SETTING, 5.0 + 1000.0 * 4.0 * 0.002, 0.102, 1e-9);
         assert!((p - (5.0 + 8.0)).abs() < 1e-9, "{p}");
     }
 
     #[test]
-    fn a_steady_flow_ends_at_the_target() {
-        let mut state = Absorbing::default();
+    fn a_steady_flow_approaches_the_target() {
+        let mut state = PlaneWaves::default();
         let mut p = 40.0;
         for _ in 0..200_000 {
             p = state.advance(&SETTING, p, 0.035, 1e-4);
@@ -91,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_flow_in_motion_from_the_start_is_no_wave() {
-        let p = Absorbing::default().advance(&SETTING, 5.0, 3.0, 1e-4);
+        let p = PlaneWaves::default().advance(&SETTING, 5.0, 3.0, 1e-4);
         assert_eq!(p, 5.0);
     }
 }

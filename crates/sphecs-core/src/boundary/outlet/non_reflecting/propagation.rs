@@ -1,27 +1,29 @@
-//! A zone that carries a wave of sound on.
+//! Propagation of an acoustic wave through an outflow zone.
 //!
 //! ```text
 //! ∂f/∂t + c0 ∂f/∂s = 0,   f = p_o, v̄_n,   s = depth in the zone
 //! ```
 //!
-//! The pressure and the convective velocity that an outlet finds at its plane belong to the wave that is there now; deeper in the zone is
-//! what came before. A zone that has the present values everywhere moves as a rigid body: it is not compressed with the
-//! wave, and the density of the last rows of fluid, which is summed over it, lacks part of the wave.
+//! Pressure and convective velocity at the plane belong to the present wave; deeper in the zone is the wave
+//! of earlier times. A zone that has the present values everywhere moves as a rigid body. It is not
+//! compressed with the wave, and the density of the last layers of fluid, which is summed over it, lacks
+//! part of the wave.
 
 use serde::{Deserialize, Serialize};
 
-/// Pressure and velocity at the nodes of a zone, one layer of points behind the other.
+/// Pressure and velocity at the nodes of a zone, in layers of section points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Continuation {
-    /// Pressure, Pa: all points of the first layer, then those of the second and so on.
+pub struct Propagation {
+    /// Pressure, Pa, in the order of layers and, within a layer, of points.
     pub pressure: Vec<f64>,
     /// Convective velocity, m/s, in the same order.
     pub velocity: Vec<f64>,
 }
 
-impl Continuation {
-    /// Carries the fields on by `courant` = c0 Δt/Δs layers, in parts of at most one.
+impl Propagation {
+    /// Advects the fields by `courant` = c0 Δt/Δs layers, in parts of at most one, from the values at the
+    /// plane.
     pub fn advance(&mut self, layers: usize, pressure: &[f64], velocity: &[f64], courant: f64) {
         for (field, entering) in [(&mut self.pressure, pressure), (&mut self.velocity, velocity)] {
             let points = entering.len();
@@ -47,8 +49,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_enters_is_a_layer_further_every_layer_of_time() {
-        let mut zone = Continuation::default();
+    fn a_wave_propagates_one_layer_per_travel_time() {
+        let mut zone = Propagation::default();
         let courant = 0.4;
         let ramp = |step: i32| courant * f64::from(step);
         for step in 0..200 {
@@ -59,7 +61,7 @@ mod tests {
             let expected = ramp(199) + courant - 1.0 - layer as f64;
             assert!((zone.pressure[2 * layer] - expected).abs() < 1e-9, "{:?}", zone.pressure);
             assert!((zone.velocity[2 * layer] - 2.0 * expected).abs() < 1e-9);
-            assert_eq!(zone.pressure[2 * layer + 1], 7.0, "what is steady stays");
+            assert_eq!(zone.pressure[2 * layer + 1], 7.0, "a steady value stays");
         }
     }
 }
