@@ -21,7 +21,8 @@ use sphecs::scene::model::Scene;
 use sphecs::scene::{load_smoke, load_str};
 use sphecs::simulation::Simulation;
 use sphecs::systems::bodies::Bodies;
-use sphecs::systems::boundaries::rows::PatchRows;
+use sphecs::systems::boundaries::outlet_registry::AddedOutlets;
+use sphecs::systems::boundaries::patch_rows::PatchRows;
 use sphecs::systems::checkpoint::Kept;
 use sphecs::systems::failure::{Failure, check_state};
 use sphecs::systems::forces::AddedForces;
@@ -274,6 +275,7 @@ fn not_kept() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<Kept>(), "the program"),
         (TypeId::of::<Seen>(), "of this test"),
         (TypeId::of::<AddedForces>(), "the program: a plugin adds them again"),
+        (TypeId::of::<AddedOutlets>(), "the program: a plugin adds them again"),
         (TypeId::of::<Stopwatch>(), "wall time"),
         (TypeId::of::<Arrays<f64, 2>>(), "kept as columns"),
         (TypeId::of::<Stored>(), "kept as a column"),

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use sphecs::physics::inlet::poiseuille::startup_velocity;
+use sphecs::boundary::inlet::poiseuille::startup_velocity;
 use sphecs::physics::wall::law::friction_velocity;
 use sphecs::simulation::Simulation;
 

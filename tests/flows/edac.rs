@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use sphecs::bevy_ecs::query::With;
+use sphecs::boundary::inlet::poiseuille::startup_velocity;
 use sphecs::components::{Fluid, Position, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::physics::inlet::poiseuille::startup_velocity;
 use sphecs::simulation::Simulation;
 
 use crate::periodic::taylor_green_errors;

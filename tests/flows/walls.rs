@@ -1,8 +1,8 @@
 //! Every wall model under both schemes against exact solutions: the figures of docs/walls.md, which `--nocapture` prints. The bands
 //! are some tenths above what was measured.
 
+use sphecs::boundary::inlet::poiseuille::startup_velocity;
 use sphecs::glam::DVec3;
-use sphecs::physics::inlet::poiseuille::startup_velocity;
 use sphecs::simulation::Simulation;
 
 use crate::channel::{COUETTE, couette, largest_error};

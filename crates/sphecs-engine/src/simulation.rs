@@ -7,7 +7,8 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 
 use crate::systems::bodies::{Bodies, BodyForcesRow};
-use crate::systems::boundaries::watch::OutletWatch;
+use crate::systems::boundaries::outlet_diagnostics::OutletDiagnostics;
+use crate::systems::boundaries::outlets::insert_outlets;
 use crate::systems::checkpoint::{Kept, particles};
 use crate::systems::clock::Clock;
 use crate::systems::core_plugins::{
@@ -174,6 +175,7 @@ impl Simulation {
             plugin.build(&mut parts);
         }
         insert_registers(&mut parts);
+        insert_outlets::<R, D>(&mut world, &scene).unwrap_or_else(|faults| panic!("{faults}"));
         let mut schedules = Schedules::default();
         schedules.insert(step);
         schedules.insert(stage);
@@ -310,7 +312,7 @@ impl Simulation {
 
     /// What outlets were seen to do that they should not, in the order in which it was found.
     pub fn notes(&self) -> &[String] {
-        &self.world.resource::<OutletWatch>().notes
+        &self.world.resource::<OutletDiagnostics>().notes
     }
 
     /// The particle ledger.

@@ -4,13 +4,13 @@ use bevy_ecs::schedule::IntoScheduleConfigs;
 use bevy_ecs::world::World;
 
 use super::bodies::{Bodies, sum_body_forces, sum_edac_body_forces};
-use super::boundaries::hold::{HeldAtWalls, hold_at_walls};
 use super::boundaries::inlets::apply_inlets;
-use super::boundaries::outlets::{OutletStates, apply_outlets};
-use super::boundaries::rows::PatchRows;
+use super::boundaries::outlet_diagnostics::{OutletDiagnostics, diagnose_outlets};
+use super::boundaries::outlet_registry::AddedOutlets;
+use super::boundaries::outlets::{apply_outlets, find_outlet_rates};
+use super::boundaries::patch_rows::PatchRows;
+use super::boundaries::wall_projection::{WallProjections, project_to_walls};
 use super::boundaries::walls::apply_walls;
-use super::boundaries::watch::{OutletWatch, watch_outlets};
-use super::boundaries::wave_zone::outlet_rates;
 use super::clock::Clock;
 use super::edac::{even_outlets, kick_and_drift, sum_edac_rates, sum_volumes};
 use super::failure::{Failure, check_state};
@@ -121,10 +121,10 @@ impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
 
 impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
     fn build(&self, parts: &mut Parts<'_>) {
-        parts.keep::<OutletStates>("outlets");
-        parts.keep::<OutletWatch>("outlet_watch");
-        parts.keep::<HeldAtWalls>("held_at_walls");
+        parts.keep::<OutletDiagnostics>("outlet_diagnostics");
+        parts.keep::<WallProjections>("wall_projections");
         parts.keep::<FreeNumbers>("free_numbers");
+        parts.world.init_resource::<AddedOutlets>();
         parts.world.init_resource::<TransitionLists>();
         // Walls look at the pressure of inflow and outflow particles, so they come last.
         parts.stage.add_systems(
@@ -134,17 +134,22 @@ impl<R: Real, const D: usize> Plugin for BoundaryPlugin<R, D> {
         );
         // Of the two schemes' systems one is there; the other is no bound.
         parts.stage.add_systems(
-            outlet_rates::<R, D>
+            find_outlet_rates::<R, D>
                 .in_set(StageSystems::Rates)
                 .after(sum_body_forces::<R, D>)
                 .after(sum_edac_body_forces::<R, D>),
         );
         parts.step.add_systems(
-            hold_at_walls::<R, D>.in_set(StepSystems::Shift).after(shift::<R, D>).after(even_outlets::<R, D>),
+            project_to_walls::<R, D>
+                .in_set(StepSystems::Shift)
+                .after(shift::<R, D>)
+                .after(even_outlets::<R, D>),
         );
         parts.step.add_systems(transition::<R, D>.in_set(StepSystems::Transition));
         // So that what comes behind the check comes behind both.
-        parts.step.add_systems(watch_outlets.in_set(StepSystems::Observe).before(check_state::<R, D>));
+        parts
+            .step
+            .add_systems(diagnose_outlets::<R, D>.in_set(StepSystems::Observe).before(check_state::<R, D>));
     }
 }
 

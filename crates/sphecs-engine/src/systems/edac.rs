@@ -5,9 +5,9 @@ use std::ops::Range;
 use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
 
-use super::boundaries::motion::{move_inflow, move_outflow};
-use super::boundaries::outlets::OutletStates;
-use super::boundaries::rows::PatchRows;
+use super::boundaries::inlets::move_inflow;
+use super::boundaries::outlets::Outlets;
+use super::boundaries::patch_rows::PatchRows;
 use super::clock::Clock;
 use super::integrate::{are_plain, largest_acceleration};
 use super::neighbours::Grid;
@@ -88,7 +88,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
     resolution: Res<Resolution>,
     found: Res<RatesFound>,
     (pair, rows): (Res<Pair>, Res<PatchRows>),
-    outlets: Res<OutletStates>,
+    outlets: Res<Outlets<R, D>>,
     sums: Res<Sums<R, D>>,
     mut clock: ResMut<Clock>,
     mut velocities: Local<Vec<DVec3>>,
@@ -121,10 +121,10 @@ pub fn kick_and_drift<R: Real, const D: usize>(
         pair.0.lanes,
     );
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
-        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, &mut velocities, arrays);
+        move_inflow(inlet, scene.fluid.viscosity, rows, (clock.time, time_step), &mut velocities, arrays);
     }
     for (index, (outlet, rows)) in scene.outlets.iter().zip(&rows.outflow).enumerate() {
-        move_outflow(outlet, &outlets.0[index], rows, time_step, arrays);
+        outlets.all[index].move_particles(outlet, rows, time_step, arrays);
     }
     arrays.fresh.fill(false);
     clock.time += time_step;

@@ -8,9 +8,9 @@ use rayon::iter::{
     IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
 };
 
-use super::boundaries::motion::{move_inflow, move_outflow};
-use super::boundaries::outlets::OutletStates;
-use super::boundaries::rows::PatchRows;
+use super::boundaries::inlets::move_inflow;
+use super::boundaries::outlets::Outlets;
+use super::boundaries::patch_rows::PatchRows;
 use super::clock::Clock;
 use super::pair::Pair;
 use super::rates::{RatesFound, StepsSincePlain, Sums};
@@ -35,7 +35,7 @@ pub fn kick<R: Real, const D: usize>(
     resolution: Res<Resolution>,
     found: Res<RatesFound>,
     (pair, rows): (Res<Pair>, Res<PatchRows>),
-    outlets: Res<OutletStates>,
+    outlets: Res<Outlets<R, D>>,
     sums: Res<Sums<R, D>>,
     mut since_plain: ResMut<StepsSincePlain>,
     mut clock: ResMut<Clock>,
@@ -76,10 +76,10 @@ pub fn kick<R: Real, const D: usize>(
         }
     }
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
-        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, &mut velocities, arrays);
+        move_inflow(inlet, scene.fluid.viscosity, rows, (clock.time, time_step), &mut velocities, arrays);
     }
     for (index, (outlet, rows)) in scene.outlets.iter().zip(&rows.outflow).enumerate() {
-        move_outflow(outlet, &outlets.0[index], rows, time_step, arrays);
+        outlets.all[index].move_particles(outlet, rows, time_step, arrays);
     }
     arrays.fresh.par_iter_mut().with_min_len(CHUNK).for_each(|fresh| *fresh = false);
     clock.time += time_step;

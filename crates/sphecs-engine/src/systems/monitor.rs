@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
-use super::boundaries::hold::HeldAtWalls;
+use super::boundaries::wall_projection::WallProjections;
 use super::clock::Clock;
 use super::ledger::Ledger;
 use super::neighbours::Grid;
@@ -94,7 +94,7 @@ pub fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
     let ledger = world.resource::<Ledger>();
     let now = PreviousRow {
         time: clock.time,
-        held: world.resource::<HeldAtWalls>().0,
+        held: world.resource::<WallProjections>().0,
         entered: net(&ledger.entered, &ledger.entered_back),
         left: net(&ledger.left, &ledger.left_back),
     };

@@ -3,7 +3,8 @@
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
 
-use super::boundaries::rows::PatchRows;
+use super::boundaries::outlets::Outlets;
+use super::boundaries::patch_rows::PatchRows;
 use super::failure::Failure;
 use super::pair::Pair;
 use super::rates::Sums;
@@ -60,7 +61,7 @@ pub fn sort_particles<R: Real, const D: usize>(
     mut spare: ResMut<Spare<R>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
-    mut rows: ResMut<PatchRows>,
+    (mut rows, outlets): (ResMut<PatchRows>, Res<Outlets<R, D>>),
     mut failure: ResMut<Failure>,
 ) {
     let arrays = &mut **arrays;
@@ -76,5 +77,5 @@ pub fn sort_particles<R: Real, const D: usize>(
         }
     }
     find_wall_distance(&pair.0, &grid.0, arrays, &mut sums.0);
-    rows.collect(&scene.0, &grid.0, arrays);
+    rows.collect(&scene.0, outlets.needs(), &grid.0, arrays);
 }

@@ -1,4 +1,4 @@
-//! Inlets and outlets of the file.
+//! Checks of the inlets and outlets of a scene file.
 
 use std::path::Path;
 
@@ -11,15 +11,15 @@ use crate::model::{Inlet, InletVelocity, Outlet};
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
-use sphecs_core::boundary::inlet::InletPressure;
 use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::boundary::parameter_fault::ParameterFault;
 
-/// Layers of an inlet's zone: Alvarado-Rodríguez et al. (2017) take five.
+/// Layers of the zone of an inlet, as Alvarado-Rodríguez et al. (2017).
 const INLET_LAYERS: f64 = 5.0;
-/// Layers of an outlet's zone: more than their five, so that its middle is free of both ends.
+/// Layers of the zone of an outlet: more than their five, so that neither end influences its middle.
 const OUTLET_LAYERS: f64 = 8.0;
 
-/// All inlets; None with a fault.
+/// Returns all inlets; None with a fault.
 pub fn inlets(
     files: &[InletFile],
     site: &Site<'_>,
@@ -54,17 +54,17 @@ fn inlet(
     );
     let half = patch.as_ref().map_or(1.0, |patch| patch.half_extent[0]);
     let velocity = velocity(&file.velocity, half, folder, check);
-    if let InletPressure::Prescribed(pressure) = file.pressure {
-        finite(pressure, "the pressure of an inlet", file.velocity.head, check);
+    for fault in file.pressure.faults() {
+        report(&fault, "an inlet", file.velocity.head, check);
     }
     Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure, feed: file.feed })
 }
 
-fn finite(value: f64, what: &str, span: Span, check: &mut Checker<'_>) {
-    if !value.is_finite() {
-        let label = format!("is `{value}`, must be finite");
-        check.report(Fault::new(format!("{what} is not finite"), span, label));
-    }
+/// Reports a parameter of a condition, of "an inlet" or "the outlet condition …".
+fn report(fault: &ParameterFault, condition: &str, span: Span, check: &mut Checker<'_>) {
+    let title = format!("`{}` of {condition} is out of range", fault.field);
+    let found = Fault::new(title, span, format!("is {}, must be {}", fault.value, fault.must_be));
+    check.report(if fault.advice.is_empty() { found } else { found.help(fault.advice) });
 }
 
 fn names<'a>(names: impl Iterator<Item = Option<&'a Text>>, kind: &str, check: &mut Checker<'_>) {
@@ -123,7 +123,7 @@ fn velocity(
     }
 }
 
-/// A rate in time and a profile in space, not yet scaled to each other: see [`meter`](super::meter).
+/// Returns the velocity by a rate in time and a profile in space, not yet scaled: see [`meter`](super::meter).
 fn metered(
     rate: &Formula,
     name: &str,
@@ -167,7 +167,7 @@ fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64,
     result
 }
 
-/// All outlets; None with a fault.
+/// Returns all outlets; None with a fault.
 pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -> Option<Vec<Outlet>> {
     names(files.iter().map(|file| file.name.as_ref()), "outlets", check);
     let outlets: Vec<Option<Outlet>> = files
@@ -201,11 +201,8 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
 /// Reports the parameters that an outlet's condition cannot work with.
 fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
     let parameters = file.value.parameters();
+    let condition = format!("the outlet condition `{}`", parameters.name());
     for fault in parameters.faults() {
-        let title =
-            format!("`{}` of the outlet condition `{}` is out of range", fault.field, parameters.name());
-        let label = format!("is {}, must be {}", fault.value, fault.must_be);
-        let fault_at = Fault::new(title, file.head, label);
-        check.report(if fault.advice.is_empty() { fault_at } else { fault_at.help(fault.advice) });
+        report(&fault, &condition, file.head, check);
     }
 }

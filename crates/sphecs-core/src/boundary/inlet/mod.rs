@@ -1,12 +1,27 @@
 //! Inlet conditions.
 //!
+//! - [`extrapolated`]: pressure extrapolated from the fluid
 //! - [`injection`]: positions at which particles enter an inflow zone
 //! - [`poiseuille`]: exact start-up profile between parallel plates
+//! - [`prescribed`]: given pressure
+//! - [`zone`]: the zone of inflow particles that a condition works on
+//!
+//! The velocity of an inflow is an expression or table of the scene. To add a condition of the pressure: a
+//! file, a variant of [`InletPressure`] and its arms below, and the source in docs/REFERENCES.md.
 
+pub mod extrapolated;
 pub mod injection;
 pub mod poiseuille;
+pub mod prescribed;
+pub mod zone;
 
 use serde::{Deserialize, Serialize};
+
+use crate::boundary::parameter_fault::ParameterFault;
+use crate::math::real::Real;
+use extrapolated::Extrapolated;
+use prescribed::Prescribed;
+use zone::InflowZone;
 
 /// Supply of an inflow zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,4 +43,43 @@ pub enum InletPressure {
     Extrapolated,
     /// A given pressure, Pa.
     Prescribed(f64),
+}
+
+/// Evaluates an expression with the method of a pressure: the only match on the conditions.
+macro_rules! with_pressure {
+    ($pressure:expr, $method:ident => $result:expr) => {
+        match $pressure {
+            InletPressure::Extrapolated => {
+                let $method = Extrapolated;
+                $result
+            }
+            InletPressure::Prescribed(pressure) => {
+                let $method = Prescribed(pressure);
+                $result
+            }
+        }
+    };
+}
+
+/// A condition of the inflow pressure.
+pub trait InletMethod {
+    /// Sets velocity, pressure and density of the inflow particles at the present time.
+    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
+
+    /// Returns the parameters that the condition cannot work with.
+    fn faults(&self) -> Vec<ParameterFault> {
+        Vec::new()
+    }
+}
+
+impl InletPressure {
+    /// Sets velocity, pressure and density of the inflow particles at the present time.
+    pub fn apply<R: Real, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
+        with_pressure!(self, method => method.apply(zone));
+    }
+
+    /// Returns the parameters that are out of range.
+    pub fn faults(self) -> Vec<ParameterFault> {
+        with_pressure!(self, method => method.faults())
+    }
 }

@@ -1,31 +1,31 @@
-//! The rows of the cells near inlets and outlets: nothing farther away belongs to a zone or can cross a plane within a step.
+//! Grid cells near inlets and outlets: rows of other cells neither belong to a zone nor can cross a plane within
+//! a step.
 
 use std::ops::Range;
 
 use glam::DVec3;
 
+use super::patch_rows::ADJACENT_LAYERS;
+use sphecs_core::boundary::outlet::method::Needs;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_scene::model::{Patch, Scene};
 
-/// Layers beyond the support of the zone's first particles from which a hybrid outlet knows the fluid: so long its mean has time
-/// to settle. No condition asks for fluid farther before its plane.
-pub const LAYERS_BEYOND_REACH: f64 = 3.0;
-
-/// Rows of the cells near a patch, valid from one sort to the next.
+/// Cells near a patch, with their rows, which are valid until the next sort.
 #[derive(Clone, Debug, Default)]
-pub struct NearRows {
-    /// Runs of cells near a patch: found once, since neither grid nor patches move.
+pub struct PatchCells {
+    /// Runs of consecutive cells, found once: neither grid nor patches move.
     cells: Option<Vec<Range<usize>>>,
     /// First row of each run.
     starts: Vec<usize>,
-    /// How many of the rows there are before each run, and all at the end.
+    /// Number of rows before each run, and of all rows at the end.
     before: Vec<usize>,
 }
 
-impl NearRows {
-    /// Finds the rows in arrays that are sorted by the grid.
-    pub fn find<const D: usize>(&mut self, scene: &Scene, grid: &CellGrid<D>) {
-        let cells = self.cells.get_or_insert_with(|| cells_near(scene, grid));
+impl PatchCells {
+    /// Finds the rows in arrays that are sorted by the grid. `needs` are the requirements of the outlets'
+    /// conditions.
+    pub fn find<const D: usize>(&mut self, scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) {
+        let cells = self.cells.get_or_insert_with(|| find_cells(scene, needs, grid));
         self.starts.clear();
         self.before.clear();
         self.before.push(0);
@@ -38,12 +38,12 @@ impl NearRows {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of rows.
     pub fn count(&self) -> usize {
         self.before.last().copied().unwrap_or(0)
     }
 
-    /// The rows from one to another, counted among themselves, in their order.
+    /// Returns a range of the rows, counted from the first row of the first cell, in their order.
     pub fn rows(&self, part: Range<usize>) -> impl Iterator<Item = usize> {
         let first = self.before.partition_point(|&before| before <= part.start).max(1) - 1;
         let end = part.end;
@@ -55,15 +55,18 @@ impl NearRows {
     }
 }
 
-/// Runs of consecutive cells in which a particle may stand that belongs to a zone, that crosses a plane before the next sort or that an
-/// outlet asks for. A slab along each patch's plane, over the whole domain: particles of a zone may drift sideways.
-fn cells_near<const D: usize>(scene: &Scene, grid: &CellGrid<D>) -> Vec<Range<usize>> {
+/// Finds the runs of consecutive cells that may hold particles of a zone, particles that cross a plane before
+/// the next sort, or particles that an outlet follows. Each patch has a slab along its plane over the whole
+/// domain, since particles of a zone may drift sideways.
+fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) -> Vec<Range<usize>> {
     let support = scene.scheme.support(scene.spacing);
-    // No particle moves by as much as the support in a step.
+    // No particle moves as far as the support in a step.
     let slab = |patch: &Patch, before: f64, behind: f64| (patch.clone(), -before - support, behind + support);
     let inlets = scene.inlets.iter().map(|inlet| slab(&inlet.patch, inlet.patch.depth, 0.0));
-    let reach = support + LAYERS_BEYOND_REACH * scene.spacing;
-    let outlets = scene.outlets.iter().map(|outlet| slab(&outlet.patch, reach, outlet.patch.depth));
+    let outlets = scene.outlets.iter().zip(needs).map(|(outlet, needs)| {
+        let reach = support + needs.upstream_layers.unwrap_or(0.0).max(ADJACENT_LAYERS) * scene.spacing;
+        slab(&outlet.patch, reach, outlet.patch.depth)
+    });
     let slabs: Vec<_> = inlets.chain(outlets).collect();
     let mut runs: Vec<Range<usize>> = Vec::new();
     for cell in 0..grid.len() {
@@ -91,8 +94,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_of_the_rows_are_all_of_them_in_order() {
-        let near = NearRows { cells: None, starts: vec![3, 10, 10, 20], before: vec![0, 4, 4, 7, 9] };
+    fn parts_together_are_all_rows_in_order() {
+        let near = PatchCells { cells: None, starts: vec![3, 10, 10, 20], before: vec![0, 4, 4, 7, 9] };
         let all = [3, 4, 5, 6, 10, 11, 12, 20, 21];
         assert_eq!(near.count(), all.len());
         for cut in 0..=all.len() {
@@ -100,6 +103,6 @@ mod tests {
                 assert_eq!(near.rows(cut..end).collect::<Vec<_>>(), all[cut..end]);
             }
         }
-        assert_eq!(NearRows::default().rows(0..0).count(), 0);
+        assert_eq!(PatchCells::default().rows(0..0).count(), 0);
     }
 }

@@ -1,9 +1,9 @@
-//! Impermeable walls: no particle of the fluid or of an outflow zone stays behind one.
+//! Impermeable walls: particles of the fluid and of outflow zones are returned from behind a wall to its surface.
 //!
-//! Pressure keeps the particles off a flat wall. At the tip of a sharp corner the nearest wall particle stands 0.7 Δ
-//! inside, and a particle that rounds the corner cuts it: with six rows in a throat by up to 0.1 Δ. The surface does not
-//! give way: such a particle is set back onto it along the normal and loses the velocity that it has into the wall,
-//! at both time levels. [`HeldAtWalls`] counts how often, which the monitor shows: where it grows all the time, the
+//! Pressure keeps the particles off a flat wall. At the tip of a sharp corner the nearest wall particle is 0.7 Δ
+//! inside, and a particle that rounds the corner cuts it: with six particles across a throat by up to 0.1 Δ. Such
+//! a particle is moved back to the surface along the normal and loses its velocity into the wall, at both time
+//! levels. [`WallProjections`] counts these events for the monitor. Where the count grows all the time, the
 //! spacing is too coarse for the corner.
 
 use std::ops::Range;
@@ -22,29 +22,29 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
 
-/// How often a fluid particle was set back onto a wall since the start.
+/// Number of times that a fluid particle was moved back to a wall since the start.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct HeldAtWalls(pub u64);
+pub struct WallProjections(pub u64);
 
-/// Only a particle that was as near as this to a wall before the step, over Δ, can be behind it: a step's way and shift
-/// are shorter.
+/// Distance from a wall before the step, over Δ, beyond which a particle cannot be behind it: the displacement
+/// and shift of a step are shorter.
 const NEAR: f64 = 0.5;
 
-/// Step of the differences that give the normal, over Δ.
+/// Step of the differences for the normal, over Δ.
 const STEP: f64 = 1e-3;
 
-/// Depth in front of the surface at which a particle is put, over Δ: on the right side of it in spite of rounding.
+/// Distance in front of the surface to which a particle is moved, over Δ: in the fluid in spite of rounding.
 const IN_FRONT: f64 = 1e-6;
 
-/// Sets fluid particles that are behind a wall back onto its surface.
-pub fn hold_at_walls<R: Real, const D: usize>(
+/// Moves fluid and outflow particles that are behind a wall back to its surface.
+pub fn project_to_walls<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     grid: Res<Grid<D>>,
-    mut held: ResMut<HeldAtWalls>,
+    mut projections: ResMut<WallProjections>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    // Drawn out beyond the far ends of the zones, which are no walls.
+    // Extended beyond the far ends of the zones, which are no walls.
     let walls = &scene.layout.confines;
     let near = R::from_f64(NEAR * scene.spacing);
     let ParticleArrays { zone, position, velocity, velocity_before, wall_distance, .. } = &mut **arrays;
@@ -56,7 +56,7 @@ pub fn hold_at_walls<R: Real, const D: usize>(
         velocity_before.each_mut().map(Vec::as_mut_slice),
     );
     let work = |rows: Range<usize>, (position, mut now, mut before): Columns<R, D>| {
-        // Most parts are far from all walls: a glance that has no branches finds it.
+        // Most parts are far from all walls; a loop without branches finds this fast.
         if wall_distance[rows.clone()].iter().fold(true, |clear, &distance| clear & (distance >= near)) {
             return;
         }
@@ -64,7 +64,7 @@ pub fn hold_at_walls<R: Real, const D: usize>(
             if !matches!(zone[row], Zone::Fluid | Zone::Outflow) || wall_distance[row] >= near {
                 continue;
             }
-            // A particle that has just crossed a periodic face is not outside: the next sort puts it in again.
+            // A particle that has just crossed a periodic face is not outside: the next sort wraps it.
             let inside = grid.0.wrap(std::array::from_fn(|axis| position[axis][at]));
             let mut point = DVec3::ZERO;
             for axis in 0..D {
@@ -92,8 +92,8 @@ pub fn hold_at_walls<R: Real, const D: usize>(
         }
     };
     for_each_part(0..zone.len(), columns, &work);
-    held.0 += count.into_inner();
+    projections.0 += count.into_inner();
 }
 
-/// Positions and velocities, present and before, of a part's rows.
+/// Positions and velocities, present and previous, of the rows of a part.
 type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);

@@ -41,13 +41,26 @@ impl Kept {
     /// # Panics
     /// If another resource has the name.
     pub fn add<T: Resource + Serialize + DeserializeOwned>(&mut self, name: &'static str) {
+        self.add_with::<T>(name, save_record::<T>, restore_record::<T>);
+    }
+
+    /// Makes a resource part of the state by functions of its own that save and restore it.
+    ///
+    /// # Panics
+    /// If another resource has the name.
+    pub fn add_with<T: Resource>(
+        &mut self,
+        name: &'static str,
+        save: fn(&World) -> Option<Vec<u8>>,
+        restore: fn(&mut World, &[u8]) -> Result<(), String>,
+    ) {
         let type_id = TypeId::of::<T>();
         let other = self.0.iter().find(|entry| entry.name == name || entry.type_id == type_id);
         if let Some(other) = other {
             assert!(other.type_id == type_id && other.name == name, "`{name}` and `{}` collide", other.name);
             return;
         }
-        self.0.push(Entry { name, type_id, save: save_record::<T>, restore: restore_record::<T> });
+        self.0.push(Entry { name, type_id, save, restore });
     }
 
     /// The types that are part of the state.

@@ -6,7 +6,6 @@ use glam::DVec3;
 
 use super::stock::take;
 use crate::components::{Inflow, Outflow, Position, Reservoir, Returned, Tracer, Velocity};
-use crate::systems::boundaries::inlets::inlet_velocity;
 use crate::systems::clock::Clock;
 use crate::systems::ledger::Ledger;
 use crate::systems::neighbours::Grid;
@@ -81,7 +80,7 @@ pub(super) fn enter<R: Real, const D: usize>(
     let velocity = match entry.zone {
         Zone::Inflow => {
             let inlet = &scene.inlets[usize::from(entry.patch)];
-            inlet_velocity(inlet, scene.fluid.viscosity, entry.place, clock.time)
+            inlet.velocity_at(scene.fluid.viscosity, entry.place, clock.time)
         }
         // As its partner at the plane: between the two the column moves as one.
         _ => entry.velocity,

@@ -4,7 +4,7 @@
 //! - [`stock`]: where particles that leave go to, and where those that enter come from
 //!
 //! ```text
-//! Inflow → Fluid       across the inlet plane; a stored particle enters upstream (`boundaries/entrance.rs`)
+//! Inflow → Fluid       across the inlet plane; a stored particle enters upstream (`boundary/inlet/injection.rs`)
 //! Fluid → Inflow       back across the inlet plane
 //! Inflow → Reservoir   beyond the upstream end of the zone
 //! Fluid → Outflow      across the outlet plane
@@ -27,20 +27,20 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
-use super::boundaries::entrance::{InflowRow, is_drained, is_slantwise};
-use super::boundaries::rows::PatchRows;
+use super::boundaries::patch_rows::PatchRows;
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::setup::{SceneInUse, Seats};
 use crate::arrays::Arrays;
 use crate::components::{Fluid, Inflow, Outflow, Returned};
 use entry::{Entry, enter};
+use sphecs_core::boundary::inlet::Feed;
+use sphecs_core::boundary::inlet::injection::{InflowLine, is_drained};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
-use sphecs_core::physics::inlet::Feed;
 use sphecs_scene::model::{Inlet, Patch, Scene};
 use stock::leave;
 
@@ -201,14 +201,15 @@ fn apply<R: Real, const D: usize>(
             let Inlet { patch: inlet, feed, .. } = &scene.inlets[patch];
             let (velocity, zone, patch) = (arrays.velocity_of(row), Zone::Inflow, change.patch);
             if *feed == Feed::Once {
-                let places = world.resource::<PatchRows>().inflow_places(arrays, patch);
-                if is_drained(inlet, scene, point, places.filter(|at| *at != point)) {
+                let places = world.resource::<PatchRows>().inflow_positions(arrays, patch);
+                let lengths = (scene.spacing, scene.scheme.support(scene.spacing));
+                if is_drained(inlet, lengths, point, places.filter(|at| *at != point)) {
                     world.resource_mut::<Failure>().drained = Some(patch);
                 }
-            } else if is_slantwise(inlet) {
+            } else if inlet.is_oblique() {
                 // The row that crossed is no longer in its zone.
                 arrays.zone[row] = Zone::Fluid;
-                let behind = InflowRow::of(inlet, point, scene.spacing);
+                let behind = InflowLine::of(inlet, point, scene.spacing);
                 let last = last_of_row(world, arrays, entries, patch, |at| {
                     behind.holds(inlet, at).then(|| inlet.along(at))
                 });
@@ -283,6 +284,6 @@ fn last_of_row<R: Real, const D: usize>(
 ) -> Option<f64> {
     let coming = entries.iter().filter(|entry| entry.zone == Zone::Inflow && entry.patch == inlet);
     let places =
-        world.resource::<PatchRows>().inflow_places(arrays, inlet).chain(coming.map(|entry| entry.place));
+        world.resource::<PatchRows>().inflow_positions(arrays, inlet).chain(coming.map(|entry| entry.place));
     places.filter_map(along).min_by(f64::total_cmp)
 }
