@@ -16,7 +16,7 @@ fn main() {
 /// The box after a few steps.
 fn million() -> Simulation {
     let scene = Case::named("3d-large-f64").expect("a case of the engine").scene().expect("a scene");
-    let mut simulation = Simulation::from_scene(scene);
+    let mut simulation = Simulation::builder(scene).build().expect("a simulation");
     for _ in 0..2 {
         simulation.step().expect("the flow is tame");
     }

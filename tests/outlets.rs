@@ -10,12 +10,12 @@ use sphecs::arrays::Arrays;
 use sphecs::components::ParticleId;
 use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
+use sphecs::resources::grid::Grid;
+use sphecs::resources::scene::ActiveScene;
 use sphecs::scene::load_str;
 use sphecs::simulation::Simulation;
 use sphecs::systems::boundaries::outlets::Outlets;
 use sphecs::systems::boundaries::patch_rows::PatchRows;
-use sphecs::systems::neighbours::Grid;
-use sphecs::systems::setup::SceneInUse;
 
 /// Returns the conditions of Negi et al. (2020) for a stream of a velocity, m/s.
 fn conditions(velocity: &str) -> Vec<String> {
@@ -297,7 +297,7 @@ fn check_rows_of_zones<const D: usize>(text: &str, recycle: &str) {
     for _ in 0..150 {
         simulation.step().unwrap_or_else(|stop| panic!("{stop}"));
         let world = simulation.world();
-        let scene = &*world.resource::<SceneInUse>().0;
+        let scene = &*world.resource::<ActiveScene>().0;
         let arrays = world.resource::<Arrays<f64, D>>();
         let needs = world.resource::<Outlets<f64, D>>().needs();
         rows.collect(scene, needs, &world.resource::<Grid<D>>().0, arrays);

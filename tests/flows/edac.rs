@@ -154,7 +154,7 @@ fn a_channel_with_a_constriction_carries_its_inflow() {
     assert!((0.9..1.1).contains(&left), "{left} of the fluid are left");
 }
 
-/// At its own spacing, where a mode along the outlet once grew until it burst at 0.69 s: `physics/outlet/oblique.rs`. The start alone
+/// At its own spacing, where a mode along the outlet once grew until it burst at 0.69 s: `boundary/outlet/non_reflecting/oblique_waves.rs`. The start alone
 /// swings densities by 11 %.
 #[test]
 fn waves_along_the_outlet_do_not_grow() {

@@ -19,9 +19,9 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_engine::arrays::Arrays;
+use sphecs_engine::resources::grid::Grid;
+use sphecs_engine::resources::pair::Pair;
 use sphecs_engine::simulation::{Simulation, Stop};
-use sphecs_engine::systems::neighbours::Grid;
-use sphecs_engine::systems::pair::Pair;
 use sphecs_scene::model::{Precision, Scene};
 use sphecs_scene::seeds;
 
@@ -147,7 +147,8 @@ pub fn paved(scene: Scene, tile: Option<&Tile>) -> Simulation {
     if let Some(tile) = tile {
         tile.pave(&mut seeds);
     }
-    Simulation::from_seeds(scene, seeds, &[])
+    // Only plugins and saved states can be wrong.
+    Simulation::builder(scene).particles(seeds).build().expect("a scene without plugins can be built")
 }
 
 /// Times steps on the threads of the present pool.

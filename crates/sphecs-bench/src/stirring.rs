@@ -48,7 +48,8 @@ impl Tile {
     pub fn of(stirred: StirredBox) -> Result<Self, TileError> {
         let edge = EDGES.rev().find(|edge| stirred.count.is_multiple_of(*edge)).unwrap_or(stirred.count);
         let tile = StirredBox { count: edge, precision: Precision::F32, terms: BoxTerms::Laminar, ..stirred };
-        let mut simulation = Simulation::from_scene(tile.scene()?);
+        let mut simulation =
+            Simulation::builder(tile.scene()?).build().expect("a scene without plugins can be built");
         let mut this = Self { spacing: simulation.scene().spacing, edge: edge as i32, particles: Vec::new() };
         let mut places = vec![0; edge.pow(stirred.dimensions as u32)];
         for (id, position, _) in states(&mut simulation) {
@@ -134,7 +135,7 @@ mod tests {
         let moved =
             |(a, b): &(&ParticleSeed, &ParticleSeed)| a.position.distance(b.position) > 0.1 * tile.spacing;
         assert!(on_the_lattice.iter().zip(&paved).filter(moved).count() > paved.len() * 9 / 10);
-        let mut simulation = Simulation::from_seeds(scene, paved, &[]);
+        let mut simulation = Simulation::builder(scene).particles(paved).build().expect("a simulation");
         for _ in 0..5 {
             simulation.step().expect("a tame flow");
         }

@@ -9,7 +9,7 @@ use super::disk;
 use super::error::OutputError;
 use super::header::Header;
 use sphecs_core::particles::zone::Zone;
-use sphecs_engine::systems::ledger::Ledger;
+use sphecs_engine::resources::ledger::Ledger;
 
 /// Name of the file in the run folder.
 pub const FILE: &str = "summary.json";

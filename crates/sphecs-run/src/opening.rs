@@ -4,7 +4,7 @@ use super::RunOptions;
 use super::report;
 use super::words::{columns, figure, grouped};
 use sphecs_core::math::lanes::InstructionSet;
-use sphecs_engine::systems::ledger::Ledger;
+use sphecs_engine::resources::ledger::Ledger;
 use sphecs_scene::model::Scene;
 use sphecs_scene::summary::summary;
 

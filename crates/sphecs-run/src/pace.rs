@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::resources::clock::Clock;
 
 /// Seconds of wall time over which the pace is taken: long enough to smooth the frames, short enough to
 /// follow a time step that shrinks as the flow starts.

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::words::{columns, duration, figure, grouped};
 use sphecs_core::particles::zone::Zone;
-use sphecs_engine::systems::clock::Clock;
-use sphecs_engine::systems::ledger::Ledger;
+use sphecs_engine::resources::clock::Clock;
+use sphecs_engine::resources::ledger::Ledger;
 use sphecs_output::disk::bytes;
 use sphecs_output::pack::Packed;
 use sphecs_scene::model::Scene;

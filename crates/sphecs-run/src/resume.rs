@@ -13,8 +13,8 @@ use super::voyage::Voyage;
 use super::words::{figure, grouped};
 use super::{Ending, RunOptions, opening};
 use sphecs_core::math::lanes::InstructionSet;
+use sphecs_engine::saved_state::decode_record;
 use sphecs_engine::simulation::Simulation;
-use sphecs_engine::systems::checkpoint::value;
 use sphecs_output::checkpoint::store::{Refused, Store};
 use sphecs_output::checkpoint::{Checkpoint, Facts, cut};
 use sphecs_output::error::OutputError;
@@ -76,7 +76,7 @@ fn board(options: &ResumeOptions, signals: Signals) -> Result<Option<Voyage>, Ru
         }
         None => {
             let log = Log::new(scene.output.every, scene.output.monitor_every);
-            (None, Facts::default(), Simulation::from_scene(scene), log)
+            (None, Facts::default(), Simulation::builder(scene).build()?, log)
         }
     };
     let (scene, clock) = (simulation.scene(), simulation.clock());
@@ -186,8 +186,9 @@ fn restored(scene: Scene, checkpoint: Checkpoint) -> Result<(Facts, Simulation, 
     let misfit =
         |what: String| request(format!("the checkpoint of step {} does not fit: {what}", facts.step));
     let log = state.take::<u8>(log::NAME).map_err(|error| misfit(error.to_string()))?;
-    let log = value(&log).map_err(misfit)?;
-    let simulation = Simulation::from_state(scene, state, &[]).map_err(|error| misfit(error.to_string()))?;
+    let log = decode_record(&log).map_err(misfit)?;
+    let simulation = Simulation::builder(scene).state(state).build();
+    let simulation = simulation.map_err(|error| misfit(error.to_string()))?;
     Ok((facts, simulation, log))
 }
 

@@ -13,8 +13,8 @@ use super::words::{duration, figure, grouped};
 use super::{Ending, RunOptions, opening, report, wreck};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
+use sphecs_engine::saved_state::encode_record;
 use sphecs_engine::simulation::{Simulation, Stop};
-use sphecs_engine::systems::checkpoint::record;
 use sphecs_output::error::OutputError;
 use sphecs_output::folder::RunFolder;
 use sphecs_output::frame::Frame;
@@ -58,7 +58,7 @@ impl Voyage {
     /// # Errors
     /// [`RunError::Output`] when the folder cannot be made.
     pub fn begin(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Self, RunError> {
-        let mut simulation = Simulation::from_scene(scene);
+        let mut simulation = Simulation::builder(scene).build()?;
         let first = Frame::from_world(simulation.world_mut());
         let scene = simulation.scene();
         let mut header = Header::new(scene, &first);
@@ -210,7 +210,7 @@ impl Voyage {
             stages: self.stages().into_iter().map(|(_, seconds)| seconds).collect(),
             ..self.log.clone()
         };
-        state.put(log::NAME, record(&log));
+        state.put(log::NAME, encode_record(&log));
         self.folder.checkpoint(&clock, state)?;
         self.log.output_time += now.elapsed().as_secs_f64();
         if self.console == Console::Verbose {
@@ -363,7 +363,7 @@ impl Voyage {
             Ok(_) => {
                 let scene = self.simulation.scene();
                 let of = |fault| wreck::particulars(&path, &header, scene, &clock, fault);
-                let particulars = self.simulation.fault().map(of);
+                let particulars = self.simulation.diverged_particle().map(of);
                 particulars.unwrap_or_default() + &wreck::kept(&path, frames, self.last_checkpoint)
             }
             Err(error) => wreck::not_closed(&error),

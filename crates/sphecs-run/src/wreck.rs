@@ -5,10 +5,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::words::{figure, grouped};
+use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::simulation::Stop;
-use sphecs_engine::systems::clock::Clock;
-use sphecs_engine::systems::failure::Fault;
-use sphecs_engine::systems::neighbourhood::Nearby;
+use sphecs_engine::systems::divergence::DivergedParticle;
+use sphecs_engine::systems::divergence::NearbyParticle;
 use sphecs_output::blow_up;
 use sphecs_output::error::OutputError;
 use sphecs_output::header::Header;
@@ -18,7 +18,7 @@ use sphecs_scene::model::{Patch, Scene};
 /// How the run ended, and what usually helps.
 pub fn cure(stop: &Stop) -> (Status, String) {
     match stop {
-        Stop::BlowUp { cure, .. } => (Status::BlownUp, (*cure).to_owned()),
+        Stop::Diverged { advice, .. } => (Status::BlownUp, (*advice).to_owned()),
         Stop::Drained { .. } => {
             (Status::Failed, "lengthen its `depth`, lower `time.end`, or let it be `Fed`".to_owned())
         }
@@ -30,7 +30,13 @@ pub fn cure(stop: &Stop) -> (Status, String) {
 
 /// Keeps the surroundings of a fault and says what is known of its particle, a line each. To be called when the results are closed: the last
 /// frame is read back.
-pub fn particulars(folder: &Path, header: &Header, scene: &Scene, clock: &Clock, fault: &Fault) -> String {
+pub fn particulars(
+    folder: &Path,
+    header: &Header,
+    scene: &Scene,
+    clock: &Clock,
+    fault: &DivergedParticle,
+) -> String {
     let vector = |vector: DVec3| {
         let parts: Vec<String> = vector.to_array().into_iter().take(header.dimensions).map(figure).collect();
         format!("({})", parts.join(", "))
@@ -43,7 +49,7 @@ pub fn particulars(folder: &Path, header: &Header, scene: &Scene, clock: &Clock,
             figure(own.pressure),
             vector(own.acceleration),
             vector(own.velocity),
-            vector(own.velocity_before),
+            vector(own.previous_velocity),
         );
     }
     // What cannot be read back is no reason to hide the rest.
@@ -59,7 +65,7 @@ pub fn particulars(folder: &Path, header: &Header, scene: &Scene, clock: &Clock,
         );
     }
     text += &next_to_outlet(scene, fault).unwrap_or_default();
-    let nearest = |(near, distance): (&Nearby, f64)| {
+    let nearest = |(near, distance): (&NearbyParticle, f64)| {
         format!(
             ", the nearest, {} particle {}, {} Δ away",
             near.zone.name(),
@@ -78,7 +84,7 @@ pub fn particulars(folder: &Path, header: &Header, scene: &Scene, clock: &Clock,
 }
 
 /// The outlet in whose zone, or within two supports before which, a particle failed: its condition is the first thing to doubt.
-fn next_to_outlet(scene: &Scene, fault: &Fault) -> Option<String> {
+fn next_to_outlet(scene: &Scene, fault: &DivergedParticle) -> Option<String> {
     let reach = 2.0 * scene.scheme.support(scene.spacing);
     let near = |patch: &Patch| {
         let along = patch.along(fault.position);

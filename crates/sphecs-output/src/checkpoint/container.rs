@@ -20,7 +20,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Checkpoint, Facts};
 use sphecs_core::math::column::{Column, Columns};
-use sphecs_engine::systems::checkpoint::{record, value};
+use sphecs_engine::saved_state::{decode_record, encode_record};
 
 /// Version of the layout, and of what a state consists of: raised with every change of either.
 pub const VERSION: u32 = 4;
@@ -82,7 +82,7 @@ fn write_version(checkpoint: &Checkpoint, version: u32, to: impl Write) -> io::R
     let mut file = Summing { to, whole: Sha256::new(), block: crc32fast::Hasher::new() };
     file.put(&MAGIC)?;
     file.put(&version.to_le_bytes())?;
-    let facts = record(&checkpoint.facts);
+    let facts = encode_record(&checkpoint.facts);
     file.put(&(facts.len() as u32).to_le_bytes())?;
     file.put(&facts)?;
     file.end_block()?;
@@ -183,7 +183,7 @@ fn blocks(reader: &mut Reader<'_>) -> Result<Checkpoint, Unfit> {
     let facts = reader.take(length as usize, "its facts")?;
     reader.end_block(start, "its facts")?;
     let facts: Facts =
-        value(facts).map_err(|what| Unfit::Damaged(format!("its facts do not read: {what}")))?;
+        decode_record(facts).map_err(|what| Unfit::Damaged(format!("its facts do not read: {what}")))?;
     let mut state = Columns::default();
     for _ in 0..reader.number::<4>("its number of columns")? {
         let start = reader.at;

@@ -23,7 +23,7 @@ use super::header::{BodyHeader, Header};
 use super::netcdf::dataset::{Dataset, Variable};
 use super::table::{Column, Table, TableWriter, number, safe_names};
 use sphecs_core::pass::body::BodySum;
-use sphecs_engine::systems::bodies::BodyForcesRow;
+use sphecs_engine::systems::body_forces::BodyForcesRow;
 
 /// Name of the CSV file in the run folder.
 pub const CSV: &str = "forces.csv";

@@ -78,7 +78,7 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
     sums
 }
 
-/// The rows by which a slantwise zone is fed, with their sections: `systems/boundaries/entrance.rs`.
+/// The lines that fill an oblique zone, with their sections: `boundary/inlet/injection.rs`.
 fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
     let cells = [0, 1].map(|side| {
         let extent = 2.0 * patch.half_extent[side];

@@ -6,12 +6,12 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
-use crate::systems::clock::Clock;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
+use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
-use crate::systems::setup::SceneInUse;
 use sphecs_core::boundary::inlet::zone::{InflowBuffers, InflowMotion, InflowZone};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -52,7 +52,7 @@ impl InflowMotion for SceneMotion<'_> {
 
 /// Sets velocity, pressure and density of inflow particles at the present time.
 pub fn apply_inlets<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
     rows: Res<PatchRows>,

@@ -2,16 +2,16 @@
 //!
 //! Notes neither stop nor change a run. A condition without an anchor can let the stream accelerate, trap sound
 //! or let the mean pressure drift for any length of time, without an impossible particle
-//! ([`check_state`](crate::systems::failure::check_state)).
+//! ([`check_state`](crate::systems::divergence::check_state)).
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
 use serde::{Deserialize, Serialize};
 
 use super::outlets::Outlets;
-use crate::systems::clock::Clock;
-use crate::systems::ledger::Ledger;
-use crate::systems::setup::SceneInUse;
+use crate::resources::clock::Clock;
+use crate::resources::ledger::Ledger;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::boundary::outlet::zone::settling_time;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
@@ -139,7 +139,7 @@ fn particles_per_layer(scene: &Scene, inflow: u64) -> f64 {
 
 /// Updates the diagnostics of the outlets after a step.
 pub fn diagnose_outlets<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     ledger: Res<Ledger>,
     running: Res<Outlets<R, D>>,

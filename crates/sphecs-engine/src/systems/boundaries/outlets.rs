@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 use super::outlet_registry::{AddedOutlets, OutletFaults};
 use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
-use crate::systems::checkpoint::{Kept, record, value};
-use crate::systems::clock::Clock;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
-use crate::systems::setup::SceneInUse;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
+use crate::resources::scene::ActiveScene;
+use crate::saved_state::{SavedResources, decode_record, encode_record};
 use sphecs_core::boundary::flow::FlowProperties;
 use sphecs_core::boundary::outlet::OutletVisitor;
 use sphecs_core::boundary::outlet::method::{Advanced, Needs, OutflowMotion, OutletMethod};
@@ -116,11 +116,11 @@ impl<M: OutletMethod, R: Real, const D: usize> RunningCondition<R, D> for WithMe
     }
 
     fn save(&self) -> Vec<u8> {
-        record(&self.memory)
+        encode_record(&self.memory)
     }
 
     fn restore(&mut self, record: &[u8]) -> Result<(), String> {
-        self.memory = value(record)?;
+        self.memory = decode_record(record)?;
         Ok(())
     }
 }
@@ -163,7 +163,7 @@ pub fn insert_outlets<R: Real, const D: usize>(world: &mut World, scene: &Scene)
     }
     let needs = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
     world.insert_resource(Outlets::<R, D> { all: outlets, needs });
-    let mut saved = world.get_resource_or_init::<Kept>();
+    let mut saved = world.get_resource_or_init::<SavedResources>();
     saved.add_with::<Outlets<R, D>>("outlets", save::<R, D>, restore::<R, D>);
     Ok(())
 }
@@ -185,7 +185,7 @@ struct SavedOutlet {
 }
 
 fn save<R: Real, const D: usize>(world: &World) -> Option<Vec<u8>> {
-    let scene = &world.resource::<SceneInUse>().0;
+    let scene = &world.resource::<ActiveScene>().0;
     let outlets = &world.get_resource::<Outlets<R, D>>()?.all;
     let saved = scene.outlets.iter().zip(outlets).map(|(outlet, running)| SavedOutlet {
         condition: outlet.condition.parameters().name().to_owned(),
@@ -194,12 +194,12 @@ fn save<R: Real, const D: usize>(world: &World) -> Option<Vec<u8>> {
         fluid_pressure: running.adjacent.pressure,
         convective: running.speeds.clone(),
     });
-    Some(record(&saved.collect::<Vec<_>>()))
+    Some(encode_record(&saved.collect::<Vec<_>>()))
 }
 
 fn restore<R: Real, const D: usize>(world: &mut World, bytes: &[u8]) -> Result<(), String> {
-    let scene = world.resource::<SceneInUse>().0.clone();
-    let saved: Vec<SavedOutlet> = value(bytes)?;
+    let scene = world.resource::<ActiveScene>().0.clone();
+    let saved: Vec<SavedOutlet> = decode_record(bytes)?;
     let mut outlets = world.resource_mut::<Outlets<R, D>>();
     if saved.len() != scene.outlets.len() {
         return Err(format!("it has {} outlets, the scene has {}", saved.len(), scene.outlets.len()));
@@ -307,7 +307,7 @@ fn find_adjacent<R: Real, const D: usize>(
 
 /// Sets pressure, density and velocity of outflow particles and finds the speeds at which they move.
 pub fn apply_outlets<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
     rows: Res<PatchRows>,
@@ -330,7 +330,7 @@ pub fn apply_outlets<R: Real, const D: usize>(
 
 /// Finds rates and shifting vectors of outflow particles.
 pub fn find_outlet_rates<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
     rows: Res<PatchRows>,

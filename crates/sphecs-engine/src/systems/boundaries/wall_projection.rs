@@ -15,8 +15,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::arrays::Arrays;
-use crate::systems::neighbours::Grid;
-use crate::systems::setup::SceneInUse;
+use crate::resources::grid::Grid;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
@@ -38,7 +38,7 @@ const IN_FRONT: f64 = 1e-6;
 
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
 pub fn project_to_walls<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     grid: Res<Grid<D>>,
     mut projections: ResMut<WallProjections>,
     mut arrays: ResMut<Arrays<R, D>>,
