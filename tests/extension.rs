@@ -1,8 +1,8 @@
-//! A method is one file: an outlet condition, an inlet pressure, a wall model, a viscosity or a shifting inside the
-//! engine touches its own file, the `mod.rs` with its enum, and docs/REFERENCES.md.
+//! One method, one file: a new condition touches its file, the `mod.rs` with its enum, and
+//! docs/REFERENCES.md.
 //!
-//! The test looks at the source text for files that name a variant of such an enum. Tests in files, integration
-//! tests, scenes and documentation may name variants.
+//! The tests search the source for files that name a variant of such an enum. Unit tests,
+//! integration tests, scenes and documentation may name variants.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,8 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// The source files of all crates, with their path from the root and their text before the unit tests.
+/// The source files of all crates, with their path from the root and their text before the unit
+/// tests.
 fn sources() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();

@@ -1,6 +1,6 @@
-//! Outlet conditions: a uniform stream is preserved in 2D and 3D, forwards and backwards; the reflection of
-//! acoustic pulses is as stated; parameters out of range are faults. Particles that leave are deleted where the
-//! scene says so.
+//! Outlet conditions: a uniform stream is preserved in 2D and 3D, forwards and backwards; the
+//! reflection of acoustic pulses is as stated; parameters out of range are faults. Particles that
+//! leave are deleted where the scene says so.
 
 mod census;
 mod plug;
@@ -51,8 +51,8 @@ fn check_stream(what: &str, mut simulation: Simulation, steps: usize, stream: DV
     assert!(crossed > 0, "{what}: nothing crossed the outlet");
 }
 
-/// The lattice is uniform, so that no force is larger than the rounding of its sums (1e-16 c0²/Δ in f64), over
-/// 2 s of flow.
+/// The lattice is uniform, so that no force is larger than the rounding of its sums (1e-16 c0²/Δ in
+/// f64), over 2 s of flow.
 #[test]
 fn a_uniform_stream_is_preserved_forwards_and_backwards() {
     for scheme in SCHEMES {
@@ -91,7 +91,8 @@ fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
     Simulation::from_scene(load_str("outlet", text, &sets).unwrap_or_else(|faults| panic!("{faults:?}")))
 }
 
-/// Single precision loses 1e-7 of a pressure difference of ρ c0², which is a hundred times that of the stream.
+/// Single precision loses 1e-7 of a pressure difference of ρ c0², which is a hundred times that of
+/// the stream.
 #[test]
 fn a_uniform_stream_is_preserved_in_3d_and_single_precision() {
     for (precision, band) in [("F64", 1e-8), ("F32", 2e-3)] {
@@ -119,8 +120,8 @@ const TURNED: &str = r#"Scene(
     time: (end: 10.0), output: (every: 1.0),
 )"#;
 
-/// `Mirror` has no anchor: the stream accelerates until the flow diverges. A note says so when a twentieth of
-/// the fluid and two layers of it are lost.
+/// `Mirror` has no anchor: the stream accelerates until the flow diverges. A note says so when a
+/// twentieth of the fluid and two layers of it are lost.
 #[test]
 fn a_stream_that_accelerates_is_noted_in_time() {
     let mut simulation = simulation(TURNED, &[("outlets.0.condition", "Mirror()")]);
@@ -135,8 +136,8 @@ fn a_stream_that_accelerates_is_noted_in_time() {
     assert_eq!(simulation.notes().iter().filter(|other| **other == note).count(), 1);
 }
 
-/// The particles at the walls settle at the start, and a condition may reflect the sound of that. `Mirror` is left
-/// out: it has no anchor, and the stream has accelerated to 0.18 m/s by then.
+/// The particles at the walls settle at the start, and a condition may reflect the sound of that.
+/// `Mirror` is left out: it has no anchor, and the stream has accelerated to 0.18 m/s by then.
 #[test]
 fn a_plug_leaves_through_an_oblique_plane() {
     for condition in
@@ -163,8 +164,8 @@ impl PerpDot for DVec3 {
     }
 }
 
-/// Returns the reflection coefficient of an outlet for the pulse of `scenes/acoustic_pulse.ron` at its smoke
-/// spacing, σ = 10 Δ: largest |J3| over largest |J2|, 5 σ upstream of the plane.
+/// Returns the reflection coefficient of an outlet for the pulse of `scenes/acoustic_pulse.ron` at
+/// its smoke spacing, σ = 10 Δ: largest |J3| over largest |J2|, 5 σ upstream of the plane.
 fn reflection(scheme: &str, condition: &str) -> f64 {
     let sets = [("spacing", "0.02"), ("scheme", scheme), ("outlets.0.condition", condition)];
     let mut simulation = simulation(include_str!("../scenes/acoustic_pulse.ron"), &sets);
@@ -181,8 +182,9 @@ fn reflection(scheme: &str, condition: &str) -> f64 {
     back / out
 }
 
-/// The two conditions that transmit sound must do so (measured 0.008, 0.011 and 0.043, 0.018). The others reflect
-/// it (1.30 and 0.33, 0.97 and 0.35, 0.97 and 0.93, 0.88 and the value of `Mirror` under `EdacTvf`).
+/// The two conditions that transmit sound must do so (measured 0.008, 0.011 and 0.043, 0.018). The
+/// others reflect it (1.30 and 0.33, 0.97 and 0.35, 0.97 and 0.93, 0.88 and the value of `Mirror`
+/// under `EdacTvf`).
 #[test]
 fn sound_is_transmitted_or_reflected_as_the_condition_states() {
     let expected = [
@@ -230,8 +232,9 @@ const WAVE_EQUATIONS: [&str; 7] = [
     "WaveEquation(pressure: NonReflecting(time: 0.5, waves: Plane))",
 ];
 
-/// All choices of a scene at an oblique outlet: condition, scheme, dimensions, precision, and particles that are
-/// stored or deleted when they leave. The particles at the walls settle meanwhile.
+/// All choices of a scene at an oblique outlet: condition, scheme, dimensions, precision, and
+/// particles that are stored or deleted when they leave. The particles at the walls settle
+/// meanwhile.
 #[test]
 fn every_condition_works_with_every_scheme_dimension_and_precision() {
     let mut all = conditions("0.1");
@@ -274,8 +277,8 @@ fn every_condition_works_with_every_scheme_dimension_and_precision() {
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// The rows of each patch are collected from the cells near its plane. A scan of all rows finds the same rows in
-/// flows oblique to the cells, while particles settle at the walls and cross.
+/// The rows of each patch are collected from the cells near its plane. A scan of all rows finds the
+/// same rows in flows oblique to the cells, while particles settle at the walls and cross.
 #[test]
 fn no_row_of_a_zone_is_left_out() {
     for recycle in ["(recycle: true)", "(recycle: false)"] {

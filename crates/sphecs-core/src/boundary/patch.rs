@@ -12,7 +12,8 @@ pub struct Patch {
     pub name: String,
     /// A point of the plane inside the section, m.
     pub at: DVec3,
-    /// Unit normal in the direction of the flow (into the domain for an inlet, out of it for an outlet).
+    /// Unit normal in the direction of the flow (into the domain for an inlet, out of it for an
+    /// outlet).
     pub towards: DVec3,
     /// Unit vectors that span the plane; the second is zero in 2D.
     pub across: [DVec3; 2],
@@ -35,8 +36,8 @@ impl Patch {
         point - self.towards * (2.0 * self.along(point))
     }
 
-    /// Tells whether the projection of a point onto the plane lies in the section's bounding rectangle
-    /// widened by `margin`, m.
+    /// Tells whether the projection of a point onto the plane lies in the section's bounding
+    /// rectangle widened by `margin`, m.
     pub fn covers(&self, point: DVec3, margin: f64) -> bool {
         let offset = point - self.at;
         offset.dot(self.across[0]).abs() <= self.half_extent[0] + margin

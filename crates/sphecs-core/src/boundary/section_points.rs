@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::flow::FlowProperties;
 use super::patch::Patch;
 
-/// Distance upstream of the plane at which a point is tested for being in the domain, over Δ: on the
-/// plane itself, the surface of the domain, rounding would decide.
+/// Distance upstream of the plane at which a point is tested for being in the domain, over Δ: on
+/// the plane itself, the surface of the domain, rounding would decide.
 const UPSTREAM: f64 = 1e-3;
 
 /// Relative difference of width and period below which a section spans the period.
@@ -20,8 +20,8 @@ const SPANS_PERIOD: f64 = 1e-6;
 pub struct SectionPoints {
     /// Offsets of the points from the centre of the section, m.
     pub offsets: Vec<DVec3>,
-    /// Indices of the previous and the next point along both directions; a point at a wall is its own
-    /// neighbour.
+    /// Indices of the previous and the next point along both directions; a point at a wall is its
+    /// own neighbour.
     pub neighbours: Vec<[u32; 4]>,
     /// Distance of neighbouring points along both directions, m; infinite in the second in 2D.
     pub spacing: [f64; 2],

@@ -1,20 +1,26 @@
 //! Pair sums of the outgoing wave equation of an outlet.
 //!
 //! ```text
-//! ∂v/∂n |_o = Σ V_b (v_b − v_o) ∂W/∂n       Alvarado-Rodríguez et al. (2017), Eq. 29, first term
-//! v̄_n,o    = Σ V_b v_n,b W / Σ V_b W        Eq. 30, Shepard-normalised: the far end of the zone cuts the support
+//! ∂v/∂n |_o = Σ V_b (v_b − v_o) ∂W/∂n       Eq. 29, first term
+//! v̄_n,o    = Σ V_b v_n,b W / Σ V_b W        Eq. 30, normalised where the far end cuts the support
 //! ```
 //!
-//! Forms of the transverse Laplacian L v ≈ ∇²_t v, with e = x_ob/r, F = (dW/dr)/r and e_t² = 1 − e_n²:
+//! Equations of Alvarado-Rodríguez et al. (2017).
+//!
+//! Forms of the transverse Laplacian L v ≈ ∇²_t v, with e = x_ob/r, F = (dW/dr)/r and e_t² = 1 −
+//! e_n²:
 //!
 //! ```text
-//! Normalised  L v = 2 (D−1) Σ V_b v_ob g / (−Σ V_b t_ob² g),  g = e_t² F, t_ob² = r² e_t²   (0 where no neighbour is beside o)
-//! Printed     L v = 2 Σ V_b v_ob (r² e_t²) F/(r² + η²)        sign corrected: as published a bump steepens
-//! Consistent  L v = Σ V_b v_ob ((D+2) e_t² − (D−1)) F         Español & Revenga (2003)
+//! Normalised  L v = 2 (D−1) Σ V_b v_ob g / (−Σ V_b t_ob² g),  g = e_t² F, t_ob² = r² e_t²
+//! Printed     L v = 2 Σ V_b v_ob (r² e_t²) F/(r² + η²)
+//! Consistent  L v = Σ V_b v_ob ((D+2) e_t² − (D−1)) F
 //! ```
 //!
-//! In 3D the sums run over both transverse axes. `Consistent` diverges where the support is cut. The
-//! equation itself is in [`wave_equation`](crate::boundary::outlet::wave_equation).
+//! `Normalised` is 0 where no neighbour is beside o. `Printed` has the sign corrected: as published
+//! a bump steepens. `Consistent` is that of Español & Revenga (2003).
+//!
+//! In 3D the sums run over both transverse axes. `Consistent` diverges where the support is cut.
+//! The equation itself is in [`wave_equation`](crate::boundary::outlet::wave_equation).
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -155,8 +161,8 @@ impl<L: Lanes, const D: usize> WaveLanes<L, D> {
         self.transverse_weight = self.transverse_weight - across_squared * g;
     }
 
-    /// Returns the sums over all lanes in SI units; `f_scale` is F over (dw/dq)/q, 1/m^(D+2), `h` the
-    /// smoothing length, m.
+    /// Returns the sums over all lanes in SI units; `f_scale` is F over (dw/dq)/q, 1/m^(D+2), `h`
+    /// the smoothing length, m.
     #[inline(always)]
     pub fn total(self, f_scale: f64, h: f64) -> WaveSums {
         let (mut normal_gradient, mut transverse) = (DVec3::ZERO, DVec3::ZERO);
@@ -218,8 +224,9 @@ mod tests {
     use super::*;
     use crate::math::lanes::Array;
 
-    /// Returns the sums over a square lattice of spacing 1 about the origin, for a velocity field along x and
-    /// a Wendland kernel of h = 3 Δ: at 2 Δ the fourth moments of the lattice are 2 % off.
+    /// Returns the sums over a square lattice of spacing 1 about the origin, for a velocity field
+    /// along x and a Wendland kernel of h = 3 Δ: at 2 Δ the fourth moments of the lattice are 2 %
+    /// off.
     fn lattice_sums(setting: &WaveSetting, v: impl Fn(f64, f64) -> f64) -> WaveSums {
         let mut sums = WaveLanes::<Array<f64, 1>, 2>::new();
         let h = 3.0;

@@ -16,7 +16,8 @@ use sphecs_core::boundary::parameter_fault::ParameterFault;
 
 /// Layers of the zone of an inlet, as Alvarado-Rodríguez et al. (2017).
 const INLET_LAYERS: f64 = 5.0;
-/// Layers of the zone of an outlet: more than their five, so that neither end influences its middle.
+/// Layers of the zone of an outlet: more than their five, so that neither end influences its
+/// middle.
 const OUTLET_LAYERS: f64 = 8.0;
 
 /// Returns all inlets; None with a fault.
@@ -123,7 +124,8 @@ fn velocity(
     }
 }
 
-/// Returns the velocity by a rate in time and a profile in space, not yet scaled: see [`meter`](super::meter).
+/// Returns the velocity by a rate in time and a profile in space, not yet scaled: see
+/// [`meter`](super::meter).
 fn metered(
     rate: &Formula,
     name: &str,

@@ -11,7 +11,8 @@ use crate::schema::{WallFillFile, WallsFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
-/// Returns the wall parts, the regions of the parts after the first, and the rings of their particles.
+/// Returns the wall parts, the regions of the parts after the first, and the rings of their
+/// particles.
 pub fn walls(
     file: Option<&Spanned<WallsFile>>,
     (domain, spacing): (&Shape, f64),

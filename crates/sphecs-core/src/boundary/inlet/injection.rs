@@ -2,27 +2,29 @@
 //!
 //! ```text
 //! along an axis   x − L n, x the particle that crossed: the lattice of the zone continues
-//! oblique         in lines along n, one for each width w ≈ Δ of the section, Δ^D/w^(D−1) apart, over the length L of the zone
+//! oblique         in lines along n over the length L of the zone, one line for each width w ≈ Δ
+//!                 of the section, particles Δ^D/w^(D−1) apart
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Fig. 1, for the first. A lattice oblique to a sheared inflow has no two
-//! particles on one streamline: each has a speed of its own. In a zone where no force separates them the
-//! faster ones approach the slower ones until they clump (a channel turned by 20° diverged after 5 s). In
-//! lines along the flow all have one speed. The lattice that fills an oblique zone at the start is advected
-//! out, and lines follow.
+//! Alvarado-Rodríguez et al. (2017), Fig. 1, for the first. A lattice oblique to a sheared inflow
+//! has no two particles on one streamline: each has a speed of its own. In a zone where no force
+//! separates them the faster ones approach the slower ones until they clump (a channel turned by
+//! 20° diverged after 5 s). In lines along the flow all have one speed. The lattice that fills an
+//! oblique zone at the start is advected out, and lines follow.
 //!
-//! A zone that is filled once, Alvarado-Rodríguez et al. (2017), Sec. 5.3, takes no particles. It is drained
-//! when the zone behind a particle that crosses is shorter than the kernel's support, since the fluid would
-//! then see its end.
+//! A zone that is filled once, Alvarado-Rodríguez et al. (2017), Sec. 5.3, takes no particles. It
+//! is drained when the zone behind a particle that crosses is shorter than the kernel's support,
+//! since the fluid would then see its end.
 
 use glam::DVec3;
 
 use crate::boundary::patch::Patch;
 
-/// Tells whether the zone of an inlet that is filled once is drained behind a particle that crossed.
+/// Tells whether the zone of an inlet that is filled once is drained behind a particle that
+/// crossed.
 ///
-/// `crossed` is its position, `positions` are those of the particles in the zone, `spacing` is Δ and
-/// `support` the radius of the kernel's support, all in m.
+/// `crossed` is its position, `positions` are those of the particles in the zone, `spacing` is Δ
+/// and `support` the radius of the kernel's support, all in m.
 pub fn is_drained(
     patch: &Patch,
     (spacing, support): (f64, f64),
@@ -76,8 +78,8 @@ impl InflowLine {
         })
     }
 
-    /// Returns the positions that fill the line up to the end of the zone. The last particle of the line is at
-    /// `last` along the normal of the patch (m, < 0 in the zone).
+    /// Returns the positions that fill the line up to the end of the zone. The last particle of the
+    /// line is at `last` along the normal of the patch (m, < 0 in the zone).
     pub fn vacancies(&self, patch: &Patch, last: f64) -> impl Iterator<Item = DVec3> {
         let foot = patch.at + patch.across[0] * self.axis[0] + patch.across[1] * self.axis[1];
         let (pitch, depth, towards) = (self.pitch, patch.depth, patch.towards);

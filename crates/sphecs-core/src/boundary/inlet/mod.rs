@@ -6,8 +6,9 @@
 //! - [`prescribed`]: given pressure
 //! - [`zone`]: the zone of inflow particles that a condition works on
 //!
-//! The velocity of an inflow is an expression or table of the scene. To add a condition of the pressure: a
-//! file, a variant of [`InletPressure`] and its arms below, and the source in docs/REFERENCES.md.
+//! The velocity of an inflow is an expression or table of the scene. To add a condition of the
+//! pressure: a file, a variant of [`InletPressure`] and its arms below, and the source in
+//! docs/REFERENCES.md.
 
 pub mod extrapolated;
 pub mod injection;
@@ -29,8 +30,8 @@ pub enum Feed {
     /// One particle enters for each that crosses the plane: the zone stays full.
     #[default]
     Fed,
-    /// The zone is filled once and drained, as a cylinder by its piston. The run stops when the zone behind a
-    /// particle that crosses is shorter than the kernel's support.
+    /// The zone is filled once and drained, as a cylinder by its piston. The run stops when the
+    /// zone behind a particle that crosses is shorter than the kernel's support.
     Once,
 }
 

@@ -21,7 +21,8 @@ pub trait InflowMotion: Sync {
     /// Returns the velocity at a point (m) at the present time, m/s.
     fn velocity(&self, point: DVec3) -> DVec3;
 
-    /// Returns g − dv/dt + ν ∇²v at a point (m) at the present time, m/s²: ∇p/ρ0 of the prescribed motion.
+    /// Returns g − dv/dt + ν ∇²v at a point (m) at the present time, m/s²: ∇p/ρ0 of the prescribed
+    /// motion.
     fn pressure_force(&self, point: DVec3) -> DVec3;
 }
 
@@ -86,9 +87,9 @@ impl<R: Real, const D: usize> InflowZone<'_, R, D> {
 
     /// Sets velocity, pressure and density of all rows.
     ///
-    /// `pressure` gives the pressure (Pa) from the fit of a row, its position (m) and its own pressure (Pa).
-    /// The particle's pressure follows it by `share`; it takes it at once in the first step and after the
-    /// particle entered the zone.
+    /// `pressure` gives the pressure (Pa) from the fit of a row, its position (m) and its own
+    /// pressure (Pa). The particle's pressure follows it by `share`; it takes it at once in the
+    /// first step and after the particle entered the zone.
     pub fn set(&mut self, share: f64, pressure: impl Fn(Option<PointFlow>, DVec3, f64) -> f64 + Sync) {
         let InflowBuffers { fits, states } = &mut *self.buffers;
         let (arrays, fitted, pair, motion) = (&*self.arrays, &fits.found, self.pair, self.motion);

@@ -1,25 +1,27 @@
 //! Outgoing characteristic about reference values; no wave enters.
 //!
 //! ```text
-//! J2 = ρ0 c0 (v_n − u_ref) + (p − p_ref)     carried out by the fluid: Σ V_b J2,b W_ob / Σ V_b W_ob
-//! J3 = −ρ0 c0 (v_n − u_ref) + (p − p_ref)    would enter from outside: 0
+//! J2 = ρ0 c0 (v_n − u_ref) + (p − p_ref)     outgoing: Σ V_b J2,b W_ob / Σ V_b W_ob over the fluid
+//! J3 = −ρ0 c0 (v_n − u_ref) + (p − p_ref)    incoming: 0
 //! v_n = u_ref + J2/(2 ρ0 c0),   p = p_ref + J2/2
 //! ```
 //!
-//! Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009). The velocity components in the plane keep
-//! the values of the crossing; a particle moves along the normal with v_n. Particles without fluid in
-//! their support take the mean J2 of the others, in the same step; as published, that of the step before.
+//! Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009). The velocity components in the
+//! plane keep the values of the crossing; a particle moves along the normal with v_n. Particles
+//! without fluid in their support take the mean J2 of the others, in the same step; as published,
+//! that of the step before.
 //!
-//! * The impedance is ρ0 c0 throughout; the paper has the local density. They differ by the Mach number
-//!   squared.
-//! * J1 = −c0² (ρ − ρ0) + (p − p_ref), which gives the density, is not carried. The density follows from
-//!   the pressure (`Wcsph`, for which J1 is of second order) or from the positions (`EdacTvf`).
-//! * A stream whose velocity is not u_ref is sound to the condition: it keeps a pressure of
-//!   ρ0 c0 (v_n − u_ref). So the references have no default. A vortex is sound as well: its pressure at
+//! * The impedance is ρ0 c0 throughout; the paper has the local density. They differ by the Mach
+//!   number squared.
+//! * J1 = −c0² (ρ − ρ0) + (p − p_ref), which gives the density, is not carried. The density follows
+//!   from the pressure (`Wcsph`, for which J1 is of second order) or from the positions
+//!   (`EdacTvf`).
+//! * A stream whose velocity is not u_ref is sound to the condition: it keeps a pressure of ρ0 c0
+//!   (v_n − u_ref). So the references have no default. A vortex is sound as well: its pressure at
 //!   the outlet is wrong by ½ ρ0 c0 v'.
-//! * Backflow meets the pressure of J2, not that of a real inflow. It enters with the tangential velocity
-//!   of the particle before it, since entropy and vorticity of the surroundings are not known. A uniform
-//!   stream inwards is preserved if u_ref is its velocity (tests/outlets.rs).
+//! * Backflow meets the pressure of J2, not that of a real inflow. It enters with the tangential
+//!   velocity of the particle before it, since entropy and vorticity of the surroundings are not
+//!   known. A uniform stream inwards is preserved if u_ref is its velocity (tests/outlets.rs).
 
 use std::iter::empty;
 
@@ -69,7 +71,8 @@ impl OutletMethod for Characteristic {
 
     fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let (normal, impedance, references) = (zone.normal(), zone.flow.impedance(), self.references());
-        // The impedance is the same for all, so that the mean of J2 is that of velocity and pressure.
+        // The impedance is the same for all, so that the mean of J2 is that of velocity and
+        // pressure.
         zone.fit_fluid(PointFit::Mean { normal }, |point| point, empty());
         let outgoing = |velocity: f64, pressure: f64| references.outgoing(velocity, pressure, impedance);
         let others = zone
@@ -84,18 +87,20 @@ impl OutletMethod for Characteristic {
 }
 
 impl References {
-    /// Returns J2 of a flow with a normal velocity (m/s) and a pressure (Pa) for an impedance ρ0 c0 in
-    /// kg/(m² s), Pa.
+    /// Returns J2 of a flow with a normal velocity (m/s) and a pressure (Pa) for an impedance ρ0 c0
+    /// in kg/(m² s), Pa.
     pub fn outgoing(&self, velocity: f64, pressure: f64, impedance: f64) -> f64 {
         impedance * (velocity - self.velocity) + (pressure - self.pressure)
     }
 
-    /// Returns normal velocity (m/s) and pressure (Pa) for an outgoing J2 (Pa) and no incoming wave.
+    /// Returns normal velocity (m/s) and pressure (Pa) for an outgoing J2 (Pa) and no incoming
+    /// wave.
     pub fn at(&self, outgoing: f64, impedance: f64) -> (f64, f64) {
         (self.velocity + 0.5 * outgoing / impedance, self.pressure + 0.5 * outgoing)
     }
 
-    /// Returns the state of a particle that keeps its tangential velocity (m/s), for an outgoing J2 (Pa).
+    /// Returns the state of a particle that keeps its tangential velocity (m/s), for an outgoing J2
+    /// (Pa).
     pub fn outflow(&self, velocity: DVec3, outgoing: f64, impedance: f64, normal: DVec3) -> OutflowState {
         let (speed, pressure) = self.at(outgoing, impedance);
         OutflowState { velocity, pressure, speed }.at_speed(speed, normal)

@@ -4,17 +4,19 @@
 //! x_o(n) = x_o(n−1) + v_n Δt n,   v_o(n) = v_o(n−1),   p_o(n) = p_o(n−1)
 //! ```
 //!
-//! Negi et al. (2020), Eqs. 14–16: ∂u/∂t + u ∂u/∂x = 0 for the fields that a particle carries, after
-//! Federico et al. (2012). It moves along the normal n of the outlet only, with its own normal velocity.
+//! Negi et al. (2020), Eqs. 14–16: ∂u/∂t + u ∂u/∂x = 0 for the fields that a particle carries,
+//! after Federico et al. (2012). It moves along the normal n of the outlet only, with its own
+//! normal velocity.
 //!
-//! Consequences: the initial state of the zone stays. A zone at rest blocks a flow that starts from rest
-//! until the fluid pushes its own particles across. Acoustic waves are reflected, since neither pressure
-//! nor velocity of the zone responds. A particle that has crossed never returns, so that a vortex loses
-//! its backflow. Nothing anchors the pressure. Particles of one column cross within a few steps of each
-//! other, and the acoustic state of that moment stays with the column.
+//! Consequences: the initial state of the zone stays. A zone at rest blocks a flow that starts from
+//! rest until the fluid pushes its own particles across. Acoustic waves are reflected, since
+//! neither pressure nor velocity of the zone responds. A particle that has crossed never returns,
+//! so that a vortex loses its backflow. Nothing anchors the pressure. Particles of one column cross
+//! within a few steps of each other, and the acoustic state of that moment stays with the column.
 //!
 //! The code of the authors moves the zone with the transport velocity of the crossing. Here it is v
-//! itself, as published: the other part of the transport velocity redistributes particles and has no mean.
+//! itself, as published: the other part of the transport velocity redistributes particles and has
+//! no mean.
 
 use glam::DVec3;
 

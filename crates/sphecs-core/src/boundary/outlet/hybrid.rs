@@ -1,25 +1,26 @@
 //! Frozen base flow with acoustic waves transmitted by their outgoing characteristic.
 //!
 //! ```text
-//! f̄ ← f̄ + 2/(N+1) (f − f̄)   f = v_n, p of a fluid particle, while |p − p_ref| < ½ ρ0 u²; else f̄ stays
+//! f̄ ← f̄ + 2/(N+1) (f − f̄)   f = v_n, p of a fluid particle, only while |p − p_ref| < ½ ρ0 u²
 //! J2 = ρ0 c0 (v_n − v̄_n) + (p − p̄)         over the fluid, Σ V_b J2,b W_ob / Σ V_b W_ob
 //! v_o = v̄_n,o + J2/(2 ρ0 c0),   p_o = p̄_o + J2/2,   v̄_o, p̄_o those of the crossing
 //! ```
 //!
-//! Negi et al. (2020), Eqs. 28–31. Their mean is that of the last N steps, with N about the number of
-//! steps in which sound travels one spacing (Eq. 29: 4, they take 6). Here it is the recursive mean of the
-//! same mean age, (N − 1)/2 steps: one value per particle instead of N. The threshold is that of the
-//! acoustic intensity p²/(2 ρ c), Eq. 30, about a reference pressure p_ref of the scene: a duct whose
-//! outlet is not at 0 Pa would otherwise be sound throughout. Tangential velocities are not averaged.
+//! Negi et al. (2020), Eqs. 28–31. Their mean is that of the last N steps, with N about the number
+//! of steps in which sound travels one spacing (Eq. 29: 4, they take 6). Here it is the recursive
+//! mean of the same mean age, (N − 1)/2 steps: one value per particle instead of N. The threshold
+//! is that of the acoustic intensity p²/(2 ρ c), Eq. 30, about a reference pressure p_ref of the
+//! scene: a duct whose outlet is not at 0 Pa would otherwise be sound throughout. Tangential
+//! velocities are not averaged.
 //!
-//! Only fluid within reach of the outlet has means. A particle that comes within reach has the mean sound
-//! of those already there. So a flow that is never below the threshold, such as one that starts at once,
-//! keeps its initial base flow. Particles of the zone without fluid in their support take the mean J2 of
-//! the others, in the same step. The authors switch the sound off for twenty steps at the start; this is
-//! not needed here, since the first mean is the flow itself.
+//! Only fluid within reach of the outlet has means. A particle that comes within reach has the mean
+//! sound of those already there. So a flow that is never below the threshold, such as one that
+//! starts at once, keeps its initial base flow. Particles of the zone without fluid in their
+//! support take the mean J2 of the others, in the same step. The authors switch the sound off for
+//! twenty steps at the start; this is not needed here, since the first mean is the flow itself.
 //!
-//! A pressure that remains below the threshold becomes base flow and stays: the weak tail of a strong
-//! pulse becomes a permanent offset.
+//! A pressure that remains below the threshold becomes base flow and stays: the weak tail of a
+//! strong pulse becomes a permanent offset.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,8 +30,8 @@ use crate::boundary::parameter_fault::ParameterFault;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
-/// Length beyond the support, in spacings, over which the condition averages the fluid: a particle that
-/// crosses has been averaged long enough for its mean to settle.
+/// Length beyond the support, in spacings, over which the condition averages the fluid: a particle
+/// that crosses has been averaged long enough for its mean to settle.
 const AVERAGED_LAYERS: f64 = 3.0;
 
 /// Parameters of the condition.
@@ -174,8 +175,8 @@ impl Hybrid {
     }
 }
 
-/// Returns the speed of the threshold, m/s: the time mean of the inflow speed, or of the scene's reference
-/// velocity if nothing flows in.
+/// Returns the speed of the threshold, m/s: the time mean of the inflow speed, or of the scene's
+/// reference velocity if nothing flows in.
 fn inflow_speed<R: Real, const D: usize>(
     zone: &OutflowZone<'_, R, D>,
     share: f64,
@@ -208,8 +209,8 @@ pub fn share(steps: f64) -> f64 {
     2.0 / (steps + 1.0)
 }
 
-/// Tells whether a pressure (Pa, less the reference pressure) counts as sound: it is at least ½ ρ0 u²,
-/// density in kg/m³, velocity in m/s.
+/// Tells whether a pressure (Pa, less the reference pressure) counts as sound: it is at least ½ ρ0
+/// u², density in kg/m³, velocity in m/s.
 pub fn is_sound(pressure: f64, density: f64, velocity: f64) -> bool {
     pressure.abs() >= 0.5 * density * velocity * velocity
 }
@@ -220,14 +221,15 @@ impl Average {
         References { velocity: self.velocity, pressure: self.pressure }
     }
 
-    /// Adds a normal velocity (m/s) and a pressure (Pa) to the mean, with the weight of a [`share`].
+    /// Adds a normal velocity (m/s) and a pressure (Pa) to the mean, with the weight of a
+    /// [`share`].
     pub fn follow(&mut self, velocity: f64, pressure: f64, share: f64) {
         self.velocity += share * (velocity - self.velocity);
         self.pressure += share * (pressure - self.pressure);
     }
 
-    /// Returns the mean of a flow with a normal velocity (m/s) and a pressure (Pa) that contain an outgoing
-    /// wave J2 (Pa).
+    /// Returns the mean of a flow with a normal velocity (m/s) and a pressure (Pa) that contain an
+    /// outgoing wave J2 (Pa).
     pub fn without_sound(velocity: f64, pressure: f64, outgoing: f64, impedance: f64) -> Self {
         Self { velocity: velocity - 0.5 * outgoing / impedance, pressure: pressure - 0.5 * outgoing }
     }

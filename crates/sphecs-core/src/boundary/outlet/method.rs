@@ -22,7 +22,8 @@ pub trait OutletParameters: Debug + Send + Sync {
         Needs::default()
     }
 
-    /// Returns velocity and pressure that the scene states for the surroundings; 0 where it states none.
+    /// Returns velocity and pressure that the scene states for the surroundings; 0 where it states
+    /// none.
     fn references(&self) -> References {
         References::default()
     }

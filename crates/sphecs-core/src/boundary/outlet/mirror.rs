@@ -3,18 +3,22 @@
 //! ```text
 //! x_k = x_o − 2 ((x_o − x_plane)·n) n,   f = v, p
 //! Neumann   f_o = f_k                                zero gradient at the plane
-//! Linear    f_o = f_k + (x_o − x_k)·∇f_k             Negi et al. (2020), Eq. 23, as Tafuni et al. (2018) extrapolate
-//! Printed   f_o = f_k − (x_o − x_k)·∇f_k             Negi et al. (2020), Eq. 24
+//! Linear    f_o = f_k + (x_o − x_k)·∇f_k             Eq. 23, as Tafuni et al. (2018) extrapolate
+//! Printed   f_o = f_k − (x_o − x_k)·∇f_k             Eq. 24
 //! ```
 //!
-//! f_k and ∇f_k are fitted to the fluid alone by a linear basis (`pass/fits.rs`). Negi et al. (2020),
-//! Eq. 22, after Liu & Liu (2006), take W and ∇W as test functions, the fit takes W and (x − x_k) W. Both
-//! are exact for a linear field wherever the support is cut, and the second matrix is symmetric.
+//! Equations of Negi et al. (2020).
 //!
-//! Eq. 24 is meant to have no gradient at the plane. It does not: f = a + b s becomes a − 3 b s beyond it,
-//! the slope reversed and trebled (test `a_linear_field_is_continued_by_each_variant`). `Neumann` has no
-//! gradient; `Linear` continues the field and anchors nothing. A particle moves along the normal with the
-//! extrapolated normal velocity, and takes the other components too. No variant anchors the pressure.
+//! f_k and ∇f_k are fitted to the fluid alone by a linear basis (`pass/fits.rs`). Negi et al.
+//! (2020), Eq. 22, after Liu & Liu (2006), take W and ∇W as test functions, the fit takes W and (x
+//! − x_k) W. Both are exact for a linear field wherever the support is cut, and the second matrix
+//! is symmetric.
+//!
+//! Eq. 24 is meant to have no gradient at the plane. It does not: f = a + b s becomes a − 3 b s
+//! beyond it, the slope reversed and trebled (test `a_linear_field_is_continued_by_each_variant`).
+//! `Neumann` has no gradient; `Linear` continues the field and anchors nothing. A particle moves
+//! along the normal with the extrapolated normal velocity, and takes the other components too. No
+//! variant anchors the pressure.
 
 use std::iter::empty;
 
@@ -77,8 +81,8 @@ impl OutletMethod for Mirror {
 }
 
 impl MirrorVariant {
-    /// Returns the state of a particle `depth` m beyond a plane of unit normal `normal`, from the fields at
-    /// its image.
+    /// Returns the state of a particle `depth` m beyond a plane of unit normal `normal`, from the
+    /// fields at its image.
     pub fn mirrored(self, image: Image, depth: f64, normal: DVec3) -> OutflowState {
         let way = 2.0
             * depth

@@ -14,8 +14,8 @@
 //! - [`zone`]: the zone of outflow particles that a condition works on
 //!
 //! To add a condition: a file with a parameter type that implements [`OutletParameters`] and
-//! [`OutletMethod`], a variant of [`OutletCondition`] and an arm of its dispatch below, and the source in
-//! docs/REFERENCES.md. A plugin adds a condition without any of these, under a name for
+//! [`OutletMethod`], a variant of [`OutletCondition`] and an arm of its dispatch below, and the
+//! source in docs/REFERENCES.md. A plugin adds a condition without any of these, under a name for
 //! [`OutletCondition::Custom`].
 
 pub mod characteristic;
@@ -46,22 +46,23 @@ use wave_equation::WaveEquation;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum OutletCondition {
-    /// Outgoing wave equation with transverse diffusion: Alvarado-Rodríguez et al. (2017), Eqs. 27, 29
-    /// and 30.
+    /// Outgoing wave equation with transverse diffusion: Alvarado-Rodríguez et al. (2017), Eqs. 27,
+    /// 29 and 30.
     WaveEquation(WaveEquation),
     /// Outgoing wave equation without diffusion: Alvarado-Rodríguez et al. (2017), Eq. 28.
     Orlanski(Orlanski),
     /// Velocity and pressure of the crossing: Negi et al. (2020), Eqs. 14–16.
     DoNothing,
-    /// Velocity and pressure of the crossing, moved with the velocity of the fluid next to the plane: Negi
-    /// et al. (2020), Eqs. 17 and 18.
+    /// Velocity and pressure of the crossing, moved with the velocity of the fluid next to the
+    /// plane: Negi et al. (2020), Eqs. 17 and 18.
     ModifiedDoNothing(ModifiedDoNothing),
     /// Velocity and pressure of the fluid's mirror image: Negi et al. (2020), Eqs. 22–24.
     Mirror(Mirror),
-    /// Outgoing characteristic about reference values, no wave enters: Negi et al. (2020), Eqs. 25–27.
+    /// Outgoing characteristic about reference values, no wave enters: Negi et al. (2020), Eqs.
+    /// 25–27.
     Characteristic(Characteristic),
-    /// Frozen base flow, with acoustic waves transmitted by their outgoing characteristic: Negi et al.
-    /// (2020), Eqs. 28–31.
+    /// Frozen base flow, with acoustic waves transmitted by their outgoing characteristic: Negi et
+    /// al. (2020), Eqs. 28–31.
     Hybrid(Hybrid),
     /// A condition that a plugin adds under this name.
     Custom(String),
@@ -111,7 +112,8 @@ impl OutletCondition {
 }
 
 impl Default for OutletCondition {
-    /// Returns the condition that the comparison in docs/which_outlet.md recommends for both schemes.
+    /// Returns the condition that the comparison in docs/which_outlet.md recommends for both
+    /// schemes.
     fn default() -> Self {
         OutletCondition::WaveEquation(WaveEquation::default())
     }

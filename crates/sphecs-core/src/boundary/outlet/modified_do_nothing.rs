@@ -1,19 +1,22 @@
 //! Outflow particles that keep the state of their crossing and are advected by the fluid.
 //!
 //! ```text
-//! x_o(n) = x_o(n−1) + v_ex Δt n,   v_ex = Σ V_b v_n,b W_ob / Σ V_b W_ob over the fluid;   p_o(n) = p_o(n−1)
+//! x_o(n) = x_o(n−1) + v_ex Δt n,   v_ex = Σ V_b v_n,b W_ob / Σ V_b W_ob over the fluid
+//! v_o(n) = v_o(n−1),   p_o(n) = p_o(n−1)
 //! ```
 //!
-//! Negi et al. (2020), Eqs. 17 and 18, with volumes in the mean: in single precision and for disordered
-//! particles they are more accurate than bare kernels. Particles without fluid in their support take the
-//! mean v_ex of the others, in the same step. The zone moves along the normal only.
+//! Negi et al. (2020), Eqs. 17 and 18, with volumes in the mean: in single precision and for
+//! disordered particles they are more accurate than bare kernels. Particles without fluid in their
+//! support take the mean v_ex of the others, in the same step. The zone moves along the normal
+//! only.
 //!
-//! With `shown: Frozen`, as published, the fluid sees the velocity of the crossing, which is not the
-//! velocity of the motion. One might expect that the pressure of `EdacTvf`, which the divergence drives,
-//! should rather see v_ex, `shown: Carried`. The opposite is true. A zone that yields to an acoustic wave
-//! as the fluid does, under a pressure that stays, is the open end of a pipe and reflects a pulse fully.
-//! If its velocity stays as well, it is half an open and half a closed end (docs/outlets.md has the
-//! figures). Under `Wcsph`, whose pressure follows from densities, both are the same open end.
+//! With `shown: Frozen`, as published, the fluid sees the velocity of the crossing, which is not
+//! the velocity of the motion. One might expect that the pressure of `EdacTvf`, which the
+//! divergence drives, should rather see v_ex, `shown: Carried`. The opposite is true. A zone that
+//! yields to an acoustic wave as the fluid does, under a pressure that stays, is the open end of a
+//! pipe and reflects a pulse fully. If its velocity stays as well, it is half an open and half a
+//! closed end (docs/outlets.md has the figures). Under `Wcsph`, whose pressure follows from
+//! densities, both are the same open end.
 //!
 //! The zone starts with the flow, so nothing blocks it; the pressure has no anchor.
 
@@ -72,8 +75,8 @@ impl OutletMethod for ModifiedDoNothing {
 }
 
 impl ModifiedDoNothing {
-    /// Returns the state of a particle with its velocity (m/s) and pressure (Pa), moved at the normal
-    /// velocity of the fluid (m/s).
+    /// Returns the state of a particle with its velocity (m/s) and pressure (Pa), moved at the
+    /// normal velocity of the fluid (m/s).
     pub fn carried(self, velocity: DVec3, pressure: f64, fluid: f64, normal: DVec3) -> OutflowState {
         let state = OutflowState { velocity, pressure, speed: fluid };
         match self.shown {

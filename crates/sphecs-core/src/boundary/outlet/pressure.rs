@@ -21,14 +21,14 @@ pub enum OutletPressure {
         /// Time constant, s.
         time: f64,
     },
-    /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) and the mean velocity
-    /// followed over `time` (s).
+    /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) and the mean
+    /// velocity followed over `time` (s).
     NonReflecting {
         /// Mean pressure approached, Pa.
         #[serde(default)]
         target: f64,
-        /// Time constant with which the mean velocity is followed, s. None: four travel times of sound
-        /// through the domain along the outlet's normal.
+        /// Time constant with which the mean velocity is followed, s. None: four travel times of
+        /// sound through the domain along the outlet's normal.
         #[serde(default)]
         time: Option<f64>,
         /// Acoustic waves that are transmitted.
@@ -66,7 +66,8 @@ impl OutletPressure {
 
     /// Tells whether the pressure is set anew in each step, not kept from step to step.
     ///
-    /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it again and again.
+    /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it again
+    /// and again.
     pub fn is_set_anew(self) -> bool {
         matches!(self, OutletPressure::Reference(_) | OutletPressure::NonReflecting { .. })
     }

@@ -3,23 +3,24 @@
 //! ```text
 //! ∂v/∂t + v_n ∂v/∂n − ν ∇²_t v = f          with the body force f
 //! ∂v/∂n |_o = Σ V_b (v_b − v_o) ∂W/∂n       first term of Eq. 29
-//! v̄_n,o    = Σ V_b v_n,b W / Σ V_b W        Eq. 30, Shepard-normalised: the far end of the zone cuts the support
+//! v̄_n,o    = Σ V_b v_n,b W / Σ V_b W        Eq. 30, normalised where the far end cuts the support
 //! ```
 //!
 //! Alvarado-Rodríguez et al. (2017), Eqs. 27, 29 and 30; the pair sums and the forms of ∇²_t are in
 //! [`wave_sums`](crate::physics::wave_sums).
 //!
 //! `frame: Fixed` integrates the rate of a fixed point along the moving particle, as published:
-//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `frame: Moving` takes the equation literally: the particle moves with
-//! the convective velocity, the convective term drops out, dv/dt = ν L v + f, as Negi et al. (2020),
-//! Sec. 3.1, remark.
+//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `frame: Moving` takes the equation literally: the particle
+//! moves with the convective velocity, the convective term drops out, dv/dt = ν L v + f, as Negi et
+//! al. (2020), Sec. 3.1, remark.
 //!
-//! A particle moves along the normal with the velocity v̄_n of [`convection`](super::convection), from a
-//! fit that preserves the velocity profile where Eq. 30 takes a kernel mean. Its pressure is that of
-//! [`pressure`](super::pressure). Backflow is drawn in from a reservoir at rest.
+//! A particle moves along the normal with the velocity v̄_n of [`convection`](super::convection),
+//! from a fit that preserves the velocity profile where Eq. 30 takes a kernel mean. Its pressure is
+//! that of [`pressure`](super::pressure). Backflow is drawn in from a reservoir at rest.
 //!
-//! Columns of particles that slide past each other bring particles close together, and a vortex carries such
-//! pairs back into the fluid, whose density changes at once. So the zone is shifted as the fluid is.
+//! Columns of particles that slide past each other bring particles close together, and a vortex
+//! carries such pairs back into the fluid, whose density changes at once. So the zone is shifted as
+//! the fluid is.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -41,7 +42,8 @@ use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator, WaveSetting}
 /// Smallest number of outflow particles per thread.
 const CHUNK: usize = 64;
 
-/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would have no fluid.
+/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would have no
+/// fluid.
 const LAYERS_INSIDE: f64 = 1.0;
 
 /// Parameters of the condition.
@@ -150,8 +152,9 @@ impl WaveCondition {
             zone.speeds.push(velocity);
             match density {
                 Some(density) => zone.arrays.density[row] = R::from_f64(density),
-                // The divergence drives an evolved pressure: it must see the velocity with which the zone
-                // moves, not that of the crossing, or the outlet reflects a quarter of an acoustic pulse.
+                // The divergence drives an evolved pressure: it must see the velocity with which
+                // the zone moves, not that of the crossing, or the outlet reflects a quarter of an
+                // acoustic pulse.
                 None if self.frame == ReferenceFrame::Moving => {
                     let own = zone.arrays.velocity_of(row);
                     let moved = own + normal * (velocity - own.dot(normal));
@@ -163,7 +166,8 @@ impl WaveCondition {
         memory.moves = moves;
     }
 
-    /// Fits the fluid upstream of the outflow particles and advances a nonreflecting pressure by a step.
+    /// Fits the fluid upstream of the outflow particles and advances a nonreflecting pressure by a
+    /// step.
     fn fit_fluid<R: Real, const D: usize>(
         &self,
         zone: &mut OutflowZone<'_, R, D>,
@@ -237,14 +241,15 @@ impl WaveCondition {
         }
     }
 
-    /// Advances an outflow particle: in the moving frame at its convective velocity, in the fixed frame at
-    /// its own, never backwards.
+    /// Advances an outflow particle: in the moving frame at its convective velocity, in the fixed
+    /// frame at its own, never backwards.
     pub fn advance(&self, particle: &OutflowMotion) -> Advanced {
         let mut next = particle.accelerated();
         let speed = match self.frame {
             ReferenceFrame::Moving => {
                 if particle.speed < 0.0 {
-                    // Backflow has the velocity with which it is drawn in, not that of its crossing.
+                    // Backflow has the velocity with which it is drawn in, not that of its
+                    // crossing.
                     next += particle.normal * (particle.speed - next.dot(particle.normal));
                 }
                 particle.speed

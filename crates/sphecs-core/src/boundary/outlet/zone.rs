@@ -14,9 +14,9 @@ use crate::pass::points::PointFlows;
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
 
-/// Travel times of sound through the domain, along the outlet's normal, after which acoustic waves that
-/// an outlet transmits have left. Shorter, and the resonance of an inlet with a throat is hardly damped;
-/// longer, and the start takes longer to settle.
+/// Travel times of sound through the domain, along the outlet's normal, after which acoustic waves
+/// that an outlet transmits have left. Shorter, and the resonance of an inlet with a throat is
+/// hardly damped; longer, and the start takes longer to settle.
 const SETTLING_PASSAGES: f64 = 4.0;
 
 /// Returns the time after which acoustic waves have left a domain of this extent (m), s.
@@ -95,8 +95,8 @@ impl<R: Real, const D: usize> OutflowZone<'_, R, D> {
         fits.find(fit, self.pair, self.grid, self.arrays, self.sums);
     }
 
-    /// Takes kernel means over the fluid, at the outflow particles, of values given by row; rows that are
-    /// not named count as 0. The results are the pressures of [`fitted`](Self::fitted).
+    /// Takes kernel means over the fluid, at the outflow particles, of values given by row; rows
+    /// that are not named count as 0. The results are the pressures of [`fitted`](Self::fitted).
     pub fn fit_mean(&mut self, values: impl Iterator<Item = (usize, f64)>) {
         let ZoneBuffers { fits, column } = &mut *self.buffers;
         column.clear();
@@ -117,7 +117,8 @@ impl<R: Real, const D: usize> OutflowZone<'_, R, D> {
         &self.buffers.fits.found
     }
 
-    /// Returns the mean of a value over the results of the last fit; None where there is no fluid at all.
+    /// Returns the mean of a value over the results of the last fit; None where there is no fluid
+    /// at all.
     pub fn mean_fitted(&self, value: impl Fn(&PointFlow) -> f64) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
         for flow in self.fitted().iter().flatten() {
@@ -127,8 +128,8 @@ impl<R: Real, const D: usize> OutflowZone<'_, R, D> {
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// Sets velocity, pressure and speed of a row; its density follows where the scheme has an equation of
-    /// state.
+    /// Sets velocity, pressure and speed of a row; its density follows where the scheme has an
+    /// equation of state.
     pub fn set(&mut self, row: usize, state: OutflowState) {
         self.arrays.pressure[row] = R::from_f64(state.pressure);
         if let Some(density) = self.pair.density_at(state.pressure) {

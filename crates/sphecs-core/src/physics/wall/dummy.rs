@@ -5,14 +5,15 @@
 //! free slip    v_w = ṽ − 2 ((ṽ − v_wall)·n) n,   no viscous force
 //! ```
 //!
-//! Adami et al. (2012), Eqs. 22 and 23, over fluid, inflow and outflow. The kernel mean at a wall particle is
-//! the velocity of the fluid some way in front of the surface, not at the mirror image of the particle. So the
-//! profile is not continued as a straight line, and the effective surface is slightly displaced (0.45 % of the
-//! peak of a Poiseuille flow with 25 particles across, where the image has 0.26 %: docs/walls.md). In return no
-//! factor becomes large for a particle that touches the wall.
+//! Adami et al. (2012), Eqs. 22 and 23, over fluid, inflow and outflow. The kernel mean at a wall
+//! particle is the velocity of the fluid some way in front of the surface, not at the mirror image
+//! of the particle. So the profile is not continued as a straight line, and the effective surface
+//! is slightly displaced (0.45 % of the peak of a Poiseuille flow with 25 particles across, where
+//! the image has 0.26 %: docs/walls.md). In return no factor becomes large for a particle that
+//! touches the wall.
 //!
-//! Only the viscous term uses v_w. In the equation of an evolved pressure the divergence uses the velocity of
-//! the wall itself, as in their section 2.3.
+//! Only the viscous term uses v_w. In the equation of an evolved pressure the divergence uses the
+//! velocity of the wall itself, as in their section 2.3.
 
 use super::{WallMethod, WallPressure};
 
@@ -45,15 +46,15 @@ impl WallMethod for Dummy {
     }
 }
 
-/// Returns the velocity that the fluid sees in a no-slip wall particle, m/s, from those of the wall and of the
-/// kernel mean.
+/// Returns the velocity that the fluid sees in a no-slip wall particle, m/s, from those of the wall
+/// and of the kernel mean.
 #[inline(always)]
 pub fn no_slip<const D: usize>(wall: [f64; D], mean: [f64; D]) -> [f64; D] {
     std::array::from_fn(|d| 2.0 * wall[d] - mean[d])
 }
 
-/// Returns the velocity that the fluid sees in a free-slip wall particle of unit normal n, m/s: the mean with its
-/// normal part mirrored.
+/// Returns the velocity that the fluid sees in a free-slip wall particle of unit normal n, m/s: the
+/// mean with its normal part mirrored.
 #[inline(always)]
 pub fn free_slip<const D: usize>(wall: [f64; D], mean: [f64; D], normal: [f64; D]) -> [f64; D] {
     let into: f64 = (0..D).map(|d| (mean[d] - wall[d]) * normal[d]).sum();

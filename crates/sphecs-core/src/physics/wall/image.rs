@@ -4,19 +4,19 @@
 //! v_a − v_b = (1 + d_b/d_a) (v_a − v_wall)
 //! ```
 //!
-//! Morris et al. (1997), as in Alvarado-Rodríguez et al. (2017), section 3.1: the velocity is continued linearly
-//! through the surface, d_a in front of it and d_b behind. All particles but those of a wall have d_b = 0, so that
-//! one formula serves all pairs. Morris et al. cap the factor at 1.5, which costs 3 to 4 % of the peak of a
-//! Poiseuille flow; the cap is an option here.
+//! Morris et al. (1997), as in Alvarado-Rodríguez et al. (2017), section 3.1: the velocity is
+//! continued linearly through the surface, d_a in front of it and d_b behind. All particles but
+//! those of a wall have d_b = 0, so that one formula serves all pairs. Morris et al. cap the factor
+//! at 1.5, which costs 3 to 4 % of the peak of a Poiseuille flow; the cap is an option here.
 //!
-//! A free-slip wall exerts no viscous force; its image has the fluid's own tangential velocity and the mirrored
-//! normal one.
+//! A free-slip wall exerts no viscous force; its image has the fluid's own tangential velocity and
+//! the mirrored normal one.
 
 use super::{WallMethod, WallPressure};
 use crate::math::lanes::{Lanes, dot};
 
-/// Smallest distance of a fluid particle from a wall in the factor of the image, over Δ: on the surface itself
-/// the factor would be infinite.
+/// Smallest distance of a fluid particle from a wall in the factor of the image, over Δ: on the
+/// surface itself the factor would be infinite.
 const LEAST_DISTANCE: f64 = 0.1;
 
 /// The model with its parameters.

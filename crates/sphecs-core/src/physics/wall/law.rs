@@ -1,12 +1,14 @@
 //! Law of the wall: friction of a wall whose boundary layer is thinner than the spacing.
 //!
 //! ```text
-//! y⁺ = u⁺ + e^(−κB) [e^(κu⁺) − 1 − κu⁺ − (κu⁺)²/2 − (κu⁺)³/6],   u⁺ = u/u_τ,  y⁺ = y u_τ/ν,  τ_w = ρ u_τ²
+//! y⁺ = u⁺ + e^(−κB) [e^(κu⁺) − 1 − κu⁺ − (κu⁺)²/2 − (κu⁺)³/6]
+//! u⁺ = u/u_τ,  y⁺ = y u_τ/ν,  τ_w = ρ u_τ²
 //! ```
 //!
-//! Spalding (1961) with his κ = 0.4 and B = 5.5 (e^(−κB) = 0.1108), without the term of the fourth power, which he
-//! says fits as well. One formula covers the viscous sublayer, u⁺ = y⁺, and the logarithmic layer,
-//! u⁺ = ln(y⁺)/κ + B. Given y and u(y), it is solved for u⁺ in u⁺ y⁺(u⁺) = u y/ν.
+//! Spalding (1961) with his κ = 0.4 and B = 5.5 (e^(−κB) = 0.1108), without the term of the fourth
+//! power, which he says fits as well. One formula covers the viscous sublayer, u⁺ = y⁺, and the
+//! logarithmic layer, u⁺ = ln(y⁺)/κ + B. Given y and u(y), it is solved for u⁺ in u⁺ y⁺(u⁺) = u
+//! y/ν.
 
 /// von Kármán's constant.
 const KAPPA: f64 = 0.4;
@@ -14,7 +16,8 @@ const KAPPA: f64 = 0.4;
 /// The constant of the logarithmic law.
 const B: f64 = 5.5;
 
-/// Largest number of steps of Newton's method; six suffice from its first guess for u y/ν of 1e-12 to 1e12.
+/// Largest number of steps of Newton's method; six suffice from its first guess for u y/ν of 1e-12
+/// to 1e12.
 const MAX_STEPS: usize = 30;
 
 /// Relative change of u⁺ at which the method ends.
@@ -24,7 +27,8 @@ const TOLERANCE: f64 = 1e-14;
 fn distance(u_plus: f64) -> (f64, f64) {
     let s = KAPPA * u_plus;
     let e = (-KAPPA * B).exp();
-    // The bracket loses all its digits where s is small; its series there is s⁴/24 (1 + s/5 + s²/30 …).
+    // The bracket loses all its digits where s is small; its series there is s⁴/24 (1 + s/5 + s²/30
+    // …).
     let (rest, slope) = if s < 0.1 {
         let series = 1.0 + s / 5.0 * (1.0 + s / 6.0 * (1.0 + s / 7.0 * (1.0 + s / 8.0)));
         let of_slope = 1.0 + s / 4.0 * (1.0 + s / 5.0 * (1.0 + s / 6.0 * (1.0 + s / 7.0)));
@@ -35,8 +39,8 @@ fn distance(u_plus: f64) -> (f64, f64) {
     (u_plus + e * rest, 1.0 + KAPPA * e * slope)
 }
 
-/// Returns u_τ, m/s, for a tangential speed (m/s) at a distance (m) from the wall; 0 at rest and for an inviscid
-/// fluid.
+/// Returns u_τ, m/s, for a tangential speed (m/s) at a distance (m) from the wall; 0 at rest and
+/// for an inviscid fluid.
 pub fn friction_velocity(speed: f64, y: f64, viscosity: f64) -> f64 {
     let reynolds = speed * y / viscosity;
     if !(reynolds > 0.0 && reynolds.is_finite()) {

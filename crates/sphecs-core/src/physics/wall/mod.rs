@@ -6,8 +6,8 @@
 //! - [`law`]: law of the wall for boundary layers thinner than the spacing
 //! - [`transposed`]: shear of a moving surface by the transposed velocity gradient
 //!
-//! To add a model: a file with a type that implements [`WallMethod`], a variant of [`WallModel`] and an arm of its
-//! dispatch below, and the source in docs/REFERENCES.md.
+//! To add a model: a file with a type that implements [`WallMethod`], a variant of [`WallModel`]
+//! and an arm of its dispatch below, and the source in docs/REFERENCES.md.
 
 pub mod dummy;
 pub mod ghost;
@@ -34,10 +34,11 @@ pub enum WallModel {
         #[serde(default)]
         pressure: WallPressure,
     },
-    /// Dummy particles, Adami et al. (2012): velocity and pressure continue the kernel mean of the fluid.
+    /// Dummy particles, Adami et al. (2012): velocity and pressure continue the kernel mean of the
+    /// fluid.
     Dummy,
-    /// Ghost particles of Simcenter STAR-CCM+: for each fluid particle its own velocity reversed relative to the
-    /// wall, and its own pressure with the weight of the fluid between both.
+    /// Ghost particles of Simcenter STAR-CCM+: for each fluid particle its own velocity reversed
+    /// relative to the wall, and its own pressure with the weight of the fluid between both.
     Ghost,
 }
 
@@ -49,18 +50,22 @@ pub trait WallMethod {
     /// Returns the largest factor by which the difference v_a − v_wall is continued into the wall.
     fn largest_factor(&self) -> f64;
 
-    /// Returns 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the wall.
+    /// Returns 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the
+    /// wall.
     fn inverse_distance(&self, distance: f64, spacing: f64) -> f64;
 
-    /// Returns d_b of the factor 1 + d_b/d_a, m, of a wall particle this far (m) behind the surface.
+    /// Returns d_b of the factor 1 + d_b/d_a, m, of a wall particle this far (m) behind the
+    /// surface.
     fn image_distance(&self, distance: f64) -> f64;
 
-    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall particles.
+    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall
+    /// particles.
     fn sees_kernel_mean(&self) -> bool {
         false
     }
 
-    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall particles.
+    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall
+    /// particles.
     fn mirrors_velocity(&self) -> bool {
         false
     }
@@ -108,24 +113,28 @@ impl WallModel {
         with_model!(self, method => method.largest_factor())
     }
 
-    /// Returns 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the wall.
+    /// Returns 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the
+    /// wall.
     #[inline(always)]
     pub fn inverse_distance(self, distance: f64, spacing: f64) -> f64 {
         with_model!(self, method => method.inverse_distance(distance, spacing))
     }
 
-    /// Returns d_b of the factor 1 + d_b/d_a, m, of a wall particle this far (m) behind the surface.
+    /// Returns d_b of the factor 1 + d_b/d_a, m, of a wall particle this far (m) behind the
+    /// surface.
     #[inline(always)]
     pub fn image_distance(self, distance: f64) -> f64 {
         with_model!(self, method => method.image_distance(distance))
     }
 
-    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall particles.
+    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall
+    /// particles.
     pub fn sees_kernel_mean(self) -> bool {
         with_model!(self, method => method.sees_kernel_mean())
     }
 
-    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall particles.
+    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall
+    /// particles.
     pub fn mirrors_velocity(self) -> bool {
         with_model!(self, method => method.mirrors_velocity())
     }
@@ -154,8 +163,8 @@ pub enum Slip {
     NoSlip,
     /// The wall takes no tangential stress.
     FreeSlip,
-    /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing away; pairs with
-    /// it exert none. For boundary layers that the spacing does not resolve.
+    /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing
+    /// away; pairs with it exert none. For boundary layers that the spacing does not resolve.
     WallFunction,
 }
 

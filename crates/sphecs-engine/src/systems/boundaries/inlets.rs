@@ -24,8 +24,8 @@ const CHUNK: usize = 32;
 /// Step of the differences in time of a prescribed velocity, over Δ/c0: short against any ramp.
 const TIME_DIFFERENCE: f64 = 1e-4;
 
-/// Step of the differences in space of a prescribed velocity, over Δ: short against any profile that the
-/// particles resolve.
+/// Step of the differences in space of a prescribed velocity, over Δ: short against any profile
+/// that the particles resolve.
 const SPACE_DIFFERENCE: f64 = 0.25;
 
 /// Motion that a scene prescribes at one of its inlets at a time (s).
@@ -81,8 +81,8 @@ pub fn apply_inlets<R: Real, const D: usize>(
     }
 }
 
-/// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s). `velocities` is a
-/// buffer that is kept from step to step.
+/// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
+/// `velocities` is a buffer that is kept from step to step.
 pub fn move_inflow<R: Real, const D: usize>(
     inlet: &Inlet,
     viscosity: f64,

@@ -1,8 +1,8 @@
 //! Signs that an outlet condition does not suit the flow, each noted once during a run.
 //!
-//! Notes neither stop nor change a run. A condition without an anchor can let the stream accelerate, trap sound
-//! or let the mean pressure drift for any length of time, without an impossible particle
-//! ([`check_state`](crate::systems::divergence::check_state)).
+//! Notes neither stop nor change a run. A condition without an anchor can let the stream
+//! accelerate, trap sound or let the mean pressure drift for any length of time, without an
+//! impossible particle ([`check_state`](crate::systems::divergence::check_state)).
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
@@ -18,19 +18,20 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::fits::PointFlow;
 use sphecs_scene::model::{Outlet, Scene};
 
-/// Share of the fluid that may be gained or lost. The density of the rest is as far off, and the scheme is made
-/// for 1 %.
+/// Share of the fluid that may be gained or lost. The density of the rest is as far off, and the
+/// scheme is made for 1 %.
 const CONTENT: f64 = 0.05;
 
-/// Layers of particles that may enter before one leaves, or leave before one enters: a short channel gains and
-/// loses as many all the time.
+/// Layers of particles that may enter before one leaves, or leave before one enters: a short
+/// channel gains and loses as many all the time.
 const LAYERS: f64 = 2.0;
 
-/// Largest acoustic pressure at an outlet, and largest drift of its mean pressure, over ρ0 c0²: the velocity of
-/// such sound is half of that of a flow at Mach 0.1.
+/// Largest acoustic pressure at an outlet, and largest drift of its mean pressure, over ρ0 c0²: the
+/// velocity of such sound is half of that of a flow at Mach 0.1.
 const PRESSURE: f64 = 0.05;
 
-/// Normal velocity, over the reference velocity of the scene, at which the mean flow counts as backflow.
+/// Normal velocity, over the reference velocity of the scene, at which the mean flow counts as
+/// backflow.
 const BACKFLOW: f64 = 0.02;
 
 /// Diagnostics of the outlets of a scene.

@@ -1,8 +1,8 @@
 //! Outlets of a simulation: conditions with their memory, and the systems that apply them.
 //!
-//! A condition sets the pressure of its zone. Under `Wcsph` the density follows from it, under `EdacTvf` it
-//! is summed. The condition also sets the speed at which the zone moves along the normal and the velocity
-//! that the fluid sees.
+//! A condition sets the pressure of its zone. Under `Wcsph` the density follows from it, under
+//! `EdacTvf` it is summed. The condition also sets the speed at which the zone moves along the
+//! normal and the velocity that the fluid sees.
 
 use std::marker::PhantomData;
 
@@ -136,8 +136,8 @@ impl<R: Real, const D: usize> OutletVisitor for Start<R, D> {
     }
 }
 
-/// Inserts the outlets of a scene and makes them part of the saved state; called after the plugins have
-/// added their conditions.
+/// Inserts the outlets of a scene and makes them part of the saved state; called after the plugins
+/// have added their conditions.
 ///
 /// # Errors
 /// [`OutletFaults`] for conditions that no plugin adds and for parameters out of range.
@@ -227,7 +227,8 @@ impl<R: Real, const D: usize> Outlets<R, D> {
 }
 
 impl<R: Real, const D: usize> RunningOutlet<R, D> {
-    /// Moves the outflow particles of the outlet by a time step, s. Each moves along the normal only.
+    /// Moves the outflow particles of the outlet by a time step, s. Each moves along the normal
+    /// only.
     pub fn move_particles(
         &self,
         outlet: &Outlet,
@@ -305,7 +306,8 @@ fn find_adjacent<R: Real, const D: usize>(
     }
 }
 
-/// Sets pressure, density and velocity of outflow particles and finds the speeds at which they move.
+/// Sets pressure, density and velocity of outflow particles and finds the speeds at which they
+/// move.
 pub fn apply_outlets<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,

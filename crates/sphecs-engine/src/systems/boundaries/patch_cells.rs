@@ -1,5 +1,6 @@
-//! Grid cells near inlets and outlets: rows of other cells neither belong to a zone nor can cross a plane within
-//! a step.
+//! Grid cells near inlets and outlets.
+//!
+//! Particles of other cells neither belong to a zone nor can cross a plane within a step.
 
 use std::ops::Range;
 
@@ -22,8 +23,8 @@ pub struct PatchCells {
 }
 
 impl PatchCells {
-    /// Finds the rows in arrays that are sorted by the grid. `needs` are the requirements of the outlets'
-    /// conditions.
+    /// Finds the rows in arrays that are sorted by the grid. `needs` are the requirements of the
+    /// outlets' conditions.
     pub fn find<const D: usize>(&mut self, scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) {
         let cells = self.cells.get_or_insert_with(|| find_cells(scene, needs, grid));
         self.starts.clear();
@@ -55,9 +56,9 @@ impl PatchCells {
     }
 }
 
-/// Finds the runs of consecutive cells that may hold particles of a zone, particles that cross a plane before
-/// the next sort, or particles that an outlet follows. Each patch has a slab along its plane over the whole
-/// domain, since particles of a zone may drift sideways.
+/// Finds the runs of consecutive cells that may hold particles of a zone, particles that cross a
+/// plane before the next sort, or particles that an outlet follows. Each patch has a slab along its
+/// plane over the whole domain, since particles of a zone may drift sideways.
 fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) -> Vec<Range<usize>> {
     let support = scene.scheme.support(scene.spacing);
     // No particle moves as far as the support in a step.

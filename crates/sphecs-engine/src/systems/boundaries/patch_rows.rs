@@ -26,7 +26,8 @@ pub struct PatchRows {
     pub before_outlet: Vec<Vec<u32>>,
     /// Fluid rows upstream of each outlet that its condition follows; empty if it follows none.
     pub upstream: Vec<Vec<u32>>,
-    /// Rows of the cells near inlets and outlets: all others, and all that cross a plane, are among them.
+    /// Rows of the cells near inlets and outlets: all others, and all that cross a plane, are among
+    /// them.
     pub near: PatchCells,
     /// Lists of each part of the rows, kept so that collecting allocates nothing.
     parts: Vec<PatchRows>,
@@ -57,8 +58,8 @@ impl PatchRows {
         self.inflow.iter_mut().chain(outlets)
     }
 
-    /// Collects the rows, in their order, of arrays that are sorted by the grid. `needs` are the requirements
-    /// of the outlets' conditions.
+    /// Collects the rows, in their order, of arrays that are sorted by the grid. `needs` are the
+    /// requirements of the outlets' conditions.
     pub fn collect<R: Real, const D: usize>(
         &mut self,
         scene: &Scene,
@@ -72,7 +73,8 @@ impl PatchRows {
         }
         self.near.find(scene, needs, grid);
         let (near, mut parts) = (&self.near, std::mem::take(&mut self.parts));
-        // Parts are joined in their order, so that the lists do not depend on the number of threads.
+        // Parts are joined in their order, so that the lists do not depend on the number of
+        // threads.
         let found = with_lists(near.count(), &mut parts, &|among, part: &mut Self| {
             part.clear(scene);
             for row in near.rows(among) {

@@ -1,10 +1,11 @@
-//! Impermeable walls: particles of the fluid and of outflow zones are returned from behind a wall to its surface.
+//! Projection of particles behind a wall to its surface.
 //!
-//! Pressure keeps the particles off a flat wall. At the tip of a sharp corner the nearest wall particle is 0.7 Δ
-//! inside, and a particle that rounds the corner cuts it: with six particles across a throat by up to 0.1 Δ. Such
-//! a particle is moved back to the surface along the normal and loses its velocity into the wall, at both time
-//! levels. [`WallProjections`] counts these events for the monitor. Where the count grows all the time, the
-//! spacing is too coarse for the corner.
+//! It applies to particles of the fluid and of outflow zones. Pressure keeps the particles off a
+//! flat wall. At the tip of a sharp corner the nearest wall particle is 0.7 Δ inside, and a
+//! particle that rounds the corner cuts it: with six particles across a throat by up to 0.1 Δ. Such
+//! a particle is moved back to the surface along the normal and loses its velocity into the wall,
+//! at both time levels. [`WallProjections`] counts these events for the monitor. Where the count
+//! grows all the time, the spacing is too coarse for the corner.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,14 +27,15 @@ use sphecs_core::pass::blocks::for_each_part;
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WallProjections(pub u64);
 
-/// Distance from a wall before the step, over Δ, beyond which a particle cannot be behind it: the displacement
-/// and shift of a step are shorter.
+/// Distance from a wall before the step, over Δ, beyond which a particle cannot be behind it: the
+/// displacement and shift of a step are shorter.
 const NEAR: f64 = 0.5;
 
 /// Step of the differences for the normal, over Δ.
 const STEP: f64 = 1e-3;
 
-/// Distance in front of the surface to which a particle is moved, over Δ: in the fluid in spite of rounding.
+/// Distance in front of the surface to which a particle is moved, over Δ: in the fluid in spite of
+/// rounding.
 const IN_FRONT: f64 = 1e-6;
 
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
@@ -64,7 +66,8 @@ pub fn project_to_walls<R: Real, const D: usize>(
             if !matches!(zone[row], Zone::Fluid | Zone::Outflow) || wall_distance[row] >= near {
                 continue;
             }
-            // A particle that has just crossed a periodic face is not outside: the next sort wraps it.
+            // A particle that has just crossed a periodic face is not outside: the next sort wraps
+            // it.
             let inside = grid.0.wrap(std::array::from_fn(|axis| position[axis][at]));
             let mut point = DVec3::ZERO;
             for axis in 0..D {

@@ -1,8 +1,8 @@
 //! Velocity and pressure of wall particles.
 //!
-//! A wall particle has the velocity of the surface point in front of it, x_w + d_w n. The velocity at its own
-//! position would be too low inside a turning cylinder, in proportion to the depth, and the fluid would see a
-//! surface that lags.
+//! A wall particle has the velocity of the surface point in front of it, x_w + d_w n. The velocity
+//! at its own position would be too low inside a turning cylinder, in proportion to the depth, and
+//! the fluid would see a surface that lags.
 
 use std::ops::Range;
 
@@ -25,8 +25,8 @@ use sphecs_core::pass::walls::extrapolate_wall_pressure;
 use sphecs_core::physics::wall::{Slip, WallPressure};
 use sphecs_scene::model::{BodyForce, Scene, WallPart};
 
-/// Sets the velocity of moving walls, and pressure and velocity of wall particles from the flow next to them, as
-/// the wall model requires.
+/// Sets the velocity of moving walls, and pressure and velocity of wall particles from the flow
+/// next to them, as the wall model requires.
 pub fn apply_walls<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
@@ -87,12 +87,12 @@ fn set_surface_velocity<R: Real, const D: usize>(
     for_each_part(0..zone.len(), columns, &work);
 }
 
-/// Returns the acceleration g − a_wall that extrapolates the pressure of the fluid to a wall row, m/s²: Adami et
-/// al. (2012), Eq. 27.
+/// Returns the acceleration g − a_wall that extrapolates the pressure of the fluid to a wall row,
+/// m/s²: Adami et al. (2012), Eq. 27.
 ///
-/// Their a_wall is the acceleration of the fluid at the surface, caused by the pressure. Along the surface the fluid
-/// is accelerated by friction, and where it slips it does not move with the wall. So a_wall is the normal part of
-/// the acceleration of a no-slip surface.
+/// Their a_wall is the acceleration of the fluid at the surface, caused by the pressure. Along the
+/// surface the fluid is accelerated by friction, and where it slips it does not move with the wall.
+/// So a_wall is the normal part of the acceleration of a no-slip surface.
 fn carried<R: Real, const D: usize>(
     scene: &Scene,
     time: f64,
@@ -110,7 +110,8 @@ fn carried<R: Real, const D: usize>(
     std::array::from_fn(|axis| force[axis])
 }
 
-/// Finds the body force of the fluid rows, m/s², where it is an expression; else the columns stay empty.
+/// Finds the body force of the fluid rows, m/s², where it is an expression; else the columns stay
+/// empty.
 fn find_body_force<R: Real, const D: usize>(
     scene: &Scene,
     time: f64,

@@ -4,8 +4,8 @@
 //! - [`plane_waves`]: plane waves along the normal
 //! - [`propagation`]: propagation of waves through the zone
 //!
-//! In each step the flow is sampled at points of the section. The outgoing waves there give the pressure
-//! of the outlet, which then propagates through the zone.
+//! In each step the flow is sampled at points of the section. The outgoing waves there give the
+//! pressure of the outlet, which then propagates through the zone.
 
 pub mod oblique_waves;
 pub mod plane_waves;
@@ -26,12 +26,13 @@ use oblique_waves::{ObliqueSetting, ObliqueWaves};
 use plane_waves::{PlaneSetting, PlaneWaves};
 use propagation::Propagation;
 
-/// Travel times of sound along the section over which the velocity at its points is followed. Longer, and
-/// more of a vortex counts as sound; shorter, and less of the sound does (docs/outlets.md).
+/// Travel times of sound along the section over which the velocity at its points is followed.
+/// Longer, and more of a vortex counts as sound; shorter, and less of the sound does
+/// (docs/outlets.md).
 const CROSSINGS: f64 = 1.0;
 
-/// Layers upstream of the sampled points that their mean represents: the outer part of the support has no
-/// fluid.
+/// Layers upstream of the sampled points that their mean represents: the outer part of the support
+/// has no fluid.
 const LAYERS_SEEN: f64 = 1.0;
 
 /// State of a nonreflecting outlet, with the results of the present step.
@@ -64,7 +65,8 @@ impl NonReflecting {
         self.section.get_or_insert_with(|| SectionPoints::new(flow, patch))
     }
 
-    /// Advances the waves by a step, from the flow fitted at the points behind those of the zone's rows.
+    /// Advances the waves by a step, from the flow fitted at the points behind those of the zone's
+    /// rows.
     ///
     /// `target` (Pa) and `time` (s) are those of
     /// [`OutletPressure::NonReflecting`](super::pressure::OutletPressure::NonReflecting).
@@ -97,12 +99,12 @@ impl NonReflecting {
         self.propagation.advance(layers, &self.pressure, &self.velocity, courant);
     }
 
-    /// Splits the flow at the points into its mean over the section, which is returned, and deviations from
-    /// it. Points without fluid count as the flow `adjacent` to the plane.
+    /// Splits the flow at the points into its mean over the section, which is returned, and
+    /// deviations from it. Points without fluid count as the flow `adjacent` to the plane.
     ///
-    /// A mean over the particles near the plane, which are disordered and at different depths, takes
-    /// disorder and depth for a wave. It reflected 2.4 % of a plane pulse where this reflects 1 %, and drew
-    /// at a vortex that left with up to 25 Pa.
+    /// A mean over the particles near the plane, which are disordered and at different depths,
+    /// takes disorder and depth for a wave. It reflected 2.4 % of a plane pulse where this reflects
+    /// 1 %, and drew at a vortex that left with up to 25 Pa.
     fn split(&mut self, fitted: &[Option<PointFlow>], adjacent: PointFlow) -> PointFlow {
         let fields = [|flow: PointFlow| flow.pressure, |flow: PointFlow| flow.velocity];
         let mut means = [adjacent.pressure, adjacent.velocity];
@@ -137,8 +139,8 @@ impl NonReflecting {
         }
     }
 
-    /// Returns pressure (Pa) and convective velocity (m/s) of an outflow particle, from the flow fitted at
-    /// its foot on the plane.
+    /// Returns pressure (Pa) and convective velocity (m/s) of an outflow particle, from the flow
+    /// fitted at its foot on the plane.
     pub fn at(
         &self,
         flow: &FlowProperties<'_>,

@@ -1,36 +1,36 @@
 //! Outlet pressure that transmits acoustic waves at any angle.
 //!
 //! ```text
-//! J2 = p' + ρ0 c0 (v' − u'),   du'/dt = (w' − u')/½τ,  dw'/dt = (v' − w')/½τ     carried out by the flow
-//! ∂²J3/∂t² + (2/τ) ∂J3/∂t + J3/τ² − ¼ c0² ∇_t² J3 = ¼ c0² ∇_t² J2                   enters
+//! J2 = p' + ρ0 c0 (v' − u'),   du'/dt = (w' − u')/½τ,  dw'/dt = (v' − w')/½τ     outgoing
+//! ∂²J3/∂t² + (2/τ) ∂J3/∂t + J3/τ² − ¼ c0² ∇_t² J3 = ¼ c0² ∇_t² J2                incoming
 //! p_o' = ½ (J2 + J3)
 //! ```
 //!
-//! p' and v' are the deviations of pressure and normal velocity of the fluid next to the plane from their
-//! means over the section, which [`plane_waves`](super::plane_waves) treats. A plane wave at the angle θ to
-//! the normal has ρ0 c0 v' = p' cos θ, so that J3 = 0, Negi et al. (2020), Eqs. 25–27, reflects the share
-//! R = (1 − cos θ)/(1 + cos θ) of it. The second line is the wave equation in the plane that follows from
-//! the second approximation of Engquist & Majda (1977),
+//! p' and v' are the deviations of pressure and normal velocity of the fluid next to the plane from
+//! their means over the section, which [`plane_waves`](super::plane_waves) treats. A plane wave at
+//! the angle θ to the normal has ρ0 c0 v' = p' cos θ, so that J3 = 0, Negi et al. (2020), Eqs.
+//! 25–27, reflects the share R = (1 − cos θ)/(1 + cos θ) of it. The second line is the wave
+//! equation in the plane that follows from the second approximation of Engquist & Majda (1977),
 //!
 //! ```text
 //! cos θ ≈ 1 − ½ sin² θ,   R = ((1 − cos θ)/(1 + cos θ))²
 //! ```
 //!
-//! 0.03 at 45° and 0.11 at 60°. A field that varies along the plane and slowly in time is a vortex: there
-//! J3 = −J2, and the outlet does not act on the pressure. Their third approximation,
-//! R = ((1 − cos θ)/(1 + cos θ))³, responds to the velocity of a slow vortex with ⅓ ρ0 c0 v', orders of
+//! 0.03 at 45° and 0.11 at 60°. A field that varies along the plane and slowly in time is a vortex:
+//! there J3 = −J2, and the outlet does not act on the pressure. Their third approximation, R = ((1
+//! − cos θ)/(1 + cos θ))³, responds to the velocity of a slow vortex with ⅓ ρ0 c0 v', orders of
 //! magnitude above its pressure, and reverses it before it leaves; it reflects a fifth less at 45°
 //! (docs/outlets.md).
 //!
-//! u' follows the flow in two stages within τ, the travel time of sound along the section: nothing of a
-//! vortex that stays is taken for sound. Waves that are not plane propagate along a channel only above the
-//! frequency c0/(2 width), so that little is lost.
+//! u' follows the flow in two stages within τ, the travel time of sound along the section: nothing
+//! of a vortex that stays is taken for sound. Waves that are not plane propagate along a channel
+//! only above the frequency c0/(2 width), so that little is lost.
 //!
-//! By itself J3 oscillates with ω = ½ c0 k, below the c0 k of any sound of the wave number k along the
-//! plane, so that only the flow next to the plane responds to it. With the third approximation waves of
-//! some seven spacings grew between both (`scenes/quickstart.ron` with `EdacTvf` diverged by them at
-//! 0.69 s). So ∂J3/∂t is damped at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7 points decays by a
-//! factor e in 35 h/c0, one of 40 points in 33 000 h/c0.
+//! By itself J3 oscillates with ω = ½ c0 k, below the c0 k of any sound of the wave number k along
+//! the plane, so that only the flow next to the plane responds to it. With the third approximation
+//! waves of some seven spacings grew between both (`scenes/quickstart.ron` with `EdacTvf` diverged
+//! by them at 0.69 s). So ∂J3/∂t is damped at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7
+//! points decays by a factor e in 35 h/c0, one of 40 points in 33 000 h/c0.
 
 use serde::{Deserialize, Serialize};
 
@@ -73,9 +73,11 @@ pub struct ObliqueWaves {
 }
 
 impl ObliqueWaves {
-    /// Advances the waves by a step (s) and replaces p' (Pa) in `pressure` by p_o' (Pa) at every point.
+    /// Advances the waves by a step (s) and replaces p' (Pa) in `pressure` by p_o' (Pa) at every
+    /// point.
     ///
-    /// `neighbours` are the previous and the next point along both directions; a point at a wall is its own.
+    /// `neighbours` are the previous and the next point along both directions; a point at a wall is
+    /// its own.
     pub fn advance(
         &mut self,
         setting: &ObliqueSetting,
@@ -109,8 +111,8 @@ impl ObliqueWaves {
             (before + behind - 2.0 * field[point]) / (h * h) + (left + right - 2.0 * field[point]) / (k * k)
         };
         let leak = 1.0 / setting.time;
-        // The leapfrog is stable while c0 Δt is below the spacing in both directions, and the damping while
-        // it does not reverse the shortest wave; a scene may choose longer steps.
+        // The leapfrog is stable while c0 Δt is below the spacing in both directions, and the
+        // damping while it does not reverse the shortest wave; a scene may choose longer steps.
         let nearest = setting.spacing[0].min(setting.spacing[1]);
         let roughest: f64 = setting.spacing.iter().map(|spacing| 4.0 * (nearest / spacing).powi(2)).sum();
         let largest = LARGEST_COURANT.min(1.0 / (DAMPING * roughest * roughest));
@@ -157,8 +159,8 @@ mod tests {
         (0..points).map(|point| [(point + points - 1) % points, (point + 1) % points, point, point]).collect()
     }
 
-    /// Returns the largest difference between the pressure of the outlet and that of a wave at this angle,
-    /// of unit amplitude, which rises slowly.
+    /// Returns the largest difference between the pressure of the outlet and that of a wave at this
+    /// angle, of unit amplitude, which rises slowly.
     fn error_at(degrees: f64) -> f64 {
         let setting = setting(1e6);
         let impedance = setting.density * setting.sound_speed;
@@ -172,8 +174,8 @@ mod tests {
         let end = periods * TAU / omega;
         for step in 0..(end / time_step) as usize {
             let time = step as f64 * time_step;
-            // Smooth at both ends: a wave that starts at once has all frequencies, and the waves along the plane
-            // that it excites stay.
+            // Smooth at both ends: a wave that starts at once has all frequencies, and the waves
+            // along the plane that it excites stay.
             let rise = (1.25 * time / end).min(1.0);
             let amplitude = rise.powi(3) * (10.0 - 15.0 * rise + 6.0 * rise * rise);
             let wave =
@@ -193,8 +195,8 @@ mod tests {
     fn an_oblique_wave_meets_its_own_pressure() {
         for degrees in [15.0_f64, 30.0, 45.0, 60.0] {
             let cosine = degrees.to_radians().cos();
-            // J3 should be (1 − cos θ) p and is ¼ s/(1 − ¼ s) (1 + cos θ) p with s = sin² θ; the discrete
-            // Laplacian is 0.2 % too small.
+            // J3 should be (1 − cos θ) p and is ¼ s/(1 − ¼ s) (1 + cos θ) p with s = sin² θ; the
+            // discrete Laplacian is 0.2 % too small.
             let s = 1.0 - cosine * cosine;
             let missing = 0.5 * (1.0 - cosine - 0.25 * s / (1.0 - 0.25 * s) * (1.0 + cosine)).abs();
             let normal_alone = 0.5 * (1.0 - cosine);
@@ -206,7 +208,8 @@ mod tests {
 
     #[test]
     fn a_vortex_that_stays_is_no_wave() {
-        // A vortex that hardly moves: its velocity is taken for that of the flow, its pressure is released.
+        // A vortex that hardly moves: its velocity is taken for that of the flow, its pressure is
+        // released.
         let setting = setting(0.04);
         let shape = |point: usize| (TAU * point as f64 / POINTS as f64).sin();
         let velocity: Vec<f64> = (0..POINTS).map(|point| 0.1 * shape(point)).collect();
@@ -227,8 +230,8 @@ mod tests {
         2.0 * (std::f64::consts::PI / points_of_a_wave as f64).sin()
     }
 
-    /// Returns the remaining share of the amplitude of a wave of so many points after a time, in h/c0, without
-    /// an outgoing wave.
+    /// Returns the remaining share of the amplitude of a wave of so many points after a time, in
+    /// h/c0, without an outgoing wave.
     fn remaining_of(points_of_a_wave: usize, time: f64) -> f64 {
         let setting = setting(1e6);
         let shape = |point: usize| (TAU * point as f64 / points_of_a_wave as f64).sin();
@@ -244,7 +247,8 @@ mod tests {
         for _ in 0..(time / 0.05) as usize {
             state.advance(&setting, &periodic(), &[0.0; POINTS], &mut [0.0; POINTS], time_step);
         }
-        // J3 and (∂J3/∂t + ½ γ J3)/ω are the two phases of a damped oscillation of the frequency ½ c0 k.
+        // J3 and (∂J3/∂t + ½ γ J3)/ω are the two phases of a damped oscillation of the frequency ½
+        // c0 k.
         let unit = setting.sound_speed / setting.spacing[0];
         let rough = roughness_of(points_of_a_wave);
         let (omega, gamma) = (0.5 * rough * unit, DAMPING * rough.powi(4) * unit);

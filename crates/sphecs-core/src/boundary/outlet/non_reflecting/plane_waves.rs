@@ -1,20 +1,22 @@
 //! Outlet pressure that transmits plane acoustic waves along the normal.
 //!
 //! ```text
-//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    carried out by the flow, from the mean over uniform points of the section a layer inside
-//! J3 = (p  − p_t) − ρ0 c0 (v  − u)    would enter from outside: 0
+//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    outgoing
+//! J3 = (p  − p_t) − ρ0 c0 (v  − u)    incoming: 0
 //! p  = p_t + ½ J2,     du/dt = (w − u)/½τ,  dw/dt = (v̄ − w)/½τ
 //! ```
 //!
-//! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009), for the
-//! mean over the section only. In a nearly incompressible flow the velocity of a passing vortex is orders
-//! of magnitude too large to be taken for sound: ½ ρ0 c0 v' of a jet with v' = 0.1 m/s is 200 Pa at
-//! c0 = 4 m/s, its true pressure 5 Pa. A channel carries only plane waves below its cut-on frequency
-//! c0/(2 width), and the mean over the section is exactly that part.
+//! p̄ and v̄ are means over uniform points of the section a layer inside the plane.
 //!
-//! The mean velocity u follows the flow over a time τ, so that the target p_t holds in the long run. It
-//! does so in two stages, so that a passing pulse leaves no offset. A fixed pressure would reflect every
-//! wave and, with a prescribed inlet velocity, make a resonator of the channel.
+//! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009),
+//! for the mean over the section only. In a nearly incompressible flow the velocity of a passing
+//! vortex is orders of magnitude too large to be taken for sound: ½ ρ0 c0 v' of a jet with
+//! v' = 0.1 m/s is 200 Pa at c0 = 4 m/s, its true pressure 5 Pa. A channel carries only plane waves
+//! below its cut-on frequency c0/(2 width), and the mean over the section is exactly that part.
+//!
+//! The mean velocity u follows the flow over a time τ, so that the target p_t holds in the long
+//! run. It does so in two stages, so that a passing pulse leaves no offset. A fixed pressure would
+//! reflect every wave and, with a prescribed inlet velocity, make a resonator of the channel.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,16 +24,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneWaves {
-    /// Followed mean velocity u, m/s. None before the first step, which takes that of the flow: a flow
-    /// already in motion is no wave.
+    /// Followed mean velocity u, m/s. None before the first step, which takes that of the flow: a
+    /// flow already in motion is no wave.
     pub mean_velocity: Option<f64>,
     /// First stage w of the following velocity, m/s.
     pub first_stage: f64,
 }
 
 impl PlaneWaves {
-    /// Returns the pressure at the outlet, Pa, from the section means of pressure (Pa) and normal velocity
-    /// (m/s) of the adjacent fluid, and advances the followed velocity by a step (s).
+    /// Returns the pressure at the outlet, Pa, from the section means of pressure (Pa) and normal
+    /// velocity (m/s) of the adjacent fluid, and advances the followed velocity by a step (s).
     pub fn advance(
         &mut self,
         setting: &PlaneSetting,

@@ -4,10 +4,10 @@
 //! ∂f/∂t + c0 ∂f/∂s = 0,   f = p_o, v̄_n,   s = depth in the zone
 //! ```
 //!
-//! Pressure and convective velocity at the plane belong to the present wave; deeper in the zone is the wave
-//! of earlier times. A zone that has the present values everywhere moves as a rigid body. It is not
-//! compressed with the wave, and the density of the last layers of fluid, which is summed over it, lacks
-//! part of the wave.
+//! Pressure and convective velocity at the plane belong to the present wave; deeper in the zone is
+//! the wave of earlier times. A zone that has the present values everywhere moves as a rigid body.
+//! It is not compressed with the wave, and the density of the last layers of fluid, which is summed
+//! over it, lacks part of the wave.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +22,8 @@ pub struct Propagation {
 }
 
 impl Propagation {
-    /// Advects the fields by `courant` = c0 Δt/Δs layers, in parts of at most one, from the values at the
-    /// plane.
+    /// Advects the fields by `courant` = c0 Δt/Δs layers, in parts of at most one, from the values
+    /// at the plane.
     pub fn advance(&mut self, layers: usize, pressure: &[f64], velocity: &[f64], courant: f64) {
         for (field, entering) in [(&mut self.pressure, pressure), (&mut self.velocity, velocity)] {
             let points = entering.len();
