@@ -15,9 +15,7 @@ use std::error::Error;
 
 use serde::{Deserialize, Serialize};
 use sphecs::glam::DVec3;
-use sphecs::outlet::{
-    OutflowState, OutflowZone, OutletMethod, OutletParameters, ParameterFault, Real,
-};
+use sphecs::outlet::{OutflowState, OutflowZone, OutletMethod, OutletParameters, ParameterFault, Real};
 use sphecs::{Plugin, PluginContext, Scene, Simulation};
 
 /// Outlet with the impedance of a channel that continues:
@@ -56,11 +54,7 @@ impl OutletParameters for Impedance {
 impl OutletMethod for Impedance {
     type Memory = ImpedanceMemory;
 
-    fn apply<R: Real, const D: usize>(
-        &self,
-        zone: &mut OutflowZone<'_, R, D>,
-        memory: &mut ImpedanceMemory,
-    ) {
+    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut ImpedanceMemory) {
         let (normal, impedance, fluid) = (zone.normal(), zone.flow.impedance(), zone.adjacent);
         let flow_velocity = memory.flow_velocity.get_or_insert(fluid.velocity);
         let outgoing = fluid.pressure - self.pressure + impedance * (fluid.velocity - *flow_velocity);
@@ -76,7 +70,7 @@ impl OutletMethod for Impedance {
 }
 
 /// Plugin that adds the condition under the name that a scene uses.
-struct ImpedanceOutlet;
+pub struct ImpedanceOutlet;
 
 impl Plugin for ImpedanceOutlet {
     fn build(&self, context: &mut PluginContext<'_>) {
@@ -84,11 +78,16 @@ impl Plugin for ImpedanceOutlet {
     }
 }
 
-/// Returns the reflection coefficient of an outlet condition, in scene notation, for the pulse of
-/// `scenes/acoustic_pulse.ron` at its smoke spacing.
+/// Returns `scenes/acoustic_pulse.ron` at its smoke spacing with an outlet condition in scene
+/// notation.
+pub fn scene(condition: &str) -> Result<Scene, Box<dyn Error>> {
+    let pulse = Scene::from_file("scenes/acoustic_pulse.ron").smoke();
+    Ok(pulse.set("outlets.0.condition", condition).load()?)
+}
+
+/// Returns the reflection coefficient of an outlet condition in scene notation.
 pub fn reflection(condition: &str) -> Result<f64, Box<dyn Error>> {
-    let scene =
-        Scene::from_file("scenes/acoustic_pulse.ron").smoke().set("outlets.0.condition", condition).load()?;
+    let scene = scene(condition)?;
     let impedance = scene.fluid.density * scene.fluid.sound_speed;
     let stream = scene.reference_velocity;
     // Five pulse widths upstream of the outlet.

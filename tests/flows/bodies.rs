@@ -1,10 +1,11 @@
-//! Force and torque on bodies against what is known of them: the figures of docs/bodies.md, which `--nocapture` prints.
+//! Force and torque on bodies against what is known of them: the figures of docs/bodies.md, which
+//! `--nocapture` prints.
 
 use std::f64::consts::PI;
 
+use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs::pass::body::BodySum;
-use sphecs::simulation::Simulation;
+use sphecs_core::pass::body::BodySum;
 
 use crate::channel::COUETTE;
 use crate::flow;
@@ -41,10 +42,11 @@ fn at_rest(set: &[(&str, &str)]) -> (Simulation, [DVec3; 2]) {
     (simulation, sums)
 }
 
-/// Cylinder and box together carry the weight of the water, and the cylinder is lifted by what it displaces: the box alone would carry
-/// more. Rings stand for the round of the cylinder, a lattice for its stairs.
+/// Cylinder and box together carry the weight of the water, and the cylinder is lifted by what it
+/// displaces: the box alone would carry more. Rings stand for the round of the cylinder, a lattice
+/// for its stairs.
 #[test]
-fn a_submerged_cylinder_is_lifted_by_what_it_displaces() {
+fn submerged_cylinder_is_lifted_by_the_displaced_weight() {
     for (scheme, weight_band, bands) in
         [(SCHEMES[0], 0.006, [0.075, 0.02]), (SCHEMES[1], 1e-4, [0.075, 0.015])]
     {
@@ -77,7 +79,7 @@ fn a_submerged_cylinder_is_lifted_by_what_it_displaces() {
 
 /// Steady Couette flow drags lid and floor with μ U/H per area, half a metre of it here: 50 N/m.
 #[test]
-fn a_lid_is_dragged_by_the_shear() {
+fn lid_has_the_drag_of_the_shear() {
     for scheme in SCHEMES {
         let set = [
             ("scheme", scheme),
@@ -96,11 +98,12 @@ fn a_lid_is_dragged_by_the_shear() {
     }
 }
 
-/// Torque on the turning inner and the outer cylinder, started as it ends, after the time in which shear crosses the gap of ten rows: each
-/// has that of the shear, 4π μ ω R² S²/(S² − R²) = 837.8 N per metre. Of the inner one's −2 μ ω π R² = −314.2 are those of the transposed
-/// gradient (`src/physics/wall/transposed.rs`), the rest those of the pairs.
+/// Torque on the turning inner and the outer cylinder, started as it ends, after the time in which
+/// shear crosses the gap of ten rows: each has that of the shear, 4π μ ω R² S²/(S² − R²) = 837.8 N
+/// per metre. Of the inner one's −2 μ ω π R² = −314.2 are those of the transposed gradient
+/// (`src/physics/wall/transposed.rs`), the rest those of the pairs.
 #[test]
-fn cylinders_are_turned_by_the_shear_between_them() {
+fn cylinders_have_the_torque_of_the_shear_between_them() {
     let torque = 4.0 * PI * 100.0 * 2.0 * 0.25 / 0.75;
     let inner_rings = "Concentric(center: (0.0, 0.0), radius: 0.5)";
     for (scheme, bands) in [(SCHEMES[0], [0.035, 0.07]), (SCHEMES[1], [0.06, 0.035])] {

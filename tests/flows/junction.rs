@@ -1,6 +1,6 @@
 //! Two outlets at once, each with a condition of its own.
 
-use sphecs::simulation::Simulation;
+use sphecs::Simulation;
 
 use crate::flow;
 
@@ -52,10 +52,11 @@ fn swapped<'a>(scheme: &'a str, straight: &'a str, aside: &'a str) -> [(&'a str,
     ]
 }
 
-/// All that enters leaves, through both; which of them the scene names first does not matter; and one that has a velocity of its own, 0.6 of the
-/// inflow's, takes its share. Not with `Hybrid` aside: docs/outlets.md.
+/// All that enters leaves, through both; which of them the scene names first does not matter; and
+/// one that has a velocity of its own, 0.6 of the inflow's, takes its share. Not with `Hybrid`
+/// aside: docs/outlets.md.
 #[test]
-fn two_outlets_of_different_conditions_share_the_stream() {
+fn two_outlets_with_different_conditions_share_the_flow() {
     let pairs = [
         ("WaveEquation()", "Hybrid()", None),
         ("Hybrid()", "WaveEquation(pressure: Reference(0.0))", None),

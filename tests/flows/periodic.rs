@@ -29,17 +29,17 @@ const STIRRED_3D: &str = r#"Scene(
     time: (end: 1.0), output: (every: 0.1),
 )"#;
 
-/// Momentum stays to rounding: the pair forces are antisymmetric but for their last bits, and each step rounds n sums at
-/// random, so that √(steps n) ε of Σ m |v|, some 1e-13, is the most to expect (measured: below 1e-15). The tensile control
-/// is off: p_b − p_a in place of p_a + p_b where p_a < 0 is no antisymmetric force.
+/// Momentum stays to rounding: the pair forces are antisymmetric but for their last bits, and each
+/// step rounds n sums at random, so that √(steps n) ε of Σ m |v|, some 1e-13, is the most to expect
+/// (measured: below 1e-15). The tensile control is off: p_b − p_a in place of p_a + p_b where
+/// p_a < 0 is no antisymmetric force.
 #[track_caller]
 fn check_momentum(text: &str, scheme: &str, steps: u64, n: usize) {
     let mut simulation = flow(text, &[("scheme", scheme)]);
     let before = simulation.monitor_row().momentum;
     let states = fluid(&mut simulation);
     assert_eq!(states.len(), n);
-    let mass = simulation.scene().fluid.density
-        * simulation.scene().spacing.powi(simulation.scene().dimensions as i32);
+    let mass = simulation.scene().fluid.density * simulation.scene().discretisation.cell_volume();
     let scale: f64 = states.iter().map(|state| mass * state.velocity.length()).sum();
     advance(&mut simulation, steps);
     let drift = (simulation.monitor_row().momentum - before).length() / scale;
@@ -47,18 +47,18 @@ fn check_momentum(text: &str, scheme: &str, steps: u64, n: usize) {
 }
 
 #[test]
-fn a_stirred_box_keeps_its_momentum_in_2d() {
+fn periodic_box_conserves_momentum_in_2d() {
     check_momentum(STIRRED_2D, "Wcsph(tensile_control: false)", 400, 400);
     check_momentum(STIRRED_2D, "Wcsph(tensile_control: false, integrator: Verlet())", 400, 400);
 }
 
 #[test]
-fn a_stirred_box_keeps_its_momentum_in_3d() {
+fn periodic_box_conserves_momentum_in_3d() {
     check_momentum(STIRRED_3D, "Wcsph(tensile_control: false)", 200, 1000);
 }
 
-/// Relative errors of Taylor–Green vortices at half a second, when the exact speeds have fallen to 0.67: of the velocity (root of
-/// the squares over the particles) and of the kinetic energy.
+/// Relative errors of Taylor–Green vortices at half a second, when the exact speeds have fallen to
+/// 0.67: of the velocity (root of the squares over the particles) and of the kinetic energy.
 pub fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
     let mut simulation = shipped_flow(scene, pairs);
     simulation.run_until(0.5).expect("a decay");
@@ -75,9 +75,10 @@ pub fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
     ((off / exact).sqrt(), found / exact - 1.0)
 }
 
-/// Measured at 16, 32 and 64 rows, Re = 100, c0 = 10 U: energy off by 5.9, 1.3 and −0.1 %; velocity by 14.3, 7.9 and 2.9 %, order
-/// 1.1. The kernel's own error is of second order; the velocity's is less because the lattice rearranges at random and
-/// leaves a noise that falls with h/Δ rather than with Δ, hence bounds half an order below what was measured.
+/// Measured at 16, 32 and 64 rows, Re = 100, c0 = 10 U: energy off by 5.9, 1.3 and −0.1 %; velocity
+/// by 14.3, 7.9 and 2.9 %, order 1.1. The kernel's own error is of second order; the velocity's is
+/// less because the lattice rearranges at random and leaves a noise that falls with h/Δ rather than
+/// with Δ, hence bounds half an order below what was measured.
 #[test]
 fn taylor_green_decay_converges() {
     let errors = ["1/16", "1/32", "1/64"]
@@ -89,7 +90,8 @@ fn taylor_green_decay_converges() {
     assert!(errors[2].1.abs() < 0.02 && errors[2].0 < 0.06, "{errors:?}");
 }
 
-/// Rows move against each other, the shortest wave that the lattice carries; viscosity limits the step.
+/// Rows move against each other, the shortest wave that the lattice carries; viscosity limits the
+/// step.
 const SHEAR: &str = r#"Scene(
     title: "Rows against each other", dimensions: 2, spacing: 0.1, smoke: 0.1,
     constants: {"U": 1.0e-3},
@@ -125,21 +127,22 @@ fn check_shear(pairs: &[(&str, &str)]) {
 }
 
 #[test]
-fn rows_against_each_other_come_to_rest() {
+fn counter_moving_layers_come_to_rest() {
     check_shear(&[]);
     check_shear(&[("precision", "F32")]);
     check_shear(&[VERLET]);
 }
 
 #[test]
-fn rows_against_each_other_come_to_rest_between_walls() {
+fn counter_moving_layers_come_to_rest_between_walls() {
     let walls = [("periodic", "[\"x\"]"), ("walls", "(slip: NoSlip)")];
     check_shear(&walls);
     check_shear(&[walls[0], walls[1], VERLET]);
 }
 
-/// Each f32 sum is off by some √40 6e-8 of its terms; and the flow, which `KickDrift` does not damp,
-/// makes more of it: after 120 steps 1.4e-4 m/s, 3.0e-4 Δ and 6e-6 of ρ0. So it is looked at after 60.
+/// Each f32 sum is off by some √40 6e-8 of its terms; and the flow, which `KickDrift` does not
+/// damp, makes more of it: after 120 steps 1.4e-4 m/s, 3.0e-4 Δ and 6e-6 of ρ0. So it is looked at
+/// after 60.
 #[test]
 fn single_and_double_precision_give_the_same_flow() {
     let [mut wide, mut narrow] =

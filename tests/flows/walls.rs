@@ -1,9 +1,9 @@
-//! Every wall model under both schemes against exact solutions: the figures of docs/walls.md, which `--nocapture` prints. The bands
-//! are some tenths above what was measured.
+//! Every wall model under both schemes against exact solutions: the figures of docs/walls.md, which
+//! `--nocapture` prints. The bands are some tenths above what was measured.
 
-use sphecs::boundary::inlet::poiseuille::startup_velocity;
+use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs::simulation::Simulation;
+use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 
 use crate::channel::{COUETTE, couette, largest_error};
 use crate::rest::BOX;
@@ -50,7 +50,8 @@ fn poiseuille_starts_up_between_walls_of_every_model() {
     });
 }
 
-/// Largest error of u over the lid's speed at 0.5 s of the start-up and of the steady flow, 20 rows.
+/// Largest error of u over the lid's speed at 0.5 s of the start-up and of the steady flow, 20
+/// rows.
 #[test]
 fn couette_flow_starts_up_between_walls_of_every_model() {
     check("Couette", [[0.003, 0.0034, 0.01], [0.0033, 0.0033, 0.0105]], |scheme, model| {
@@ -72,7 +73,7 @@ fn couette_error(set: &[(&str, &str)], exact: impl Fn(f64, f64) -> f64, times: &
 
 /// The same in single precision: the error is the model's, not that of the numbers.
 #[test]
-fn every_model_works_in_single_precision() {
+fn every_wall_model_works_in_single_precision() {
     check("Couette in F32", [[0.003, 0.0034, 0.01], [0.0033, 0.0033, 0.0105]], |scheme, model| {
         let set = [("scheme", scheme), ("walls.model", model), ("precision", "F32")];
         couette_error(&set, couette, &[0.5])
@@ -92,7 +93,7 @@ const SLAB: &str = r#"Scene(
 )"#;
 
 #[test]
-fn every_model_works_in_space() {
+fn every_wall_model_works_in_3d() {
     check("Couette in 3D", [[0.007, 0.007, 0.016], [0.007, 0.007, 0.011]], |scheme, model| {
         let mut simulation = flow(SLAB, &[("scheme", scheme), ("walls.model", model)]);
         simulation.run_until(1.0).expect("a channel flow");
@@ -101,7 +102,8 @@ fn every_model_works_in_space() {
     });
 }
 
-/// u(y, t) under a lid that moves with sin(ωt): Im[sinh(ky)/sinh(k) exp(iωt)], k = (1 + i) √(ω/2ν), ν = 0.1 m²/s, ω = 4/s.
+/// u(y, t) under a lid that moves with sin(ωt): Im[sinh(ky)/sinh(k) exp(iωt)], k = (1 + i) √(ω/2ν),
+/// ν = 0.1 m²/s, ω = 4/s.
 fn oscillating(y: f64, t: f64) -> f64 {
     let k = (4.0_f64 / 0.2).sqrt();
     let sinh = |a: f64| (a.sinh() * a.cos(), a.cosh() * a.sin());
@@ -110,10 +112,10 @@ fn oscillating(y: f64, t: f64) -> f64 {
     re * (4.0 * t).sin() + im * (4.0 * t).cos()
 }
 
-/// A surface whose speed changes, after the start has died out; the dissipative terms of a leapfrog step see the surface's speed one
-/// step earlier, and not that of the start.
+/// A surface whose speed changes, after the start has died out; the dissipative terms of a leapfrog
+/// step see the surface's speed one step earlier, and not that of the start.
 #[test]
-fn a_lid_that_swings_drags_the_fluid_along() {
+fn oscillating_lid_drives_the_exact_flow() {
     check("swinging lid", [[0.02, 0.025, 0.028], [0.02, 0.026, 0.029]], |scheme, model| {
         let lid = "(\"sin(4*t)\", 0.0)";
         let set = [("scheme", scheme), ("walls.model", model), ("walls.parts.0.velocity", lid)];
@@ -121,7 +123,8 @@ fn a_lid_that_swings_drags_the_fluid_along() {
     });
 }
 
-/// Largest error of the pressure, over that of the whole depth, at points up to 0.1 m from lid and floor; 20 rows.
+/// Largest error of the pressure, over that of the whole depth, at points up to 0.1 m from lid and
+/// floor; 20 rows.
 #[test]
 fn water_in_a_box_carries_its_weight_on_walls_of_every_model() {
     check("hydrostatic pressure", [[0.002; 3], [0.0007; 3]], |scheme, model| {
@@ -131,7 +134,7 @@ fn water_in_a_box_carries_its_weight_on_walls_of_every_model() {
 
 /// The same where the weight comes gently and is an expression.
 #[test]
-fn walls_of_every_model_carry_a_weight_that_comes() {
+fn walls_of_every_model_carry_a_gradual_weight() {
     check("weight that comes", [[0.002; 3], [0.0007; 3]], |scheme, model| {
         let weight = "(0.0, \"-min(t, 1.0)\")";
         hydrostatic_error(&[
@@ -159,8 +162,9 @@ pub fn pressures(simulation: &mut Simulation) -> [f64; 9] {
 /// The deepest of them, m.
 const DEEPEST: f64 = -0.4;
 
-/// Largest difference of such pressures from those of the weight, over that of the whole depth. Their mean is that of the filling, which an evolved
-/// pressure keeps to the squares of what settled.
+/// Largest difference of such pressures from those of the weight, over that of the whole depth.
+/// Their mean is that of the filling, which an evolved pressure keeps to the squares of what
+/// settled.
 pub fn off_the_weight(pressures: &[f64; 9]) -> f64 {
     let mean = pressures.iter().sum::<f64>() / 9.0;
     let off = |(at, p): (usize, &f64)| (p - mean + 1000.0 * (DEEPEST + 0.1 * at as f64)).abs();
@@ -180,10 +184,10 @@ pub const ANNULUS: &str = r#"Scene(
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: 1.0, length: 0.5),
 )"#;
 
-/// Root of the mean squared error of the velocity, over that of the turning surface, after the time in which shear crosses
-/// the gap of 10 rows: (S − R)²/ν.
+/// Root of the mean squared error of the velocity, over that of the turning surface, after the time
+/// in which shear crosses the gap of 10 rows: (S − R)²/ν.
 #[test]
-fn fluid_between_cylinders_turns_as_couette_has_it() {
+fn flow_between_cylinders_agrees_with_couette() {
     check("annulus", [[0.047, 0.05, 0.05], [0.009, 0.027, 0.032]], |scheme, model| {
         let mut simulation = flow(ANNULUS, &[("scheme", scheme), ("walls.model", model)]);
         simulation.run_until(2.5).expect("a flow in a ring");
@@ -193,7 +197,7 @@ fn fluid_between_cylinders_turns_as_couette_has_it() {
 
 /// Root of the mean squared error of the pressure in that flow, less its mean, over ρ (ω R)².
 #[test]
-fn pressure_between_cylinders_holds_the_fluid_in_its_circle() {
+fn pressure_between_cylinders_balances_the_centrifugal_force() {
     check("annulus, pressure", [[0.42; 3], [0.09; 3]], |scheme, model| {
         let mut simulation = flow(ANNULUS, &[("scheme", scheme), ("walls.model", model)]);
         simulation.run_until(2.5).expect("a flow in a ring");

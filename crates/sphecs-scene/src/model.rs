@@ -15,6 +15,7 @@ pub use super::scheme::{EdacTvf, Scheme, Wcsph};
 use sphecs_core::boundary::inlet::{Feed, InletPressure};
 use sphecs_core::boundary::outlet::OutletCondition;
 pub use sphecs_core::boundary::patch::Patch;
+use sphecs_core::discretisation::Discretisation;
 use sphecs_core::physics::eos::Tait;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
@@ -35,6 +36,8 @@ pub struct Scene {
     pub precision: Precision,
     /// Initial particle spacing Δ, m, > 0.
     pub spacing: f64,
+    /// Spacing, smoothing length, support and mass of the particles.
+    pub discretisation: Discretisation,
     /// Coarser spacing for quick tests, m.
     pub smoke_spacing: f64,
     /// The fluid.
@@ -215,7 +218,7 @@ pub enum InletVelocity {
         rate: Expression,
         /// Shape over the plane.
         profile: Expression,
-        /// Speed over rate and profile: see [`meter`](super::build::meter).
+        /// Speed over rate and profile: see [`mass_flow`](super::check::mass_flow).
         scale: f64,
     },
     /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about `at`,

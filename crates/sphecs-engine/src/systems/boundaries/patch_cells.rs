@@ -60,7 +60,7 @@ impl PatchCells {
 /// plane before the next sort, or particles that an outlet follows. Each patch has a slab along its
 /// plane over the whole domain, since particles of a zone may drift sideways.
 fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) -> Vec<Range<usize>> {
-    let support = scene.scheme.support(scene.spacing);
+    let support = scene.discretisation.support;
     // No particle moves as far as the support in a step.
     let slab = |patch: &Patch, before: f64, behind: f64| (patch.clone(), -before - support, behind + support);
     let inlets = scene.inlets.iter().map(|inlet| slab(&inlet.patch, inlet.patch.depth, 0.0));

@@ -113,7 +113,7 @@ impl PatchRows {
                         before.push(row as u32);
                     }
                     if let Some(layers) = needs.upstream_layers {
-                        let support = scene.scheme.support(scene.spacing);
+                        let support = scene.discretisation.support;
                         if near(support + layers * scene.spacing, support) {
                             upstream.push(row as u32);
                         }
