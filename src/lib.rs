@@ -21,7 +21,7 @@
 //! impl Plugin for Spring {
 //!     fn build(&self, context: &mut PluginContext<'_>) {
 //!         let stiffness = self.stiffness;
-//!         let force = move |particle: &ParticleState| DVec3::Y * (-stiffness * particle.position.y);
+//!         let force = move |at: &ParticleState| DVec3::Y * (-stiffness * at.position.y);
 //!         context.world.get_resource_or_init::<AddedForces>().add(force);
 //!     }
 //! }
@@ -63,11 +63,11 @@ pub use sphecs_scene::{Scene, SceneErrors, SceneLoader};
 
 /// Interface of the outlet conditions that plugins add by [`PluginContext::add_outlet`].
 pub mod outlet {
+    pub use sphecs_core::boundary::condition_fault::ConditionFault;
     pub use sphecs_core::boundary::outlet::method::{
         Advanced, Needs, OutflowMotion, OutflowState, OutletMethod, OutletParameters, References,
     };
     pub use sphecs_core::boundary::outlet::zone::OutflowZone;
-    pub use sphecs_core::boundary::parameter_fault::ParameterFault;
     pub use sphecs_core::math::real::Real;
     pub use sphecs_core::pass::fits::{PointFit, PointFlow};
 }

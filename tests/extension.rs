@@ -102,6 +102,16 @@ fn only_one_file_names_inlet_pressures() {
 }
 
 #[test]
+fn only_one_file_names_wall_models() {
+    check_enum("crates/sphecs-core/src/physics/wall/mod.rs", "WallModel");
+}
+
+#[test]
+fn only_one_file_names_viscosities() {
+    check_enum("crates/sphecs-core/src/physics/viscosity/mod.rs", "Viscosity");
+}
+
+#[test]
 fn variants_are_read_from_the_text_of_an_enum() {
     let text = "pub enum Shape {\n    #[default]\n    Disc,\n    Box {\n        Side: f64,\n    },\n    Ring(Ring),\n}\n";
     assert_eq!(variants(text, "Shape"), ["Disc", "Box", "Ring"]);

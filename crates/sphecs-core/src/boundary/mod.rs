@@ -3,7 +3,7 @@
 //! - [`flow`]: properties of the flow and of the domain that conditions refer to
 //! - [`inlet`]: inflow particles
 //! - [`outlet`]: outflow particles
-//! - [`parameter_fault`]: parameters that a condition cannot work with
+//! - [`condition_fault`]: parameters that a condition cannot work with
 //! - [`patch`]: plane openings of the domain
 //! - [`section_points`]: points that represent the section of an opening
 //!
@@ -11,9 +11,9 @@
 //! application and tests. Wall models are in [`physics::wall`](crate::physics::wall), because the
 //! pair sums use them.
 
+pub mod condition_fault;
 pub mod flow;
 pub mod inlet;
 pub mod outlet;
-pub mod parameter_fault;
 pub mod patch;
 pub mod section_points;

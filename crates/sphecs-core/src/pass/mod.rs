@@ -25,11 +25,13 @@ pub mod body;
 pub mod density;
 pub mod edac;
 pub mod fits;
+pub(crate) mod fused;
 pub mod gradients;
 pub mod neighbours;
 pub mod pack;
 pub mod points;
 pub mod rates;
+mod row_pass;
 #[cfg(test)]
 mod samples;
 pub mod sampling;

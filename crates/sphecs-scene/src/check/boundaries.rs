@@ -11,8 +11,8 @@ use crate::model::{Inlet, InletVelocity, Outlet};
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
+use sphecs_core::boundary::condition_fault::ConditionFault;
 use sphecs_core::boundary::outlet::OutletCondition;
-use sphecs_core::boundary::parameter_fault::ParameterFault;
 
 /// Layers of the zone of an inlet, as Alvarado-Rodríguez et al. (2017).
 const INLET_LAYERS: f64 = 5.0;
@@ -62,7 +62,7 @@ fn inlet(
 }
 
 /// Reports a parameter of a condition, of "an inlet" or "the outlet condition …".
-fn report(fault: &ParameterFault, condition: &str, span: Span, check: &mut Checker<'_>) {
+fn report(fault: &ConditionFault, condition: &str, span: Span, check: &mut Checker<'_>) {
     let title = format!("`{}` of {condition} is out of range", fault.field);
     let found = Fault::new(title, span, format!("is {}, must be {}", fault.value, fault.must_be));
     check.report(if fault.advice.is_empty() { found } else { found.help(fault.advice) });

@@ -18,7 +18,7 @@ pub mod zone;
 
 use serde::{Deserialize, Serialize};
 
-use crate::boundary::parameter_fault::ParameterFault;
+use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 use extrapolated::Extrapolated;
 use prescribed::Prescribed;
@@ -68,7 +68,7 @@ pub trait InletMethod {
     fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
 
     /// Returns the parameters that the condition cannot work with.
-    fn faults(&self) -> Vec<ParameterFault> {
+    fn faults(&self) -> Vec<ConditionFault> {
         Vec::new()
     }
 }
@@ -80,7 +80,7 @@ impl InletPressure {
     }
 
     /// Returns the parameters that are out of range.
-    pub fn faults(self) -> Vec<ParameterFault> {
+    pub fn faults(self) -> Vec<ConditionFault> {
         with_pressure!(self, method => method.faults())
     }
 }

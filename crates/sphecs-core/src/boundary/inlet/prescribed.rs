@@ -6,7 +6,7 @@
 
 use super::InletMethod;
 use super::zone::InflowZone;
-use crate::boundary::parameter_fault::ParameterFault;
+use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 
 /// The given pressure, Pa.
@@ -19,8 +19,8 @@ impl InletMethod for Prescribed {
         zone.set(1.0, |_, _, _| pressure);
     }
 
-    fn faults(&self) -> Vec<ParameterFault> {
-        ParameterFault::unless_finite("pressure", self.0, "Pa").into_iter().collect()
+    fn faults(&self) -> Vec<ConditionFault> {
+        ConditionFault::unless_finite("pressure", self.0, "Pa").into_iter().collect()
     }
 }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::zone::OutflowZone;
-use crate::boundary::parameter_fault::ParameterFault;
+use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 
 /// Parameters of an outlet condition, as a scene states them.
@@ -29,7 +29,7 @@ pub trait OutletParameters: Debug + Send + Sync {
     }
 
     /// Returns the parameters that the condition cannot work with.
-    fn faults(&self) -> Vec<ParameterFault> {
+    fn faults(&self) -> Vec<ConditionFault> {
         Vec::new()
     }
 }

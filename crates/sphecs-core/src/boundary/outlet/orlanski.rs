@@ -13,7 +13,7 @@ use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, Ref
 use super::pressure::OutletPressure;
 use super::wave_equation::{WaveCondition, WaveMemory};
 use super::zone::OutflowZone;
-use crate::boundary::parameter_fault::ParameterFault;
+use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 use crate::physics::wave_sums::ReferenceFrame;
 
@@ -44,7 +44,7 @@ impl OutletParameters for Orlanski {
         self.wave().references()
     }
 
-    fn faults(&self) -> Vec<ParameterFault> {
+    fn faults(&self) -> Vec<ConditionFault> {
         self.pressure.faults()
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::zone::OutflowZone;
-use crate::boundary::parameter_fault::ParameterFault;
+use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 
 /// Pressure of outflow particles.
@@ -73,14 +73,14 @@ impl OutletPressure {
     }
 
     /// Returns the parameters that are out of range.
-    pub fn faults(self) -> Vec<ParameterFault> {
+    pub fn faults(self) -> Vec<ConditionFault> {
         let time = match self {
             OutletPressure::Frozen | OutletPressure::Reference(_) => None,
             OutletPressure::Relaxed { time, .. } => Some(time),
             OutletPressure::NonReflecting { time, .. } => time,
         };
-        let time = time.and_then(|time| ParameterFault::unless_positive("time", time, "s"));
-        let target = ParameterFault::unless_finite("pressure", self.target(), "Pa");
+        let time = time.and_then(|time| ConditionFault::unless_positive("time", time, "s"));
+        let target = ConditionFault::unless_finite("pressure", self.target(), "Pa");
         time.into_iter().chain(target).collect()
     }
 

@@ -31,7 +31,7 @@ use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, Ref
 use super::non_reflecting::NonReflecting;
 use super::pressure::OutletPressure;
 use super::zone::OutflowZone;
-use crate::boundary::parameter_fault::ParameterFault;
+use crate::boundary::condition_fault::ConditionFault;
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::particles::rows::set_real_vector;
@@ -112,7 +112,7 @@ impl OutletParameters for WaveEquation {
         self.wave().references()
     }
 
-    fn faults(&self) -> Vec<ParameterFault> {
+    fn faults(&self) -> Vec<ConditionFault> {
         self.pressure.faults()
     }
 }

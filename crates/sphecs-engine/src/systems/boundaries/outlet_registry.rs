@@ -6,8 +6,8 @@ use std::fmt;
 use bevy_ecs::resource::Resource;
 
 use super::outlets::{RunningCondition, WithMemory};
+use sphecs_core::boundary::condition_fault::ConditionFault;
 use sphecs_core::boundary::outlet::method::OutletMethod;
-use sphecs_core::boundary::parameter_fault::ParameterFault;
 use sphecs_core::math::real::Real;
 
 /// Outlet conditions that plugins add, by the name that a scene gives to
@@ -29,13 +29,13 @@ impl std::error::Error for OutletFaults {}
 
 /// An added condition of any type.
 trait AddedOutlet: Send + Sync {
-    fn faults(&self) -> Vec<ParameterFault>;
+    fn faults(&self) -> Vec<ConditionFault>;
     /// Returns the condition ready to run, boxed for every precision and dimension.
     fn start(&self) -> [Box<dyn Any>; 4];
 }
 
 impl<M: OutletMethod> AddedOutlet for M {
-    fn faults(&self) -> Vec<ParameterFault> {
+    fn faults(&self) -> Vec<ConditionFault> {
         // Qualified: the method of this trait has the same name.
         sphecs_core::boundary::outlet::method::OutletParameters::faults(self)
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// A parameter out of its range.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ParameterFault {
+pub struct ConditionFault {
     /// Name of the parameter in the scene notation.
     pub field: &'static str,
     /// The value, with its unit.
@@ -15,7 +15,7 @@ pub struct ParameterFault {
     pub advice: &'static str,
 }
 
-impl ParameterFault {
+impl ConditionFault {
     /// Returns a fault unless a value, in `unit`, is finite.
     pub fn unless_finite(field: &'static str, value: f64, unit: &str) -> Option<Self> {
         Self::unless(value.is_finite(), field, value, unit, "finite")
@@ -47,7 +47,7 @@ impl ParameterFault {
     }
 }
 
-impl fmt::Display for ParameterFault {
+impl fmt::Display for ConditionFault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "`{}` is {}, must be {}", self.field, self.value, self.must_be)?;
         if self.advice.is_empty() { Ok(()) } else { write!(formatter, "; {}", self.advice) }
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn a_fault_says_what_is_and_what_must_be() {
-        let fault = ParameterFault::unless_positive("time", -0.5, "s").expect("a fault");
+        let fault = ConditionFault::unless_positive("time", -0.5, "s").expect("a fault");
         assert_eq!(fault.to_string(), "`time` is -0.5 s, must be finite and greater than 0");
         let advised = fault.advise("leave it out");
         assert!(advised.to_string().ends_with("; leave it out"), "{advised}");
@@ -68,9 +68,9 @@ mod tests {
 
     #[test]
     fn values_in_their_range_have_no_fault() {
-        assert_eq!(ParameterFault::unless_finite("pressure", -3.0, "Pa"), None);
-        assert_eq!(ParameterFault::unless_positive("time", 3.0, "s"), None);
-        assert!(ParameterFault::unless_finite("pressure", f64::NAN, "Pa").is_some());
-        assert!(ParameterFault::unless_positive("time", f64::INFINITY, "s").is_some());
+        assert_eq!(ConditionFault::unless_finite("pressure", -3.0, "Pa"), None);
+        assert_eq!(ConditionFault::unless_positive("time", 3.0, "s"), None);
+        assert!(ConditionFault::unless_finite("pressure", f64::NAN, "Pa").is_some());
+        assert!(ConditionFault::unless_positive("time", f64::INFINITY, "s").is_some());
     }
 }
