@@ -38,7 +38,7 @@ struct Report {
 
 const OUTLETS: [&str; 8] = [
     "WaveEquation()",
-    "WaveEquation(pressure: Absorbing(waves: Plane))",
+    "WaveEquation(pressure: NonReflecting(waves: Plane))",
     "Orlanski()",
     "DoNothing",
     "ModifiedDoNothing()",

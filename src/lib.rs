@@ -38,7 +38,7 @@
 //! ```
 //!
 //! A plugin adds its systems to the sets of [`StepSet`] and [`StageSet`]. The folder `examples/`
-//! has complete programs: a force, sampled fields and a sweep over a parameter.
+//! has complete programs: a force, an outlet, sampled fields and a sweep over a parameter.
 //!
 //! Everything else is in the crates of the layers: `sphecs_core` (kernels, physics, pair passes),
 //! `sphecs_scene`, `sphecs_engine` (components, resources, systems), `sphecs_output` (files) and
@@ -60,6 +60,17 @@ pub use sphecs_engine::systems::forces::{AddedForces, ParticleState};
 pub use sphecs_engine::systems::monitor::MonitorRow;
 pub use sphecs_scene::model::Precision;
 pub use sphecs_scene::{Scene, SceneErrors, SceneLoader};
+
+/// Interface of the outlet conditions that plugins add by [`PluginContext::add_outlet`].
+pub mod outlet {
+    pub use sphecs_core::boundary::condition_fault::ConditionFault;
+    pub use sphecs_core::boundary::outlet::method::{
+        Advanced, Needs, OutflowMotion, OutflowState, OutletMethod, OutletParameters, References,
+    };
+    pub use sphecs_core::boundary::outlet::zone::OutflowZone;
+    pub use sphecs_core::math::real::Real;
+    pub use sphecs_core::pass::fits::{PointFit, PointFlow};
+}
 
 #[doc(hidden)]
 pub mod cli;

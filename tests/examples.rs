@@ -3,6 +3,9 @@
 #[expect(dead_code, reason = "the test calls `run`, not `main`")]
 #[path = "../examples/own_force.rs"]
 mod own_force;
+#[expect(dead_code, reason = "the test calls `reflection`, not `main`")]
+#[path = "../examples/own_outlet.rs"]
+mod own_outlet;
 #[expect(dead_code, reason = "the test calls `run`, not `main`")]
 #[path = "../examples/sample_fields.rs"]
 mod sample_fields;
@@ -10,7 +13,7 @@ mod sample_fields;
 #[path = "../examples/sweep.rs"]
 mod sweep;
 
-use sphecs::{Scene, SceneLoader};
+use sphecs::{Scene, SceneLoader, Simulation, SimulationBuilder};
 
 fn quickstart() -> SceneLoader {
     Scene::from_file("scenes/quickstart.ron").smoke()
@@ -37,4 +40,38 @@ fn sweep_has_a_result_for_each_viscosity() {
     assert_eq!(speeds.len(), sweep::VISCOSITIES.len());
     assert!(speeds.iter().all(|speed| *speed > 0.0), "{speeds:?}");
     assert!(speeds.windows(2).all(|pair| pair[0] != pair[1]), "{speeds:?}");
+}
+
+#[test]
+fn own_outlet_transmits_the_pulse_that_another_reflects() {
+    let reflection = |condition| own_outlet::reflection(condition).expect("a run");
+    let (own, reflecting) = (reflection("Custom(\"Impedance\")"), reflection("DoNothing"));
+    // A plane wave is transmitted; the mean over disordered layers leaves some percent.
+    assert!(own < 0.1 && reflecting > 3.0 * own, "R = {own} and {reflecting}");
+}
+
+#[test]
+fn a_run_with_an_own_outlet_resumes_bitwise() {
+    let scene = || own_outlet::scene("Custom(\"Impedance\")").expect("a scene");
+    let build = |builder: SimulationBuilder| {
+        builder.plugin(own_outlet::ImpedanceOutlet).build().expect("a simulation")
+    };
+    let mut whole = build(Simulation::builder(scene()));
+    (0..40).for_each(|_| whole.step().expect("a step"));
+    let mut resumed = build(Simulation::builder(scene()).state(whole.state()));
+    for _ in 0..20 {
+        whole.step().expect("a step");
+        resumed.step().expect("a step");
+    }
+    assert!(whole.state() == resumed.state(), "the resumed run differs");
+}
+
+#[test]
+fn an_outlet_that_no_plugin_adds_is_an_error_with_those_added() {
+    let build = |builder: SimulationBuilder| builder.build().err().expect("an error").to_string();
+    let scene = |name: &str| own_outlet::scene(&format!("Custom(\"{name}\")")).expect("a scene");
+    let none = build(Simulation::builder(scene("Impedance")));
+    assert!(none.contains("`Impedance`, added are: none"), "{none}");
+    let other = build(Simulation::builder(scene("Sponge")).plugin(own_outlet::ImpedanceOutlet));
+    assert!(other.contains("`Sponge`, added are: `Impedance`"), "{other}");
 }

@@ -1,5 +1,6 @@
-//! What every outlet condition owes: a uniform stream stays as it is, in 2D and 3D, forwards and backwards; sound leaves, with what comes
-//! back measured; a scene that says too little is told so. And what leaves is deleted where the scene says so.
+//! Outlet conditions: a uniform stream is preserved in 2D and 3D, forwards and backwards; the
+//! reflection of acoustic pulses is as stated; parameters out of range are faults. Particles that
+//! leave are deleted where the scene says so.
 
 mod census;
 mod plug;
@@ -11,9 +12,10 @@ use sphecs_engine::arrays::Arrays;
 use sphecs_engine::components::ParticleId;
 use sphecs_engine::resources::grid::Grid;
 use sphecs_engine::resources::scene::ActiveScene;
-use sphecs_engine::systems::boundaries::rows::PatchRows;
+use sphecs_engine::systems::boundaries::outlets::Outlets;
+use sphecs_engine::systems::boundaries::patch_rows::PatchRows;
 
-/// The conditions of Negi et al. (2020) on a stream of some velocity, m/s.
+/// Returns the conditions of Negi et al. (2020) for a stream of a velocity, m/s.
 fn conditions(velocity: &str) -> Vec<String> {
     let mut conditions: Vec<String> = [
         "DoNothing",
@@ -32,7 +34,7 @@ fn conditions(velocity: &str) -> Vec<String> {
 
 const SCHEMES: [&str; 2] = ["Wcsph(shifting: Fickian(coefficient: 2.0))", "EdacTvf()"];
 
-/// Runs a stream and checks that its velocity stays as it is.
+/// Runs a uniform stream and checks that its velocity is preserved.
 #[track_caller]
 fn check_stream(what: &str, mut simulation: Simulation, steps: usize, stream: DVec3, band: f64) {
     for _ in 0..steps {
@@ -47,9 +49,10 @@ fn check_stream(what: &str, mut simulation: Simulation, steps: usize, stream: DV
     assert!(crossed > 0, "{what}: nothing crossed the outlet");
 }
 
-/// The lattice is even, so that no force is larger than the rounding of its sums (1e-16 c0²/Δ in f64), over 2 s of flow.
+/// The lattice is uniform, so that no force is larger than the rounding of its sums (1e-16 c0²/Δ in
+/// f64), over 2 s of flow.
 #[test]
-fn a_uniform_stream_stays_as_it_is_forwards_and_backwards() {
+fn a_uniform_stream_is_preserved_forwards_and_backwards() {
     for scheme in SCHEMES {
         // Steps of `Wcsph` are longer.
         let steps = if scheme.starts_with("Wcsph") { 300 } else { 500 };
@@ -88,9 +91,10 @@ fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
     .expect("a simulation")
 }
 
-/// Single precision loses 1e-7 of a pressure difference of ρ c0², a hundredth of which is c0² over the stream's own.
+/// Single precision loses 1e-7 of a pressure difference of ρ c0², which is a hundred times that of
+/// the stream.
 #[test]
-fn a_uniform_stream_stays_as_it_is_in_3d_and_single_precision() {
+fn a_uniform_stream_is_preserved_in_3d_and_single_precision() {
     for (precision, band) in [("F64", 1e-8), ("F32", 2e-3)] {
         for scheme in SCHEMES {
             for condition in conditions("0.1") {
@@ -103,9 +107,9 @@ fn a_uniform_stream_stays_as_it_is_in_3d_and_single_precision() {
     }
 }
 
-/// A plug between walls that take no shear, turned so that nothing lies along the lattice.
+/// A plug between free-slip walls, oblique to the lattice.
 const TURNED: &str = r#"Scene(
-    title: "A plug askew", dimensions: 2, spacing: 0.01, smoke: 0.01,
+    title: "An oblique plug", dimensions: 2, spacing: 0.01, smoke: 0.01,
     constants: { "angle": 20.0, "c": "cos(angle*pi/180)", "s": "sin(angle*pi/180)", "L": 0.3, "D": 0.16 },
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 1.5),
     domain: Rotated(angle: "angle", shape: Box(min: (0.0, "-D/2"), max: ("L", "D/2"))),
@@ -116,25 +120,26 @@ const TURNED: &str = r#"Scene(
     time: (end: 10.0), output: (every: 1.0),
 )"#;
 
-/// `Mirror` has no anchor: the stream runs away through it until the flow blows up, and that is said when a twentieth of the fluid, and two rows, are gone.
+/// `Mirror` has no anchor: the stream accelerates until the flow diverges. A note says so when a
+/// twentieth of the fluid and two layers of it are lost.
 #[test]
-fn a_stream_that_runs_away_is_told_of_in_time() {
+fn a_stream_that_accelerates_is_noted_in_time() {
     let mut simulation = simulation(TURNED, &[("outlets.0.condition", "Mirror()")]);
     while simulation.notes().is_empty() {
-        simulation.step().expect("it is said before it blows up");
+        simulation.step().expect("the note precedes the divergence");
     }
     let note = simulation.notes()[0].clone();
-    assert!(note.contains("more leaves than comes in"), "{note}");
+    assert!(note.contains("outflow exceeds inflow"), "{note}");
     let (time, fluid) = (simulation.clock().time, simulation.ledger().count(Zone::Fluid));
     assert!(time < 0.7 && (415..440).contains(&fluid), "at {time} s, with {fluid} particles");
-    assert!(simulation.run_until(4.0).is_err(), "it ends in a blow-up");
+    assert!(simulation.run_until(4.0).is_err(), "the flow diverges");
     assert_eq!(simulation.notes().iter().filter(|other| **other == note).count(), 1);
 }
 
-/// The particles at the walls settle at the start, and what sound this makes a condition may throw back. `Mirror` is left out: it has no
-/// anchor, and the stream had run away to 0.18 m/s by then.
+/// The particles at the walls settle at the start, and a condition may reflect the sound of that.
+/// `Mirror` is left out: it has no anchor, and the stream has accelerated to 0.18 m/s by then.
 #[test]
-fn a_plug_leaves_through_a_plane_askew() {
+fn a_plug_leaves_through_an_oblique_plane() {
     for condition in
         ["DoNothing", "ModifiedDoNothing()", "Characteristic(velocity: 0.1, pressure: 0.0)", "Hybrid()"]
     {
@@ -148,7 +153,7 @@ fn a_plug_leaves_through_a_plane_askew() {
     }
 }
 
-/// The cross product in the plane.
+/// Cross product in the plane.
 trait PerpDot {
     fn perp_dot_2d(self, other: Self) -> f64;
 }
@@ -159,8 +164,8 @@ impl PerpDot for DVec3 {
     }
 }
 
-/// What an outlet throws back of the pulse of `scenes/acoustic_pulse.ron` at its smoke spacing, σ = 10 Δ: largest |J3| over largest |J2|
-/// 5 σ before the plane.
+/// Returns the reflection coefficient of an outlet for the pulse of `scenes/acoustic_pulse.ron` at
+/// its smoke spacing, σ = 10 Δ: largest |J3| over largest |J2|, 5 σ upstream of the plane.
 fn reflection(scheme: &str, condition: &str) -> f64 {
     let sets = [("spacing", "0.02"), ("scheme", scheme), ("outlets.0.condition", condition)];
     let mut simulation = simulation(include_str!("../scenes/acoustic_pulse.ron"), &sets);
@@ -177,10 +182,11 @@ fn reflection(scheme: &str, condition: &str) -> f64 {
     back / out
 }
 
-/// The two conditions that let sound out are held to what they are for (measured 0.008, 0.011 and 0.043, 0.018); of the others it is told
-/// that they do not (1.30 and 0.33, 0.97 and 0.35, 0.97 and 0.93, 0.88 and what `Mirror` has under `EdacTvf`).
+/// The two conditions that transmit sound must do so (measured 0.008, 0.011 and 0.043, 0.018). The
+/// others reflect it (1.30 and 0.33, 0.97 and 0.35, 0.97 and 0.93, 0.88 and the value of `Mirror`
+/// under `EdacTvf`).
 #[test]
-fn sound_leaves_or_comes_back_as_the_condition_says() {
+fn sound_is_transmitted_or_reflected_as_the_condition_states() {
     let expected = [
         ("Characteristic(velocity: 0.2, pressure: 0.0)", [(0.0, 0.03), (0.0, 0.03)]),
         ("Hybrid()", [(0.0, 0.06), (0.0, 0.08)]),
@@ -198,9 +204,9 @@ fn sound_leaves_or_comes_back_as_the_condition_says() {
     }
 }
 
-/// The same in 3D, turned about a diagonal.
+/// A plug in 3D, turned about a diagonal.
 const TURNED_3D: &str = r#"Scene(
-    title: "A plug askew in space", dimensions: 3, spacing: 0.01, smoke: 0.01,
+    title: "An oblique plug in 3D", dimensions: 3, spacing: 0.01, smoke: 0.01,
     constants: {
         "angle": 20.0, "L": 0.16, "D": 0.06,
         "c": "cos(angle*pi/180)", "s": "sin(angle*pi/180)/sqrt(2)",
@@ -215,7 +221,7 @@ const TURNED_3D: &str = r#"Scene(
     time: (end: 10.0), output: (every: 1.0),
 )"#;
 
-/// What solves a wave equation, with each of its options once.
+/// Conditions that solve a wave equation, with each option once.
 const WAVE_EQUATIONS: [&str; 7] = [
     "WaveEquation()",
     "Orlanski()",
@@ -223,13 +229,14 @@ const WAVE_EQUATIONS: [&str; 7] = [
     "WaveEquation(transverse: Consistent, pressure: Reference(0.0))",
     "WaveEquation(pressure: Frozen)",
     "WaveEquation(pressure: Relaxed(target: 0.0, time: 0.05))",
-    "WaveEquation(pressure: Absorbing(time: 0.5, waves: Plane))",
+    "WaveEquation(pressure: NonReflecting(time: 0.5, waves: Plane))",
 ];
 
-/// Everything that a scene may choose at an outlet, together: condition, scheme, dimensions, precision, and whether what leaves is stored or
-/// deleted, at planes that nothing lies along. The particles at the walls settle meanwhile.
+/// All choices of a scene at an oblique outlet: condition, scheme, dimensions, precision, and
+/// particles that are stored or deleted when they leave. The particles at the walls settle
+/// meanwhile.
 #[test]
-fn every_condition_works_with_every_scheme_dimension_and_precision_askew() {
+fn every_condition_works_with_every_scheme_dimension_and_precision() {
     let mut all = conditions("0.1");
     all.extend(WAVE_EQUATIONS.map(str::to_owned));
     let schemes = SCHEMES.into_iter().chain(["Wcsph(integrator: Verlet())"]);
@@ -259,7 +266,7 @@ fn every_condition_works_with_every_scheme_dimension_and_precision_askew() {
             let mean = row.momentum / row.mass[Zone::Fluid as usize];
             let (along, across) = (mean.dot(towards), mean.reject_from(towards).length());
             let ledger = simulation.ledger();
-            // Mirrors begin to run away. NaN fails too.
+            // Streams through mirrors accelerate. NaN fails too.
             let band = if condition.starts_with("Mirror") { 0.05 } else { 0.03 };
             let fine = (along - 0.1).abs() < band && across < 0.01 && ledger.balances() && ledger.left[0] > 0;
             if !fine {
@@ -270,22 +277,22 @@ fn every_condition_works_with_every_scheme_dimension_and_precision_askew() {
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// The lists of rows by patch are collected from the cells near planes; a scan of all rows finds the same, in flows that stand askew
-/// to the cells, while particles settle at the walls and cross.
+/// The rows of each patch are collected from the cells near its plane. A scan of all rows finds the
+/// same rows in flows oblique to the cells, while particles settle at the walls and cross.
 #[test]
 fn no_row_of_a_zone_is_left_out() {
     for recycle in ["(recycle: true)", "(recycle: false)"] {
-        rows_of_zones_are_all_there::<2>(TURNED, recycle);
-        rows_of_zones_are_all_there::<3>(TURNED_3D, recycle);
+        check_rows_of_zones::<2>(TURNED, recycle);
+        check_rows_of_zones::<3>(TURNED_3D, recycle);
     }
 }
 
-fn rows_of_zones_are_all_there<const D: usize>(text: &str, recycle: &str) {
+fn check_rows_of_zones<const D: usize>(text: &str, recycle: &str) {
     let sets = [
         ("outlets.0.condition", "Hybrid()"),
         ("scheme", SCHEMES[1]),
         ("reservoir", recycle),
-        // So long that there are cells far from both planes.
+        // Long enough to have cells far from both planes.
         ("constants.L", "0.8"),
     ];
     let mut simulation = simulation(text, &sets);
@@ -295,7 +302,8 @@ fn rows_of_zones_are_all_there<const D: usize>(text: &str, recycle: &str) {
         let world = simulation.world();
         let scene = &*world.resource::<ActiveScene>().0;
         let arrays = world.resource::<Arrays<f64, D>>();
-        rows.collect(scene, &world.resource::<Grid<D>>().0, arrays);
+        let needs = world.resource::<Outlets<f64, D>>().needs();
+        rows.collect(scene, needs, &world.resource::<Grid<D>>().0, arrays);
         let all = |belongs: &dyn Fn(usize) -> bool| -> Vec<u32> {
             (0..arrays.len()).filter(|&row| belongs(row)).map(|row| row as u32).collect()
         };
@@ -312,7 +320,7 @@ fn rows_of_zones_are_all_there<const D: usize>(text: &str, recycle: &str) {
         assert_eq!(rows.inflow[0], all(&|row| arrays.zone[row] == Zone::Inflow));
         assert_eq!(rows.outflow[0], all(&|row| arrays.zone[row] == Zone::Outflow));
         assert_eq!(rows.before_outlet[0], all(&|row| fluid(row, 3.0 * spacing, spacing)));
-        assert_eq!(rows.in_reach[0], all(&|row| fluid(row, support + 3.0 * spacing, support)));
+        assert_eq!(rows.upstream[0], all(&|row| fluid(row, support + 3.0 * spacing, support)));
         assert!(rows.near.count() < arrays.len(), "all cells are near");
         entered = simulation.ledger().entered[0];
     }
@@ -320,7 +328,7 @@ fn rows_of_zones_are_all_there<const D: usize>(text: &str, recycle: &str) {
 }
 
 #[test]
-fn a_condition_that_says_too_little_or_nonsense_is_told_so() {
+fn missing_and_impossible_parameters_are_faults() {
     let expected = [
         ("Characteristic()", "field `velocity` is missing"),
         ("Characteristic(velocity: 0.1)", "field `pressure` is missing"),
@@ -328,6 +336,7 @@ fn a_condition_that_says_too_little_or_nonsense_is_told_so() {
         ("Mirror(variant: Newman)", "did you mean `Neumann`"),
         ("Hybrid(steps: 0)", "at least 1"),
         ("Hybrid(velocity: -1.0)", "greater than 0"),
+        ("WaveEquation(pressure: Absorbing())", "it is now called `NonReflecting`"),
     ];
     for (condition, word) in expected {
         let sets = [("outlets.0.condition", condition)];
@@ -347,7 +356,7 @@ fn a_condition_that_says_too_little_or_nonsense_is_told_so() {
     assert!(with("(recycle: false, when_empty: Stop)").contains("`when_empty: Stop` must not be given"));
 }
 
-/// A stream whose particles are deleted when they leave.
+/// A stream whose particles are deleted when they leave the domain.
 const DELETING: [(&str, &str); 4] = [
     ("reservoir", "(recycle: false)"),
     ("outlets.0.condition", "DoNothing"),
@@ -356,7 +365,7 @@ const DELETING: [(&str, &str); 4] = [
 ];
 
 #[test]
-fn what_leaves_is_deleted_and_its_number_given_anew() {
+fn particles_that_leave_are_deleted_and_their_ids_reused() {
     let mut simulation = Simulation::builder(plug::scene(&DELETING)).build().expect("a simulation");
     let initial = simulation.ledger().initial;
     let mut largest = 0;
@@ -372,11 +381,11 @@ fn what_leaves_is_deleted_and_its_number_given_anew() {
             ids.sort_unstable();
             largest = ids.last().copied().unwrap_or(0).max(largest);
             ids.dedup();
-            assert_eq!(ids.len() as u64, total, "step {step}: a number is given twice");
+            assert_eq!(ids.len() as u64, total, "step {step}: an id is used twice");
         }
     }
     let ledger = simulation.ledger();
-    // Everything has left once; a row enters before one leaves.
+    // All particles have left once; a layer enters before one leaves.
     assert!(ledger.created > initial && ledger.deleted > initial && ledger.grown == 0, "{ledger:?}");
-    assert!(u64::from(largest) < initial + 24, "numbers up to {largest} for {initial} particles");
+    assert!(u64::from(largest) < initial + 24, "ids up to {largest} for {initial} particles");
 }

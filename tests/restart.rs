@@ -28,7 +28,8 @@ use sphecs_engine::resources::state_location::StateLocation;
 use sphecs_engine::resources::stopwatch::Stopwatch;
 use sphecs_engine::saved_state::SavedResources;
 use sphecs_engine::systems::body_forces::Bodies;
-use sphecs_engine::systems::boundaries::rows::PatchRows;
+use sphecs_engine::systems::boundaries::outlet_registry::AddedOutlets;
+use sphecs_engine::systems::boundaries::patch_rows::PatchRows;
 use sphecs_engine::systems::divergence::{Failure, check_state};
 use sphecs_engine::systems::forces::AddedForces;
 use sphecs_engine::systems::transitions::TransitionLists;
@@ -274,6 +275,7 @@ fn not_saved() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<SavedResources>(), "the program"),
         (TypeId::of::<Registered>(), "of this test"),
         (TypeId::of::<AddedForces>(), "the program: a plugin adds them again"),
+        (TypeId::of::<AddedOutlets>(), "the program: a plugin adds them again"),
         (TypeId::of::<Stopwatch>(), "wall-clock time"),
         (TypeId::of::<Arrays<f64, 2>>(), "saved as columns"),
         (TypeId::of::<FreeParticles>(), "saved as a column"),

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use sphecs::Simulation;
-use sphecs_core::physics::inlet::poiseuille::startup_velocity;
+use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 use sphecs_core::physics::wall::law::friction_velocity;
 
 use crate::{flow, fluid, shipped_flow};

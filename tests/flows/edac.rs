@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use sphecs::Simulation;
 use sphecs::bevy_ecs::query::With;
 use sphecs::glam::DVec3;
-use sphecs_core::physics::inlet::poiseuille::startup_velocity;
+use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 use sphecs_engine::components::{Fluid, Position, Thermodynamics, Velocity};
 
 use crate::periodic::taylor_green_errors;
@@ -156,9 +156,8 @@ fn channel_with_a_constriction_carries_its_inflow() {
     assert!((0.9..1.1).contains(&left), "{left} of the fluid are left");
 }
 
-/// At the spacing of the scene an outlet without treatment of oblique waves let a mode along the
-/// outlet grow until it diverged at 0.69 s (`oblique.rs`). The start alone changes densities by 11
-/// %.
+/// At its own spacing, where a mode along the outlet once grew until it burst at 0.69 s:
+/// `boundary/outlet/non_reflecting/oblique_waves.rs`. The start alone swings densities by 11 %.
 #[test]
 fn waves_along_the_outlet_do_not_grow() {
     let mut simulation = shipped_flow("quickstart.ron", &[("scheme", "EdacTvf()")]);

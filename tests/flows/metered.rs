@@ -16,7 +16,7 @@ const METERED: &str = r#"Scene(
     domain: Box(min: (0.0, "-H"), max: (0.6, "H")),
     initial: (velocity: ("0.375*(1 - y^2/H^2)", 0.0)),
     inlets: [(at: (0.0, 0.0), towards: (1.0, 0.0), velocity: MassFlow(rate: 100.0, profile: "1 - y^2/H^2"))],
-    outlets: [(at: (0.6, 0.0), towards: (1.0, 0.0), condition: WaveEquation(pressure: Absorbing()))],
+    outlets: [(at: (0.6, 0.0), towards: (1.0, 0.0), condition: WaveEquation(pressure: NonReflecting()))],
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: 0.375, length: 0.4),
 )"#;
 
@@ -100,7 +100,7 @@ const PIPE: &str = r#"Scene(
     walls: (slip: FreeSlip),
     initial: (velocity: ("0.4*c", "0.4*s", 0.0)),
     inlets: [(at: (0.0, 0.0, 0.0), towards: ("c", "s", 0.0), velocity: MassFlow(rate: "1000*0.4*pi*R^2"))],
-    outlets: [(at: ("L*c", "L*s", 0.0), towards: ("c", "s", 0.0), condition: WaveEquation(pressure: Absorbing()))],
+    outlets: [(at: ("L*c", "L*s", 0.0), towards: ("c", "s", 0.0), condition: WaveEquation(pressure: NonReflecting()))],
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: 0.4, length: 0.1),
 )"#;
 

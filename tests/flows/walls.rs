@@ -3,7 +3,7 @@
 
 use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs_core::physics::inlet::poiseuille::startup_velocity;
+use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 
 use crate::channel::{COUETTE, couette, largest_error};
 use crate::rest::BOX;

@@ -96,7 +96,7 @@ fn next_to_outlet(scene: &Scene, fault: &DivergedParticle) -> Option<String> {
     Some(format!(
         "\nit is {} Δ {side} the plane of outlet {number}, `{}`, which may be why: docs/which_outlet.md says which condition holds where",
         figure(along.abs()),
-        outlet.condition.name()
+        outlet.condition.parameters().name()
     ))
 }
 

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::model::{Inlet, InletVelocity, Patch};
-use sphecs_core::physics::inlet::poiseuille::startup_velocity;
+use super::model::{Inlet, InletVelocity};
+use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 
 impl Inlet {
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
@@ -65,16 +65,6 @@ impl Inlet {
     }
 }
 
-/// Normals nearer to an axis than this are along it.
-const ALONG_AN_AXIS: f64 = 1e-9;
-
-impl Patch {
-    /// Whether it lies slantwise to the lattice.
-    pub fn is_slantwise(&self) -> bool {
-        self.towards.abs().max_element() < 1.0 - ALONG_AN_AXIS
-    }
-}
-
 /// Linear between rising abscissae, held at the ends.
 fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: impl Fn(usize) -> f64) -> f64 {
     let (mut next, mut end) = (0, count);
@@ -98,7 +88,7 @@ mod tests {
     use super::*;
     use crate::expression::{Constants, Expression};
     use crate::model::Patch;
-    use sphecs_core::physics::inlet::{Feed, InletPressure};
+    use sphecs_core::boundary::inlet::{Feed, InletPressure};
 
     fn inlet(velocity: InletVelocity) -> Inlet {
         Inlet {

@@ -12,10 +12,11 @@ use super::lattice::Lattice;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
+use sphecs_core::boundary::inlet::{Feed, InletPressure};
+use sphecs_core::boundary::outlet::OutletCondition;
+pub use sphecs_core::boundary::patch::Patch;
 use sphecs_core::discretisation::Discretisation;
 use sphecs_core::physics::eos::Tait;
-use sphecs_core::physics::inlet::{Feed, InletPressure};
-use sphecs_core::physics::outlet::OutletCondition;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// A complete, checked scene.
@@ -177,39 +178,6 @@ pub struct WallPart {
     pub slip: Slip,
     /// Surface velocity, m/s, as expressions of x, y, z, t.
     pub velocity: [Expression; 3],
-}
-
-/// A plane opening of the domain.
-#[derive(Clone, Debug)]
-pub struct Patch {
-    /// Name for outputs and messages.
-    pub name: String,
-    /// A point of the plane inside the section, m.
-    pub at: DVec3,
-    /// Unit normal in the direction of the flow (into the domain for an inlet, out of it for an outlet).
-    pub towards: DVec3,
-    /// Unit vectors that span the plane; the second is zero in 2D.
-    pub across: [DVec3; 2],
-    /// Half extents of the section's bounding rectangle about `at` along `across`, m.
-    pub half_extent: [f64; 2],
-    /// Length of its zone, m, ≥ the kernel's support.
-    pub depth: f64,
-    /// Area of the section, m² (length in m in 2D).
-    pub area: f64,
-}
-
-impl Patch {
-    /// Signed distance of a point from the plane along the flow, m.
-    pub fn along(&self, point: DVec3) -> f64 {
-        (point - self.at).dot(self.towards)
-    }
-
-    /// Whether a point's projection on the plane lies in the section's bounding rectangle widened by `margin`, m.
-    pub fn covers(&self, point: DVec3, margin: f64) -> bool {
-        let offset = point - self.at;
-        offset.dot(self.across[0]).abs() <= self.half_extent[0] + margin
-            && offset.dot(self.across[1]).abs() <= self.half_extent[1] + margin
-    }
 }
 
 /// An inlet.

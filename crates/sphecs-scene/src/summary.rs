@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::geometry::Shape;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
+use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::particles::zone::Zone;
-use sphecs_core::physics::inlet::Feed;
 
 /// Memory of a particle in components, arrays, cell list and output, B: a generous round figure (docs/performance.md).
 pub const BYTES_PER_PARTICLE: f64 = 500.0;

@@ -15,7 +15,6 @@ use crate::math::kernel::KernelShape;
 use crate::math::lanes::{self, Lanes};
 use crate::math::linear::solve;
 use crate::math::real::Real;
-use crate::physics::outlet::mirror::Image;
 
 /// Columns beside the coordinates: volume of the fluid, pressure, velocity.
 pub(super) const COLUMNS: usize = 2 + 3;
@@ -85,6 +84,19 @@ impl PointFit {
             PointFit::Image { normal } => image::<K, L, D, 4>(pack, at, normal, inverse_h),
         }
     }
+}
+
+/// Fields at a point and their slopes along a normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Image {
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// ∂v/∂n, 1/s.
+    pub velocity_slope: DVec3,
+    /// Pressure, Pa.
+    pub pressure: f64,
+    /// ∂p/∂n, Pa/m.
+    pub pressure_slope: f64,
 }
 
 /// The flow found at a point.

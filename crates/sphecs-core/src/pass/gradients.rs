@@ -22,7 +22,7 @@ use crate::math::lanes::{Lanes, dot};
 use crate::math::linear::invert;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::physics::wall::{WallModel, image};
+use crate::physics::wall::image;
 
 /// Most columns beside the coordinates: velocity, density, image distance and normal in 3D.
 const MOST_COLUMNS: usize = 3 + 2 + 3;
@@ -74,10 +74,8 @@ pub fn sum_gradients<R: Real, const D: usize>(
     for column in gradient.iter_mut().flatten() {
         column.resize(particles.len(), R::default());
     }
-    let velocity = match (pair.wall_model, has_walls) {
-        (WallModel::Dummy, true) => &*velocity_seen,
-        _ => level.columns(particles),
-    };
+    let sees_mean = has_walls && pair.wall_model.sees_kernel_mean();
+    let velocity = if sees_mean { &*velocity_seen } else { level.columns(particles) };
     let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
     for d in 0..D {
         neighbours[d] = &velocity[d];

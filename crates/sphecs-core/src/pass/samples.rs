@@ -17,7 +17,6 @@ use crate::particles::arrays::{ParticleArrays, SpareColumns};
 use crate::particles::rows::ParticleRow;
 use crate::particles::zone::Zone;
 use crate::physics::eos::Tait;
-use crate::physics::wall::WallModel;
 
 /// Spacing of all samples, m.
 pub const SPACING: f64 = 0.01;
@@ -120,7 +119,7 @@ impl<R: Real, const D: usize> Sample<R, D> {
 
     /// Finds the velocities of dummy walls, where walls are dummies.
     pub fn velocity_seen(&mut self) {
-        if self.pair.wall_model == WallModel::Dummy {
+        if self.pair.wall_model.sees_kernel_mean() {
             let level = VelocityLevel::Present;
             find_velocity_seen(&self.pair, &self.grid, &self.particles, level, &mut self.sums);
         }

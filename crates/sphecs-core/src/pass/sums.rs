@@ -12,7 +12,6 @@ use super::settings::PairSettings;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::wall::WallModel;
 
 /// Sums per particle and buffers of the passes; the rows are those of the particle arrays.
 #[derive(Debug)]
@@ -298,14 +297,14 @@ impl<R: Real> PairColumns<R> {
         }
         let count = self.find_walls(pair, particles);
         let model = pair.wall_model;
-        if count > 0 && (pair.has_free_slip() || model == WallModel::Ghost) {
+        if count > 0 && (pair.has_free_slip() || model.mirrors_velocity()) {
             self.walls = Some(Walls { count, as_images: true });
             let work = |rows: Range<usize>, images: &mut [R]| {
                 for (image, row) in images.iter_mut().zip(rows) {
                     if particles.zone[row] != Zone::Wall {
                         continue;
                     }
-                    if model == WallModel::Ghost {
+                    if model.mirrors_velocity() {
                         *image = R::from_f64(model.image_distance(image.to_f64()));
                     }
                     if pair.wall_part(particles.patch[row]).free_slip {

@@ -13,8 +13,8 @@ use crate::math::kernel::KernelShape;
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::physics::outlet::wave::{WaveLanes, WavePair, WaveSetting, WaveSums};
 use crate::physics::wall::image;
+use crate::physics::wave_sums::{WaveLanes, WavePair, WaveSetting, WaveSums};
 
 /// Most columns beside the coordinates: velocity, density, image distance.
 const MOST_COLUMNS: usize = 3 + 2;
@@ -142,7 +142,7 @@ mod tests {
     use crate::particles::zone::Zone;
     use crate::pass::neighbours::Neighbours;
     use crate::pass::samples::{SPACING, Sample, settings};
-    use crate::physics::outlet::{Frame, TransverseOperator};
+    use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator};
 
     /// The sums of a row, neighbour by neighbour.
     fn reference<R: Real, const D: usize>(
@@ -201,7 +201,7 @@ mod tests {
                 }
             }
             let setting = WaveSetting {
-                frame: Frame::Fixed,
+                frame: ReferenceFrame::Fixed,
                 transverse,
                 normal: DVec3::new(0.8, 0.6, 0.0),
                 dimensions: D,

@@ -3,23 +3,23 @@
 //! - [`density`], [`momentum`]: the pair terms of `Wcsph`
 //! - [`edac`]: the pair terms of `EdacTvf`
 //! - [`eos`]: the equation of state
-//! - [`inlet`], [`outlet`], [`wall`]: boundary conditions
 //! - [`integrator`], [`timestep`]: integration in time
 //! - [`pair`]: a particle and a vector of its neighbours, as the pair terms take them
 //! - [`parameters`]: parameters that are out of bounds
 //! - [`shifting`]: particle shifting
 //! - [`viscosity`]: viscous and turbulent stresses
+//! - [`wall`]: wall models
+//! - [`wave_sums`]: pair sums of the outgoing wave equation of an outlet
 
 pub mod density;
 pub mod edac;
 pub mod eos;
-pub mod inlet;
 pub mod integrator;
 pub mod momentum;
-pub mod outlet;
 pub mod pair;
 pub mod parameters;
 pub mod shifting;
 pub mod timestep;
 pub mod viscosity;
 pub mod wall;
+pub mod wave_sums;

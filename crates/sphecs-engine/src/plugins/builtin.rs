@@ -13,13 +13,13 @@ use crate::resources::state_location::{StateLocation, gather};
 use crate::resources::stopwatch::Stopwatch;
 use crate::schedule::{Stage, StageSet, StepSet};
 use crate::systems::body_forces::{Bodies, sum_body_forces, sum_edac_body_forces};
-use crate::systems::boundaries::hold::{HeldAtWalls, hold_at_walls};
 use crate::systems::boundaries::inlets::apply_inlets;
-use crate::systems::boundaries::outlets::{OutletStates, apply_outlets};
-use crate::systems::boundaries::rows::PatchRows;
+use crate::systems::boundaries::outlet_diagnostics::{OutletDiagnostics, diagnose_outlets};
+use crate::systems::boundaries::outlet_registry::AddedOutlets;
+use crate::systems::boundaries::outlets::{apply_outlets, find_outlet_rates};
+use crate::systems::boundaries::patch_rows::PatchRows;
+use crate::systems::boundaries::wall_projection::{WallProjections, project_to_walls};
 use crate::systems::boundaries::walls::apply_walls;
-use crate::systems::boundaries::watch::{OutletWatch, watch_outlets};
-use crate::systems::boundaries::wave_zone::outlet_rates;
 use crate::systems::divergence::{Failure, check_state};
 use crate::systems::edac::{kick_and_drift, shift_outlets, sum_edac_rates, sum_volumes};
 use crate::systems::forces::{AddedForces, add_forces};
@@ -120,10 +120,10 @@ fn add_edac_tvf<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
 
 /// Adds the systems of inflow, outflow and wall particles, and the change of zones.
 fn add_boundaries<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
-    context.save_resource::<OutletStates>("outlets");
-    context.save_resource::<OutletWatch>("outlet_watch");
-    context.save_resource::<HeldAtWalls>("held_at_walls");
+    context.save_resource::<OutletDiagnostics>("outlet_diagnostics");
+    context.save_resource::<WallProjections>("wall_projections");
     context.save_resource::<FreeNumbers>("free_numbers");
+    context.world.init_resource::<AddedOutlets>();
     context.world.init_resource::<TransitionLists>();
     // Walls need the pressure of inflow and outflow particles, so they come last.
     context.stage.add_systems(
@@ -132,17 +132,17 @@ fn add_boundaries<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
     // Only the systems of one scheme are in the schedule; an order relative to the other has no
     // effect.
     context.stage.add_systems(
-        outlet_rates::<R, D>
+        find_outlet_rates::<R, D>
             .in_set(StageSet::Rates)
             .after(sum_body_forces::<R, D>)
             .after(sum_edac_body_forces::<R, D>),
     );
     context.step.add_systems(
-        hold_at_walls::<R, D>.in_set(StepSet::Shift).after(shift::<R, D>).after(shift_outlets::<R, D>),
+        project_to_walls::<R, D>.in_set(StepSet::Shift).after(shift::<R, D>).after(shift_outlets::<R, D>),
     );
     context.step.add_systems(transition::<R, D>.in_set(StepSet::Transition));
     // A user's system that runs after `check_state` then runs after both.
-    context.step.add_systems(watch_outlets.in_set(StepSet::Observe).before(check_state::<R, D>));
+    context.step.add_systems(diagnose_outlets::<R, D>.in_set(StepSet::Observe).before(check_state::<R, D>));
 }
 
 /// Adds the checks after each step.

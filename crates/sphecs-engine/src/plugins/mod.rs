@@ -11,6 +11,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::saved_state::SavedResources;
+use crate::systems::boundaries::outlet_registry::AddedOutlets;
+use sphecs_core::boundary::outlet::method::OutletMethod;
 
 /// World and schedules of a simulation that is being built.
 pub struct PluginContext<'a> {
@@ -33,6 +35,16 @@ impl PluginContext<'_> {
     ) {
         self.world.init_resource::<T>();
         self.world.get_resource_or_init::<SavedResources>().add::<T>(name);
+    }
+
+    /// Adds an outlet condition that a scene names as `condition: Custom("name")`.
+    ///
+    /// Its memory is part of the state that checkpoints contain. A resumed run needs the same plugin.
+    ///
+    /// # Panics
+    /// If another condition has the name.
+    pub fn add_outlet<M: OutletMethod>(&mut self, name: &str, method: M) {
+        self.world.get_resource_or_init::<AddedOutlets>().add(name, method);
     }
 }
 

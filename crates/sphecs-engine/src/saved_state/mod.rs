@@ -43,16 +43,22 @@ struct Entry {
 impl SavedResources {
     /// Adds a resource to the saved state, under a unique name.
     pub(crate) fn add<T: Resource + Serialize + DeserializeOwned>(&mut self, name: &'static str) {
+        self.add_with::<T>(name, save_record::<T>, restore_record::<T>);
+    }
+
+    /// Adds a resource to the saved state, under a unique name, with functions of its own that encode
+    /// and decode it.
+    pub(crate) fn add_with<T: Resource>(
+        &mut self,
+        name: &'static str,
+        save: fn(&World) -> Option<Vec<u8>>,
+        restore: fn(&mut World, &[u8]) -> Result<(), String>,
+    ) {
         let type_id = TypeId::of::<T>();
         match self.entries.iter().find(|entry| entry.name == name || entry.type_id == type_id) {
             Some(other) if other.type_id == type_id && other.name == name => {}
             Some(other) => self.collision = self.collision.or(Some([name, other.name])),
-            None => self.entries.push(Entry {
-                name,
-                type_id,
-                save: save_record::<T>,
-                restore: restore_record::<T>,
-            }),
+            None => self.entries.push(Entry { name, type_id, save, restore }),
         }
     }
 

@@ -16,6 +16,8 @@ use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, particles};
 use crate::schedule::{stage_schedule, step_schedule};
 use crate::spawn::spawn_particles;
+use crate::systems::boundaries::outlet_registry::OutletFaults;
+use crate::systems::boundaries::outlets::insert_outlets;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
@@ -46,6 +48,9 @@ pub enum BuildError {
     /// The initial state does not fit the scene and the plugins.
     #[error(transparent)]
     State(#[from] ColumnMismatch),
+    /// No plugin adds an outlet condition of the scene, or its parameters are out of range.
+    #[error(transparent)]
+    Outlets(#[from] OutletFaults),
     /// Two resources are saved under one name, or one resource under two names.
     #[error(
         "plugins: `{name}` and `{other}` are saved as one resource; each resource needs one name of its own"
@@ -94,7 +99,8 @@ impl SimulationBuilder {
     /// Builds the simulation, ready for its first step.
     ///
     /// # Errors
-    /// [`BuildError`] if a state does not fit the scene, or if plugins contradict each other.
+    /// [`BuildError`] if a state does not fit the scene, if no plugin adds an outlet condition of the
+    /// scene, or if plugins contradict each other.
     pub fn build(self) -> Result<Simulation, BuildError> {
         match (self.scene.precision, self.scene.dimensions) {
             (Precision::F64, 2) => self.build_typed::<f64, 2>(),
@@ -163,6 +169,7 @@ fn build_plugins<R: Real, const D: usize>(
     for plugin in plugins {
         plugin.build(&mut context);
     }
+    insert_outlets::<R, D>(context.world, scene)?;
     context.world.init_resource::<EntityIndex>();
     context.world.init_resource::<FreeParticles>();
     context.save_resource::<InflowCapacity>("inflow_capacity");

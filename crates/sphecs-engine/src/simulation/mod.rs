@@ -21,7 +21,7 @@ use crate::resources::stopwatch::Stopwatch;
 use crate::saved_state::{SavedResources, particles};
 use crate::schedule::Step;
 use crate::systems::body_forces::{Bodies, BodyForcesRow};
-use crate::systems::boundaries::watch::OutletWatch;
+use crate::systems::boundaries::outlet_diagnostics::OutletDiagnostics;
 use crate::systems::divergence::{DivergedParticle, Failure};
 use crate::systems::monitor::{self, MonitorRow};
 use crate::systems::sampling;
@@ -184,7 +184,7 @@ impl Simulation {
     /// Returns the notes on outlets that do not behave as intended, in the order of their
     /// detection.
     pub fn notes(&self) -> &[String] {
-        &self.world.resource::<OutletWatch>().notes
+        &self.world.resource::<OutletDiagnostics>().notes
     }
 
     /// Returns the particle counts.

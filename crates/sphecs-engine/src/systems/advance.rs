@@ -7,9 +7,9 @@ use bevy_ecs::system::{Local, Res, ResMut, SystemParam};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
-use super::boundaries::motion::{move_inflow, move_outflow};
-use super::boundaries::outlets::OutletStates;
-use super::boundaries::rows::PatchRows;
+use super::boundaries::inlets::move_inflow;
+use super::boundaries::outlets::Outlets;
+use super::boundaries::patch_rows::PatchRows;
 use crate::resources::clock::Clock;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
@@ -46,29 +46,25 @@ impl StepSettings<'_> {
 
 /// Clock, inflow and outflow zones: everything that a step advances besides the fluid.
 #[derive(SystemParam)]
-pub(crate) struct ZoneMotion<'w, 's> {
+pub(crate) struct ZoneMotion<'w, 's, R: Real, const D: usize> {
     scene: Res<'w, ActiveScene>,
     rows: Res<'w, PatchRows>,
-    outlets: Res<'w, OutletStates>,
+    outlets: Res<'w, Outlets<R, D>>,
     /// Time at the beginning of the step, and size of the previous step.
     pub clock: ResMut<'w, Clock>,
     velocities: Local<'s, Vec<DVec3>>,
 }
 
-impl ZoneMotion<'_, '_> {
+impl<R: Real, const D: usize> ZoneMotion<'_, '_, R, D> {
     /// Moves inflow and outflow particles over a time step, s, and advances the clock.
-    pub(crate) fn finish_step<R: Real, const D: usize>(
-        &mut self,
-        time_step: f64,
-        arrays: &mut ParticleArrays<R, D>,
-    ) {
+    pub(crate) fn finish_step(&mut self, time_step: f64, arrays: &mut ParticleArrays<R, D>) {
         let (scene, clock) = (&*self.scene.0, &mut *self.clock);
         let (time, viscosity) = (clock.time, scene.fluid.viscosity);
         for (inlet, rows) in scene.inlets.iter().zip(&self.rows.inflow) {
-            move_inflow(inlet, viscosity, rows, time, time_step, &mut self.velocities, arrays);
+            move_inflow(inlet, viscosity, rows, (time, time_step), &mut self.velocities, arrays);
         }
         for (index, (outlet, rows)) in scene.outlets.iter().zip(&self.rows.outflow).enumerate() {
-            move_outflow(outlet, &self.outlets.0[index], rows, time_step, arrays);
+            self.outlets.all[index].move_particles(outlet, rows, time_step, arrays);
         }
         arrays
             .needs_restart

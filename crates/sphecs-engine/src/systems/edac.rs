@@ -6,7 +6,7 @@ use std::ops::Range;
 use bevy_ecs::system::{Res, ResMut};
 
 use super::advance::{StepSettings, ZoneMotion, are_regular_fluid, largest_acceleration};
-use super::boundaries::rows::PatchRows;
+use super::boundaries::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
@@ -85,7 +85,7 @@ pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
 pub(crate) fn kick_and_drift<R: Real, const D: usize>(
     (scene, settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
-    mut zones: ZoneMotion,
+    mut zones: ZoneMotion<R, D>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let gravity = match &scene.0.body_force {

@@ -12,7 +12,7 @@ use crate::resources::grid::Grid;
 use crate::resources::ledger::Ledger;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
-use crate::systems::boundaries::hold::HeldAtWalls;
+use crate::systems::boundaries::wall_projection::WallProjections;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -101,7 +101,7 @@ pub(crate) fn monitor_row<R: Real, const D: usize>(world: &mut World) -> Monitor
     let ledger = world.resource::<Ledger>();
     let now = PreviousRow {
         time: clock.time,
-        held: world.resource::<HeldAtWalls>().0,
+        held: world.resource::<WallProjections>().0,
         entered: net(&ledger.entered, &ledger.entered_back),
         left: net(&ledger.left, &ledger.left_back),
     };

@@ -2,7 +2,8 @@
 
 use bevy_ecs::system::{Res, ResMut};
 
-use super::boundaries::rows::PatchRows;
+use super::boundaries::outlets::Outlets;
+use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
 use crate::arrays::Arrays;
 use crate::resources::grid::{Grid, SortBuffers};
@@ -21,7 +22,7 @@ pub(crate) fn sort_particles<R: Real, const D: usize>(
     (mut grid, mut buffers): (ResMut<Grid<D>>, ResMut<SortBuffers<R>>),
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
-    mut rows: ResMut<PatchRows>,
+    (mut rows, outlets): (ResMut<PatchRows>, Res<Outlets<R, D>>),
     mut failure: ResMut<Failure>,
 ) {
     let arrays = &mut arrays.0;
@@ -37,5 +38,5 @@ pub(crate) fn sort_particles<R: Real, const D: usize>(
         }
     }
     find_wall_distance(&pair.0, &grid.0, arrays, &mut sums.0);
-    rows.collect(&scene.0, &grid.0, arrays);
+    rows.collect(&scene.0, outlets.needs(), &grid.0, arrays);
 }

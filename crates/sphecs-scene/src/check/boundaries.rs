@@ -1,4 +1,4 @@
-//! Inlets and outlets of the file.
+//! Checks of the inlets and outlets of a scene file.
 
 use std::path::Path;
 
@@ -11,15 +11,16 @@ use crate::model::{Inlet, InletVelocity, Outlet};
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
-use sphecs_core::physics::inlet::InletPressure;
-use sphecs_core::physics::outlet::{OutletCondition, OutletPressure};
+use sphecs_core::boundary::condition_fault::ConditionFault;
+use sphecs_core::boundary::outlet::OutletCondition;
 
-/// Layers of an inlet's zone: Alvarado-Rodríguez et al. (2017) take five.
+/// Layers of the zone of an inlet, as Alvarado-Rodríguez et al. (2017).
 const INLET_LAYERS: f64 = 5.0;
-/// Layers of an outlet's zone: more than their five, so that its middle is free of both ends.
+/// Layers of the zone of an outlet: more than their five, so that neither end influences its
+/// middle.
 const OUTLET_LAYERS: f64 = 8.0;
 
-/// All inlets; None with a fault.
+/// Returns all inlets; None with a fault.
 pub fn inlets(
     files: &[InletFile],
     site: &Site<'_>,
@@ -54,17 +55,17 @@ fn inlet(
     );
     let half = patch.as_ref().map_or(1.0, |patch| patch.half_extent[0]);
     let velocity = velocity(&file.velocity, half, folder, check);
-    if let InletPressure::Prescribed(pressure) = file.pressure {
-        finite(pressure, "the pressure of an inlet", file.velocity.head, check);
+    for fault in file.pressure.faults() {
+        report(&fault, "an inlet", file.velocity.head, check);
     }
     Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure, feed: file.feed })
 }
 
-fn finite(value: f64, what: &str, span: Span, check: &mut Checker<'_>) {
-    if !value.is_finite() {
-        let label = format!("is `{value}`, must be finite");
-        check.report(Fault::new(format!("{what} is not finite"), span, label));
-    }
+/// Reports a parameter of a condition, of "an inlet" or "the outlet condition …".
+fn report(fault: &ConditionFault, condition: &str, span: Span, check: &mut Checker<'_>) {
+    let title = format!("`{}` of {condition} is out of range", fault.field);
+    let found = Fault::new(title, span, format!("is {}, must be {}", fault.value, fault.must_be));
+    check.report(if fault.advice.is_empty() { found } else { found.help(fault.advice) });
 }
 
 fn names<'a>(names: impl Iterator<Item = Option<&'a Text>>, kind: &str, check: &mut Checker<'_>) {
@@ -123,7 +124,8 @@ fn velocity(
     }
 }
 
-/// A rate in time and a profile in space, not yet scaled to each other: see [`meter`](super::meter).
+/// Returns the velocity by a rate in time and a profile in space, not yet scaled: see
+/// [`meter`](super::meter).
 fn metered(
     rate: &Formula,
     name: &str,
@@ -167,7 +169,7 @@ fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64,
     result
 }
 
-/// All outlets; None with a fault.
+/// Returns all outlets; None with a fault.
 pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -> Option<Vec<Outlet>> {
     names(files.iter().map(|file| file.name.as_ref()), "outlets", check);
     let outlets: Vec<Option<Outlet>> = files
@@ -190,48 +192,19 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
                 site,
                 check,
             )?;
-            let condition =
-                file.condition.as_ref().map_or_else(OutletCondition::default, |condition| condition.value);
+            let condition = file.condition.as_ref().map(|condition| condition.value.clone());
+            let condition = condition.unwrap_or_default();
             Some(Outlet { patch, condition })
         })
         .collect();
     outlets.into_iter().collect()
 }
 
-/// The numbers of an outlet's condition.
+/// Reports the parameters that an outlet's condition cannot work with.
 fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
-    let mut positive = |value: f64, what: &str, unit: &str| {
-        if !(value.is_finite() && value > 0.0) {
-            let label = format!("is `{value}`{unit}, must be finite and greater than 0");
-            check.report(Fault::new(format!("{what} is not positive"), file.head, label));
-        }
-    };
-    let pressure = match file.value {
-        OutletCondition::WaveEquation { pressure, .. } | OutletCondition::Orlanski { pressure, .. } => {
-            let (target, time) = match pressure {
-                OutletPressure::Frozen => return,
-                OutletPressure::Reference(target) => (target, 1.0),
-                OutletPressure::Relaxed { target, time } => (target, time),
-                OutletPressure::Absorbing { target, time, .. } => (target, time.unwrap_or(1.0)),
-            };
-            positive(time, "the time constant of an outlet's pressure", " s");
-            target
-        }
-        OutletCondition::DoNothing
-        | OutletCondition::ModifiedDoNothing { .. }
-        | OutletCondition::Mirror { .. } => return,
-        OutletCondition::Characteristic { velocity, pressure } => {
-            finite(velocity, "the reference velocity of an outlet", file.head, check);
-            pressure
-        }
-        OutletCondition::Hybrid { velocity, pressure, steps } => {
-            positive(velocity.unwrap_or(1.0), "the velocity of an outlet's threshold", " m/s");
-            if !(steps.is_finite() && steps >= 1.0) {
-                let label = format!("is `{steps}` steps, must be finite and at least 1");
-                check.report(Fault::new("the time mean of an outlet is too short", file.head, label));
-            }
-            pressure
-        }
-    };
-    finite(pressure, "the pressure of an outlet", file.head, check);
+    let parameters = file.value.parameters();
+    let condition = format!("the outlet condition `{}`", parameters.name());
+    for fault in parameters.faults() {
+        report(&fault, &condition, file.head, check);
+    }
 }

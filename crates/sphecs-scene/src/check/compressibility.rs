@@ -4,6 +4,7 @@ use crate::faults::Fault;
 use crate::model::{Scene, Scheme};
 use crate::schema::SceneFile;
 use crate::summary;
+use sphecs_core::boundary::outlet::method::References;
 use sphecs_core::physics::edac::Edac;
 
 /// Adds the faults of streams as fast as sound, of pressures that would double the density and of a background pressure that the time step cannot
@@ -24,7 +25,7 @@ pub fn against(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     let conditions = file.outlets.iter().map(|outlet| outlet.condition.as_ref());
     for (outlet, written) in scene.outlets.iter().zip(conditions) {
         let Some(written) = written else { continue };
-        let (velocity, pressure) = outlet.condition.references();
+        let References { velocity, pressure } = outlet.condition.parameters().references();
         if velocity.abs() >= sound_speed {
             let label =
                 format!("has a velocity of {velocity} m/s, must be below the sound speed, {sound_speed} m/s");

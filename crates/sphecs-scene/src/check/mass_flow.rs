@@ -64,7 +64,7 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
         sums.0 += shape * area;
         sums.1 += shape.abs() * area;
     };
-    if patch.is_slantwise() {
+    if patch.is_oblique() {
         rows_along(patch, scene, &mut add);
     } else {
         // Rows of the fill: each particle has the share of its row's section that it has of the row's length.
@@ -78,7 +78,7 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
     sums
 }
 
-/// The rows by which a slantwise zone is fed, with their sections: `systems/boundaries/entrance.rs`.
+/// The lines that fill an oblique zone, with their sections: `boundary/inlet/injection.rs`.
 fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
     let cells = [0, 1].map(|side| {
         let extent = 2.0 * patch.half_extent[side];
@@ -167,7 +167,7 @@ mod tests {
             .replace("(at: (0.4, 0.2), towards: (1.0, 0.0)", "(at: (\"0.4*cos(pi/9) - 0.2*sin(pi/9)\", \"0.4*sin(pi/9) + 0.2*cos(pi/9)\"), towards: (\"cos(pi/9)\", \"sin(pi/9)\")");
         let scene = scene(&turned, "MassFlux(flux: 450.0)");
         let inlet = &scene.inlets[0];
-        assert!(inlet.patch.is_slantwise());
+        assert!(inlet.patch.is_oblique());
         let speed = inlet.velocity_at(0.0, inlet.patch.at, 0.0).dot(inlet.patch.towards);
         assert!((speed - 0.5).abs() < 1e-4, "{speed} m/s");
     }

@@ -11,7 +11,7 @@ use crate::model::{
 };
 use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
 use crate::summary;
-use sphecs_core::physics::inlet::Feed;
+use sphecs_core::boundary::inlet::Feed;
 
 /// 2 or 3.
 pub fn dimensions(file: &SceneFile, check: &mut Checker<'_>) -> usize {

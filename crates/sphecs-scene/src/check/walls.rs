@@ -1,4 +1,4 @@
-//! Walls of the file → wall parts and their regions.
+//! Checks of the walls of a scene file.
 
 use super::checker::Checker;
 use super::shapes;
@@ -11,7 +11,8 @@ use crate::schema::{WallFillFile, WallsFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
-/// The wall parts, and the regions of those after the first.
+/// Returns the wall parts, the regions of the parts after the first, and the rings of their
+/// particles.
 pub fn walls(
     file: Option<&Spanned<WallsFile>>,
     (domain, spacing): (&Shape, f64),
@@ -24,12 +25,8 @@ pub fn walls(
         let model = WallModel::default();
         return (Walls { model, parts }, Vec::new(), Vec::new());
     };
-    if let WallModel::Image { velocity_cap: Some(cap), .. } = file.model
-        && (cap.is_nan() || cap < 1.0)
-    {
-        check.report(Fault::placeless(
-            "`velocity_cap` of the walls is less than 1: the image velocity would point the wrong way",
-        ));
+    if let Some(fault) = file.model.fault() {
+        check.report(Fault::placeless(fault));
     }
     let mut parts = vec![rest(file.slip, check.components_or_zero(file.velocity.as_ref()))];
     let (mut regions, mut rings) = (Vec::new(), Vec::new());
@@ -55,7 +52,7 @@ pub fn walls(
 /// Largest distance of the circle of `Concentric` from the surface of the domain, over Δ.
 const OFF_THE_SURFACE: f64 = 1e-3;
 
-/// The rings of a cylinder, which must be the surface of the domain.
+/// Returns the rings of a cylinder, which must be the surface of the domain; None with a fault.
 fn concentric(
     file: &Spanned<WallFillFile>,
     (domain, spacing): (&Shape, f64),
@@ -86,7 +83,7 @@ fn concentric(
                 "give `center` and `radius` of the `Circle` that the `Difference` of `domain` takes out",
             ),
         );
-        // Not gone on with: nothing bounds the particles of a circle that is none of the domain's.
+        // Nothing would bound the particles of a circle that is not a surface of the domain.
         return None;
     }
     Some(rings)

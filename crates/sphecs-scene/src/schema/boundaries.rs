@@ -6,8 +6,8 @@ use super::{Formula, Number, ShapeFile, Text, Vector};
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
-use sphecs_core::physics::inlet::{Feed, InletPressure};
-use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_core::boundary::inlet::{Feed, InletPressure};
+use sphecs_core::boundary::outlet::OutletCondition;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// The walls.

@@ -3,7 +3,7 @@
 use super::shipped::path;
 use crate::faults::SceneErrors;
 use crate::model::Scene;
-use sphecs_core::physics::outlet::OutletCondition;
+use sphecs_core::boundary::outlet::OutletCondition;
 
 fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneErrors> {
     Scene::from_file(&path("constricted_r2.ron")).sets(sets).load()
@@ -40,7 +40,7 @@ fn a_number_is_replaced_and_the_text_keeps_its_comments() {
 #[test]
 fn a_choice_is_replaced() {
     let scene = sound(&[("outlets.0.condition", "Orlanski(frame: Fixed)")]);
-    assert!(matches!(scene.outlets[0].condition, OutletCondition::Orlanski { .. }));
+    assert!(matches!(scene.outlets[0].condition, OutletCondition::Orlanski(_)));
 }
 
 #[test]
@@ -60,7 +60,8 @@ fn a_field_that_the_file_leaves_out_is_put_in() {
     let again = Scene::from_text("again", &scene.text)
         .load()
         .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
-    assert_eq!((again.outlets[0].condition, again.spacing), (scene.outlets[0].condition, scene.spacing));
+    assert_eq!(again.outlets[0].condition, scene.outlets[0].condition);
+    assert_eq!(again.spacing, scene.spacing);
     assert_eq!(again.text, scene.text);
 }
 

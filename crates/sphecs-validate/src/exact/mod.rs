@@ -6,4 +6,4 @@
 pub mod couette;
 pub mod duct;
 
-pub use sphecs_core::physics::inlet::poiseuille::startup_velocity as poiseuille_startup;
+pub use sphecs_core::boundary::inlet::poiseuille::startup_velocity as poiseuille_startup;

@@ -6,7 +6,6 @@ use crate::pass::fused::LoopShape;
 use crate::pass::pack::{ColumnList, Scalar, Vector};
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
-use crate::physics::wall::WallModel;
 
 /// Most columns beside the coordinates in 3D: velocity, drift, three scalars, normal and the
 /// velocity of dummy walls.
@@ -62,7 +61,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
     has_walls: bool,
 ) -> (EdacColumns, EdacColumnList<'a, R, D>) {
     let mut list = EdacColumnList::new();
-    let has_dummies = has_walls && pair.wall_model == WallModel::Dummy;
+    let has_dummies = has_walls && pair.wall_model.sees_kernel_mean();
     let places = EdacColumns {
         velocity: list.add_vector(&particles.velocity),
         drift: list.add_vector(&particles.drift),

@@ -13,7 +13,7 @@ use crate::pass::pack::{Entry, Source};
 use crate::pass::settings::PairSettings;
 use crate::physics::edac::{self, Edac};
 use crate::physics::pair::PairGeometry;
-use crate::physics::wall::{WallModel, WallPressure};
+use crate::physics::wall::WallPressure;
 
 /// Settings of the loop, ready for lanes.
 pub(super) struct EdacSettings<'a, L: Lanes, const D: usize> {
@@ -100,7 +100,7 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
             choices: EdacChoices {
                 as_published: edac.as_published,
                 mirrored: pair.wall_model.pressure() == WallPressure::Mirrored,
-                image_in_divergence: pair.wall_model == WallModel::Ghost,
+                image_in_divergence: pair.wall_model.mirrors_velocity(),
             },
             cap: L::constant(pair.wall_model.largest_factor()),
             limit: L::constant(pair.kernel.support_ratio().powi(2)),

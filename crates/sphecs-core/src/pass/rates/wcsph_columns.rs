@@ -8,7 +8,6 @@ use crate::pass::pack::{ColumnList, Scalar, Symmetric, Vector};
 use crate::pass::rates::VelocityLevel;
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
-use crate::physics::wall::WallModel;
 
 /// Most columns beside the coordinates in 3D: velocity, three scalars, strain, ∇C and volume,
 /// normal and stress.
@@ -80,7 +79,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
     has_walls: bool,
 ) -> (WcsphColumns, WcsphColumnList<'a, R, D>) {
     let mut list = WcsphColumnList::new();
-    let sees_dummies = has_walls && pair.wall_model == WallModel::Dummy;
+    let sees_dummies = has_walls && pair.wall_model.sees_kernel_mean();
     let velocity = if sees_dummies { &sums.velocity_seen } else { level.columns(particles) };
     let places = WcsphColumns {
         velocity: list.add_vector(velocity),

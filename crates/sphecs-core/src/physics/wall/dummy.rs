@@ -1,25 +1,60 @@
-//! Dummy particles: the velocity that the fluid sees in a wall.
+//! Dummy particles: velocity of a wall particle as the fluid sees it.
 //!
 //! ```text
 //! no slip      v_w = 2 v_wall − ṽ,                          ṽ_w = Σ_b v_b W_wb / Σ_b W_wb
 //! free slip    v_w = ṽ − 2 ((ṽ − v_wall)·n) n,   no viscous force
 //! ```
 //!
-//! Adami et al. (2012), Eqs. 22 and 23, over fluid, inflow and outflow. The kernel mean at a wall particle is the velocity of the
-//! fluid some way in front of the surface, and not at the mirror image of the particle: the profile is not continued as
-//! a straight line, which the flow sees as a surface a little beside that of the scene (0.45 % of Poiseuille's peak with 25
-//! rows, where the image has 0.26 %: docs/walls.md). In return no factor becomes large for a particle that touches the wall.
+//! Adami et al. (2012), Eqs. 22 and 23, over fluid, inflow and outflow. The kernel mean at a wall
+//! particle is the velocity of the fluid some way in front of the surface, not at the mirror image
+//! of the particle. So the profile is not continued as a straight line, and the effective surface
+//! is slightly displaced (0.45 % of the peak of a Poiseuille flow with 25 particles across, where
+//! the image has 0.26 %: docs/walls.md). In return no factor becomes large for a particle that
+//! touches the wall.
 //!
-//! The viscous term alone sees v_w; in the equation of an evolved pressure the divergence sees the wall's own velocity,
-//! as in their section 2.3.
+//! Only the viscous term uses v_w. In the equation of an evolved pressure the divergence uses the
+//! velocity of the wall itself, as in their section 2.3.
 
-/// The velocity that the fluid sees in a no-slip wall particle, m/s, of the wall's and the kernel mean of the fluid's.
+use super::{WallMethod, WallPressure};
+
+/// The model; it has no parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dummy;
+
+impl WallMethod for Dummy {
+    fn pressure(&self) -> WallPressure {
+        WallPressure::Extrapolated
+    }
+
+    fn largest_factor(&self) -> f64 {
+        1.0
+    }
+
+    #[inline(always)]
+    fn inverse_distance(&self, _distance: f64, _spacing: f64) -> f64 {
+        // A wall particle has the velocity that is seen.
+        0.0
+    }
+
+    #[inline(always)]
+    fn image_distance(&self, distance: f64) -> f64 {
+        distance
+    }
+
+    fn sees_kernel_mean(&self) -> bool {
+        true
+    }
+}
+
+/// Returns the velocity that the fluid sees in a no-slip wall particle, m/s, from those of the wall
+/// and of the kernel mean.
 #[inline(always)]
 pub fn no_slip<const D: usize>(wall: [f64; D], mean: [f64; D]) -> [f64; D] {
     std::array::from_fn(|d| 2.0 * wall[d] - mean[d])
 }
 
-/// The same of a free-slip wall with the unit normal n: the mean with its normal part mirrored, m/s.
+/// Returns the velocity that the fluid sees in a free-slip wall particle of unit normal n, m/s: the
+/// mean with its normal part mirrored.
 #[inline(always)]
 pub fn free_slip<const D: usize>(wall: [f64; D], mean: [f64; D], normal: [f64; D]) -> [f64; D] {
     let into: f64 = (0..D).map(|d| (mean[d] - wall[d]) * normal[d]).sum();
@@ -31,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_of_both_sides_is_the_walls_velocity() {
+    fn the_mean_of_both_sides_is_the_velocity_of_the_wall() {
         let (wall, mean) = ([0.5, -1.0], [2.0, 3.0]);
         let seen = no_slip(wall, mean);
         for d in 0..2 {

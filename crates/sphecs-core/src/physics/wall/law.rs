@@ -1,12 +1,14 @@
-//! Law of the wall: the friction of a wall whose boundary layer is thinner than the spacing.
+//! Law of the wall: friction of a wall whose boundary layer is thinner than the spacing.
 //!
 //! ```text
-//! y⁺ = u⁺ + e^(−κB) [e^(κu⁺) − 1 − κu⁺ − (κu⁺)²/2 − (κu⁺)³/6],   u⁺ = u/u_τ,  y⁺ = y u_τ/ν,  τ_w = ρ u_τ²
+//! y⁺ = u⁺ + e^(−κB) [e^(κu⁺) − 1 − κu⁺ − (κu⁺)²/2 − (κu⁺)³/6]
+//! u⁺ = u/u_τ,  y⁺ = y u_τ/ν,  τ_w = ρ u_τ²
 //! ```
 //!
-//! Spalding (1961) with his κ = 0.4 and B = 5.5 (e^(−κB) = 0.1108), without the term of the fourth power, as he says that it fits as
-//! well: one formula from the viscous sublayer, u⁺ = y⁺, to the
-//! logarithmic layer, u⁺ = ln(y⁺)/κ + B. What is known is y and u(y), so that it is solved for u⁺ in u⁺ y⁺(u⁺) = u y/ν.
+//! Spalding (1961) with his κ = 0.4 and B = 5.5 (e^(−κB) = 0.1108), without the term of the fourth
+//! power, which he says fits as well. One formula covers the viscous sublayer, u⁺ = y⁺, and the
+//! logarithmic layer, u⁺ = ln(y⁺)/κ + B. Given y and u(y), it is solved for u⁺ in u⁺ y⁺(u⁺) = u
+//! y/ν.
 
 /// von Kármán's constant.
 const KAPPA: f64 = 0.4;
@@ -14,17 +16,19 @@ const KAPPA: f64 = 0.4;
 /// The constant of the logarithmic law.
 const B: f64 = 5.5;
 
-/// The most steps of Newton's method; six are enough from its first guess for u y/ν of 1e-12 to 1e12.
-const MOST_STEPS: usize = 30;
+/// Largest number of steps of Newton's method; six suffice from its first guess for u y/ν of 1e-12
+/// to 1e12.
+const MAX_STEPS: usize = 30;
 
 /// Relative change of u⁺ at which the method ends.
 const TOLERANCE: f64 = 1e-14;
 
-/// y⁺ of u⁺, and its derivative.
+/// Returns y⁺ of u⁺ and its derivative.
 fn distance(u_plus: f64) -> (f64, f64) {
     let s = KAPPA * u_plus;
     let e = (-KAPPA * B).exp();
-    // The bracket loses all its digits where s is small; there its series goes on with s⁴/24 (1 + s/5 + s²/30 …).
+    // The bracket loses all its digits where s is small; its series there is s⁴/24 (1 + s/5 + s²/30
+    // …).
     let (rest, slope) = if s < 0.1 {
         let series = 1.0 + s / 5.0 * (1.0 + s / 6.0 * (1.0 + s / 7.0 * (1.0 + s / 8.0)));
         let of_slope = 1.0 + s / 4.0 * (1.0 + s / 5.0 * (1.0 + s / 6.0 * (1.0 + s / 7.0)));
@@ -35,15 +39,16 @@ fn distance(u_plus: f64) -> (f64, f64) {
     (u_plus + e * rest, 1.0 + KAPPA * e * slope)
 }
 
-/// u_τ, m/s, of the tangential speed (m/s) at a distance (m) from the wall; 0 where nothing moves. An inviscid fluid has none.
+/// Returns u_τ, m/s, for a tangential speed (m/s) at a distance (m) from the wall; 0 at rest and
+/// for an inviscid fluid.
 pub fn friction_velocity(speed: f64, y: f64, viscosity: f64) -> f64 {
     let reynolds = speed * y / viscosity;
     if !(reynolds > 0.0 && reynolds.is_finite()) {
         return 0.0;
     }
-    // u⁺ ≤ √(u y/ν), as y⁺ ≥ u⁺; and, for u⁺ ≥ 1, about what the logarithm has at y⁺ = u y/ν.
+    // u⁺ ≤ √(u y/ν), since y⁺ ≥ u⁺; for u⁺ ≥ 1 about the logarithm at y⁺ = u y/ν.
     let mut u_plus = reynolds.sqrt().min((1.0 + reynolds).ln() / KAPPA + B);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (y_plus, slope) = distance(u_plus);
         // Newton's method for ln(u⁺ y⁺) = ln(u y/ν) in ln u⁺: nearly a straight line where u⁺ = y⁺.
         let step = -(u_plus * y_plus / reynolds).ln() / (1.0 + u_plus * slope / y_plus);
@@ -59,8 +64,8 @@ pub fn friction_velocity(speed: f64, y: f64, viscosity: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Speed and distance in units of the wall, for ν = 1.
-    fn reaches(u_plus: f64, y_plus: f64, u_tau: f64, tolerance: f64) {
+    /// Checks u_τ for speed and distance in wall units, for ν = 1.
+    fn check(u_plus: f64, y_plus: f64, u_tau: f64, tolerance: f64) {
         let found = friction_velocity(u_plus * u_tau, y_plus / u_tau, 1.0);
         assert!((found / u_tau - 1.0).abs() < tolerance, "{found}, not {u_tau}, at y+ = {y_plus}");
     }
@@ -68,7 +73,7 @@ mod tests {
     #[test]
     fn the_sublayer_is_linear() {
         for y_plus in [1e-6, 1e-3, 0.1, 1.0] {
-            reaches(y_plus, y_plus, 0.3, 1e-3);
+            check(y_plus, y_plus, 0.3, 1e-3);
         }
         // A shear of u/y: τ = ρ ν u/y.
         let u_tau = friction_velocity(1e-3, 2.0, 5.0);
@@ -76,14 +81,14 @@ mod tests {
     }
 
     #[test]
-    fn far_out_it_is_the_logarithm() {
+    fn the_outer_layer_is_logarithmic() {
         for y_plus in [300.0, 1e3, 1e5] {
-            reaches(f64::ln(y_plus) / KAPPA + B, y_plus, 0.05, 1e-2);
+            check(f64::ln(y_plus) / KAPPA + B, y_plus, 0.05, 1e-2);
         }
     }
 
     #[test]
-    fn it_solves_what_it_says_for_any_reynolds_number() {
+    fn the_equation_is_solved_for_any_reynolds_number() {
         let mut before = 0.0;
         for power in -24..=24 {
             let reynolds = 10_f64.powf(0.5 * f64::from(power));
@@ -96,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn the_slope_is_that_of_the_distance_on_both_sides_of_the_series() {
+    fn the_slope_is_the_derivative_on_both_sides_of_the_series() {
         for u_plus in [0.01, 0.2499, 0.2501, 3.0, 20.0] {
             let step = 1e-5 * u_plus;
             let slope = (distance(u_plus + step).0 - distance(u_plus - step).0) / (2.0 * step);
@@ -107,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_rubs_that_does_not_move_or_has_no_viscosity() {
+    fn there_is_no_friction_at_rest_or_without_viscosity() {
         assert_eq!(friction_velocity(0.0, 0.1, 1e-6), 0.0);
         assert_eq!(friction_velocity(1.0, 0.1, 0.0), 0.0);
     }

@@ -1,7 +1,13 @@
-//! Wall models: the door lists the rooms and holds the closed choices.
+//! Wall models.
 //!
-//! To add a model: a room here; a variant of [`WallModel`] with an arm in each of its functions; in the pair loops, what it
-//! does to a velocity or pressure that these functions cannot say; a row of the table in docs/walls.md, measured.
+//! - [`dummy`]: velocity and pressure from the kernel mean of the fluid
+//! - [`ghost`]: velocity and pressure from each fluid particle
+//! - [`image`]: velocity continued linearly through the surface
+//! - [`law`]: law of the wall for boundary layers thinner than the spacing
+//! - [`transposed`]: shear of a moving surface by the transposed velocity gradient
+//!
+//! To add a model: a file with a type that implements [`WallMethod`], a variant of [`WallModel`]
+//! and an arm of its dispatch below, and the source in docs/REFERENCES.md.
 
 pub mod dummy;
 pub mod ghost;
@@ -11,7 +17,11 @@ pub mod transposed;
 
 use serde::{Deserialize, Serialize};
 
-/// How a wall enters the sums of a fluid particle.
+use dummy::Dummy;
+use ghost::Ghost;
+use image::Image;
+
+/// Model of a wall in the sums of a fluid particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WallModel {
@@ -20,15 +30,70 @@ pub enum WallModel {
         /// Largest factor 1 + d_w/d_a of the image velocity; Morris et al. take 1.5. None: no cap.
         #[serde(default)]
         velocity_cap: Option<f64>,
-        /// Where the pressure of a wall particle comes from.
+        /// Source of the pressure of a wall particle.
         #[serde(default)]
         pressure: WallPressure,
     },
-    /// Dummy particles, Adami et al. (2012): velocity and pressure continue the kernel mean of the fluid's.
+    /// Dummy particles, Adami et al. (2012): velocity and pressure continue the kernel mean of the
+    /// fluid.
     Dummy,
-    /// Ghost particles of Simcenter STAR-CCM+: for each fluid particle its own velocity turned about that of the wall, and
-    /// its own pressure with the weight between both.
+    /// Ghost particles of Simcenter STAR-CCM+: for each fluid particle its own velocity reversed
+    /// relative to the wall, and its own pressure with the weight of the fluid between both.
     Ghost,
+}
+
+/// A wall model: velocity and pressure of wall particles as the pair sums see them.
+pub trait WallMethod {
+    /// Returns the source of the pressure of a wall particle.
+    fn pressure(&self) -> WallPressure;
+
+    /// Returns the largest factor by which the difference v_a − v_wall is continued into the wall.
+    fn largest_factor(&self) -> f64;
+
+    /// Returns 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the
+    /// wall.
+    fn inverse_distance(&self, distance: f64, spacing: f64) -> f64;
+
+    /// Returns d_b of the factor 1 + d_b/d_a, m, of a wall particle this far (m) behind the
+    /// surface.
+    fn image_distance(&self, distance: f64) -> f64;
+
+    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall
+    /// particles.
+    fn sees_kernel_mean(&self) -> bool {
+        false
+    }
+
+    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall
+    /// particles.
+    fn mirrors_velocity(&self) -> bool {
+        false
+    }
+
+    /// Returns what is wrong with the parameters, if anything is.
+    fn fault(&self) -> Option<&'static str> {
+        None
+    }
+}
+
+/// Evaluates an expression with the method of a model: the only match on the models.
+macro_rules! with_model {
+    ($model:expr, $method:ident => $result:expr) => {
+        match $model {
+            WallModel::Image { velocity_cap, pressure } => {
+                let $method = Image { velocity_cap, pressure };
+                $result
+            }
+            WallModel::Dummy => {
+                let $method = Dummy;
+                $result
+            }
+            WallModel::Ghost => {
+                let $method = Ghost;
+                $result
+            }
+        }
+    };
 }
 
 impl Default for WallModel {
@@ -38,70 +103,73 @@ impl Default for WallModel {
 }
 
 impl WallModel {
-    /// Where the pressure of a wall particle comes from.
+    /// Returns the source of the pressure of a wall particle.
     pub fn pressure(self) -> WallPressure {
-        match self {
-            WallModel::Image { pressure, .. } => pressure,
-            WallModel::Dummy => WallPressure::Extrapolated,
-            WallModel::Ghost => WallPressure::Mirrored,
-        }
+        with_model!(self, method => method.pressure())
     }
 
-    /// Largest factor by which the difference v_a − v_wall is continued into the wall.
+    /// Returns the largest factor by which the difference v_a − v_wall is continued into the wall.
     pub fn largest_factor(self) -> f64 {
-        match self {
-            WallModel::Image { velocity_cap, .. } => velocity_cap.unwrap_or(f64::INFINITY),
-            WallModel::Dummy => 1.0,
-            WallModel::Ghost => ghost::FACTOR,
-        }
+        with_model!(self, method => method.largest_factor())
     }
 
-    /// 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the wall.
+    /// Returns 1/d_a of the factor 1 + d_b/d_a, 1/m, of a fluid particle at a distance (m) from the
+    /// wall.
     #[inline(always)]
     pub fn inverse_distance(self, distance: f64, spacing: f64) -> f64 {
-        match self {
-            WallModel::Image { .. } => image::inverse_distance(distance, spacing),
-            // A wall particle has the velocity that is seen.
-            WallModel::Dummy => 0.0,
-            WallModel::Ghost => ghost::INVERSE_DISTANCE,
-        }
+        with_model!(self, method => method.inverse_distance(distance, spacing))
     }
 
-    /// d_b of the factor 1 + d_b/d_a, m, of a wall particle this far behind the surface.
+    /// Returns d_b of the factor 1 + d_b/d_a, m, of a wall particle this far (m) behind the
+    /// surface.
     #[inline(always)]
     pub fn image_distance(self, distance: f64) -> f64 {
-        match self {
-            WallModel::Image { .. } | WallModel::Dummy => distance,
-            WallModel::Ghost => ghost::DISTANCE,
-        }
+        with_model!(self, method => method.image_distance(distance))
+    }
+
+    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall
+    /// particles.
+    pub fn sees_kernel_mean(self) -> bool {
+        with_model!(self, method => method.sees_kernel_mean())
+    }
+
+    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall
+    /// particles.
+    pub fn mirrors_velocity(self) -> bool {
+        with_model!(self, method => method.mirrors_velocity())
+    }
+
+    /// Returns what is wrong with the parameters, if anything is.
+    pub fn fault(self) -> Option<&'static str> {
+        with_model!(self, method => method.fault())
     }
 }
 
-/// Pressure of a wall particle.
+/// Source of the pressure of a wall particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WallPressure {
-    /// Adami et al. (2012): kernel mean of the fluid's pressure with its hydrostatic part.
+    /// Adami et al. (2012): kernel mean of the pressure of the fluid, with its hydrostatic part.
     #[default]
     Extrapolated,
     /// Per pair: p_a + ρ_a (g − a_wall)·(x_w − x_a).
     Mirrored,
 }
 
-/// Whether the fluid sticks to a wall.
+/// Slip condition of a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Slip {
-    /// The fluid has the wall's velocity at its surface.
+    /// The fluid has the velocity of the wall at its surface.
     #[default]
     NoSlip,
     /// The wall takes no tangential stress.
     FreeSlip,
-    /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing away; pairs with it exert none. For
-    /// boundary layers that the spacing does not resolve.
+    /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing
+    /// away; pairs with it exert none. For boundary layers that the spacing does not resolve.
     WallFunction,
 }
 
 impl Slip {
-    /// Whether the pairs of fluid and wall exert no viscous force.
+    /// Tells whether the pairs of fluid and wall exert no viscous force.
     pub fn is_free_in_pairs(self) -> bool {
         self != Slip::NoSlip
     }

@@ -1,26 +1,10 @@
-//! Velocity and pressure of inflow particles.
-//!
-//! The velocity is the scene's. An extrapolated pressure is the fluid's at the mirror image of the particle in the
-//! inlet plane, by first-order corrected sums, carried back over the distance by the pressure gradient that the
-//! prescribed motion needs:
-//!
-//! ```text
-//! p_o = p(x_k) + ρ0 (g − dv_in/dt + ν ∇²v_in)·(x_o − x_k),   x_k = x_o − 2 ((x_o − x_plane)·n) n
-//! ```
-//!
-//! Negi et al. (2020), Eq. 22, for the first term. Extrapolating the sampled gradient instead would multiply its
-//! noise by the distance.
-//!
-//! The particle's pressure follows it over the time in which sound passes two particles. At once, the inlet is a wall
-//! that reflects sound with a gain, for the sums extrapolate where the first row of fluid stands away from the plane:
-//! Poiseuille flow at c0 = 2 m/s burst when its first particles came to cross. A wall whose pressure lags gives way to
-//! the wave and takes its energy: the flow stays within 0.1 % of the series.
+//! Velocity, pressure and motion of inflow particles.
 
 use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use super::rows::PatchRows;
+use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
@@ -28,101 +12,100 @@ use crate::resources::pair::Pair;
 use crate::resources::pair_sums::Sums;
 use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
+use sphecs_core::boundary::inlet::zone::{InflowBuffers, InflowMotion, InflowZone};
 use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
-use sphecs_core::pass::fits::PointFit;
-use sphecs_core::pass::points::PointFlows;
-use sphecs_core::physics::inlet::InletPressure;
 use sphecs_scene::model::{Inlet, Scene};
 
-/// Time over which an extrapolated pressure is followed, in passages of sound over Δ.
-const LAG: f64 = 2.0;
-
-/// Inflow particles that a thread takes at least.
+/// Smallest number of inflow particles per thread: a profile may be an expression.
 const CHUNK: usize = 32;
 
-/// Velocity that an inlet prescribes at a point and time, m/s.
-pub fn inlet_velocity(inlet: &Inlet, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
-    inlet.velocity_at(viscosity, point, time)
+/// Step of the differences in time of a prescribed velocity, over Δ/c0: short against any ramp.
+const TIME_DIFFERENCE: f64 = 1e-4;
+
+/// Step of the differences in space of a prescribed velocity, over Δ: short against any profile
+/// that the particles resolve.
+const SPACE_DIFFERENCE: f64 = 0.25;
+
+/// Motion that a scene prescribes at one of its inlets at a time (s).
+struct SceneMotion<'a> {
+    scene: &'a Scene,
+    inlet: &'a Inlet,
+    time: f64,
 }
 
-/// What an inflow particle has in a step.
-pub struct Prescribed {
-    /// Velocity, m/s.
-    velocity: DVec3,
-    /// Pressure, Pa.
-    pressure: f64,
-    /// Density that the pressure belongs to, kg/m³; None where it is summed.
-    density: Option<f64>,
+impl InflowMotion for SceneMotion<'_> {
+    fn velocity(&self, point: DVec3) -> DVec3 {
+        self.inlet.velocity_at(self.scene.fluid.viscosity, point, self.time)
+    }
+
+    fn pressure_force(&self, point: DVec3) -> DVec3 {
+        let scene = self.scene;
+        let moment = TIME_DIFFERENCE * scene.spacing / scene.fluid.sound_speed;
+        let step = SPACE_DIFFERENCE * scene.spacing;
+        let viscosity = if scene.scheme.is_viscous() { scene.fluid.viscosity } else { 0.0 };
+        let inertia = self.inlet.inertia(viscosity, point, self.time, step, moment);
+        body_force(&scene.body_force, point, self.time) - inertia
+    }
 }
 
 /// Sets velocity, pressure and density of inflow particles at the present time.
 pub fn apply_inlets<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
-    pair: Res<Pair>,
-    grid: Res<Grid<D>>,
+    (pair, grid): (Res<Pair>, Res<Grid<D>>),
     rows: Res<PatchRows>,
-    mut flows: Local<PointFlows<D>>,
-    mut inflow: Local<Vec<Prescribed>>,
+    mut buffers: Local<InflowBuffers<D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    let nu = scene.fluid.viscosity;
-    let lag = LAG * scene.spacing / scene.fluid.sound_speed;
     for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
-        let share = match inlet.pressure {
-            InletPressure::Prescribed(_) => 1.0,
-            InletPressure::Extrapolated => clock.time_step / (clock.time_step + lag),
+        let mut zone = InflowZone {
+            patch: &inlet.patch,
+            rows,
+            motion: &SceneMotion { scene, inlet, time: clock.time },
+            spacing: scene.spacing,
+            density: scene.fluid.density,
+            sound_speed: scene.fluid.sound_speed,
+            time_step: clock.time_step,
+            is_first_step: clock.step == 0,
+            pair: &pair.0,
+            grid: &grid.0,
+            arrays: &mut arrays,
+            sums: &mut sums.0,
+            buffers: &mut buffers,
         };
-        if inlet.pressure == InletPressure::Extrapolated {
-            flows.points.clear();
-            flows.points.extend(rows.iter().map(|&row| {
-                let mirrored = mirrored(inlet, arrays.position_of(row as usize));
-                std::array::from_fn(|axis| mirrored[axis])
-            }));
-            flows.find(PointFit::Pressure, &pair.0, &grid.0, &arrays, &mut sums.0);
-        }
-        let (before, found) = (&**arrays, &flows.found);
-        let prescribed = rows.par_iter().enumerate().with_min_len(CHUNK).map(|(index, &row)| {
-            let row = row as usize;
-            let (place, own) = (before.position_of(row), before.pressure[row].to_f64());
-            let pressure = match inlet.pressure {
-                InletPressure::Prescribed(pressure) => pressure,
-                InletPressure::Extrapolated => match found[index] {
-                    Some(flow) => flow.pressure - rise(scene, inlet, place, clock.time),
-                    None => own,
-                },
-            };
-            let at_once = before.needs_restart[row] || clock.step == 0;
-            let pressure = if at_once { pressure } else { own + share * (pressure - own) };
-            let velocity = inlet_velocity(inlet, nu, place, clock.time);
-            Prescribed { velocity, pressure, density: pair.0.density_at(pressure) }
-        });
-        prescribed.collect_into_vec(&mut inflow);
-        for (&row, &Prescribed { velocity, pressure, density }) in rows.iter().zip(&*inflow) {
-            let row = row as usize;
-            set_real_vector(&mut arrays.velocity, row, velocity);
-            arrays.pressure[row] = R::from_f64(pressure);
-            if let Some(density) = density {
-                arrays.density[row] = R::from_f64(density);
-            }
-        }
+        inlet.pressure.apply(&mut zone);
     }
 }
 
-/// The mirror image of a point in the plane of an inlet.
-fn mirrored(inlet: &Inlet, point: DVec3) -> DVec3 {
-    point - inlet.patch.towards * (2.0 * inlet.patch.along(point))
-}
-
-/// By how much the prescribed motion makes the pressure rise from a point to its mirror image, Pa.
-fn rise(scene: &Scene, inlet: &Inlet, point: DVec3, time: f64) -> f64 {
-    // Short against any ramp, and against any profile that the particles can follow.
-    let (moment, step) = (1e-4 * scene.spacing / scene.fluid.sound_speed, 0.25 * scene.spacing);
-    let viscosity = if scene.scheme.is_viscous() { scene.fluid.viscosity } else { 0.0 };
-    let inertia = inlet.inertia(viscosity, point, time, step, moment);
-    let gradient = (body_force(&scene.body_force, point, time) - inertia) * scene.fluid.density;
-    gradient.dot(mirrored(inlet, point) - point)
+/// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
+/// `velocities` is a buffer that is kept from step to step.
+pub fn move_inflow<R: Real, const D: usize>(
+    inlet: &Inlet,
+    viscosity: f64,
+    rows: &[u32],
+    (time, time_step): (f64, f64),
+    velocities: &mut Vec<DVec3>,
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    let before = &*arrays;
+    let next = rows
+        .par_iter()
+        .with_min_len(CHUNK)
+        .map(|&row| inlet.velocity_at(viscosity, before.position_of(row as usize), time + time_step));
+    next.collect_into_vec(velocities);
+    for (&row, &next) in rows.iter().zip(&*velocities) {
+        let row = row as usize;
+        let v = arrays.velocity_of(row);
+        set_real_vector(&mut arrays.previous_velocity, row, v);
+        set_real_vector(&mut arrays.velocity, row, next);
+        // The mean of both ends carries the prescribed flux through a ramp to second order.
+        let way = (v + next) * (0.5 * time_step);
+        for axis in 0..D {
+            arrays.position[axis][row] += way[axis];
+        }
+    }
 }

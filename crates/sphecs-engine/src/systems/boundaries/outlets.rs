@@ -1,164 +1,291 @@
-//! Outlets: what each remembers, and which room applies its condition.
+//! Outlets of a simulation: conditions with their memory, and the systems that apply them.
 //!
-//! A condition sets the pressure of its zone; under `Wcsph` the density follows from it, under `EdacTvf` it is summed. It says with
-//! which speed the zone moves along the normal, and what the fluid sees of its velocity.
+//! A condition sets the pressure of its zone. Under `Wcsph` the density follows from it, under
+//! `EdacTvf` it is summed. The condition also sets the speed at which the zone moves along the
+//! normal and the velocity that the fluid sees.
+
+use std::marker::PhantomData;
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Local, Res, ResMut};
+use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::absorb::AbsorbingZone;
-use super::hybrid::{HybridZone, apply_hybrid};
-use super::kept::{apply_characteristic, apply_do_nothing, apply_mirror, apply_modified_do_nothing};
-use super::rows::PatchRows;
-use super::wave_zone::{ZoneMove, apply_wave};
+use super::outlet_registry::{AddedOutlets, OutletFaults};
+use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::Sums;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::grid::CellGrid;
+use crate::saved_state::{SavedResources, decode_record, encode_record};
+use sphecs_core::boundary::flow::FlowProperties;
+use sphecs_core::boundary::outlet::OutletVisitor;
+use sphecs_core::boundary::outlet::method::{Advanced, Needs, OutflowMotion, OutletMethod};
+use sphecs_core::boundary::outlet::zone::{OutflowZone, ZoneBuffers};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
-use sphecs_core::particles::rows::set_real_vector;
-use sphecs_core::pass::fits::{PointFit, PointFlow};
-use sphecs_core::pass::points::PointFlows;
-use sphecs_core::pass::settings::PairSettings;
-use sphecs_core::pass::sums::PairSums;
-use sphecs_core::physics::outlet::characteristic::References;
-use sphecs_core::physics::outlet::{Outflow, OutletCondition};
+use sphecs_core::particles::rows::{real_vector, set_real_vector};
+use sphecs_core::pass::fits::PointFlow;
 use sphecs_scene::model::{Outlet, Scene};
 
-/// What each outlet remembers from step to step.
-#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct OutletStates(pub Vec<OutletState>);
-
-/// Memory of one outlet, and what the present stage found there.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OutletState {
-    /// State of an absorbing zone.
-    pub absorbing: AbsorbingZone,
-    /// State of a hybrid zone.
-    pub hybrid: HybridZone,
-    /// Mean normal velocity of the fluid next to the outlet, m/s.
-    pub fluid_velocity: f64,
-    /// Mean pressure of the fluid next to the outlet, Pa.
-    pub fluid_pressure: f64,
-    /// Speed along the normal with which each outflow row of the outlet moves, m/s.
-    pub convective: Vec<f64>,
+/// Outlets of a simulation.
+#[derive(Resource)]
+pub struct Outlets<R: Real, const D: usize> {
+    /// Outlets, in the order of the scene.
+    pub all: Vec<RunningOutlet<R, D>>,
+    needs: Vec<Needs>,
 }
 
-impl OutletState {
-    /// The mean flow next to the outlet.
-    pub fn mean(&self) -> PointFlow {
-        PointFlow { velocity: self.fluid_velocity, pressure: self.fluid_pressure, ..PointFlow::default() }
+/// An outlet with its condition and the state of the present stage.
+pub struct RunningOutlet<R: Real, const D: usize> {
+    /// Mean normal velocity and pressure of the fluid next to the outlet.
+    pub adjacent: PointFlow,
+    /// Speed along the normal of each outflow row of the outlet, m/s.
+    pub speeds: Vec<f64>,
+    condition: Box<dyn RunningCondition<R, D>>,
+}
+
+/// A condition with its memory, for one precision and dimension.
+pub(super) trait RunningCondition<R: Real, const D: usize>: Send + Sync {
+    fn needs(&self) -> Needs;
+    fn apply(&mut self, zone: &mut OutflowZone<'_, R, D>);
+    fn find_rates(&mut self, zone: &mut OutflowZone<'_, R, D>);
+    /// Moves rows, with the speed along the normal of each, by a time step (s).
+    fn move_particles(
+        &self,
+        normal: DVec3,
+        rows: (&[u32], &[f64]),
+        time_step: f64,
+        arrays: &mut ParticleArrays<R, D>,
+    );
+    /// Returns the memory as a record.
+    fn save(&self) -> Vec<u8>;
+    /// Restores the memory from a record.
+    fn restore(&mut self, record: &[u8]) -> Result<(), String>;
+}
+
+/// A condition of a known type with its memory.
+pub(super) struct WithMemory<M: OutletMethod> {
+    method: M,
+    memory: M::Memory,
+}
+
+impl<M: OutletMethod> WithMemory<M> {
+    /// Returns a condition with an empty memory.
+    pub(super) fn new(method: &M) -> Self {
+        Self { method: method.clone(), memory: M::Memory::default() }
     }
 }
 
-/// What the conditions of a stage work on.
-pub struct OutletStage<'a, R: Real, const D: usize> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// The outlet.
-    pub outlet: &'a Outlet,
-    /// Rows by patch.
-    pub rows: &'a PatchRows,
-    /// Outflow rows of the outlet.
-    pub zone: &'a [u32],
-    /// Number of the outlet.
-    pub index: usize,
-    /// Size of the last step, s.
-    pub time_step: f64,
-    /// Settings of the pair sums.
-    pub pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
-    pub(super) buffers: &'a mut OutletBuffers<R, D>,
-    sums: &'a mut PairSums<R, D>,
-    /// The particles.
-    pub arrays: &'a mut ParticleArrays<R, D>,
-}
-
-/// Points with the fluid found at them, and a column that a mean is taken of; kept from step to step.
-#[derive(Default)]
-pub struct OutletBuffers<R: Real, const D: usize> {
-    flows: PointFlows<D>,
-    column: Vec<R>,
-    /// What a wave equation's stage found for the rows of its zone.
-    pub(super) of_zone: Vec<ZoneMove>,
-}
-
-impl<R: Real, const D: usize> OutletStage<'_, R, D> {
-    /// Unit normal of the outlet.
-    pub fn normal(&self) -> DVec3 {
-        self.outlet.patch.towards
+impl<M: OutletMethod, R: Real, const D: usize> RunningCondition<R, D> for WithMemory<M> {
+    fn needs(&self) -> Needs {
+        self.method.needs()
     }
 
-    /// ρ0 c0, kg/(m² s).
-    pub fn impedance(&self) -> f64 {
-        self.scene.fluid.density * self.scene.fluid.sound_speed
+    fn apply(&mut self, zone: &mut OutflowZone<'_, R, D>) {
+        self.method.apply(zone, &mut self.memory);
     }
 
-    /// Velocity (m/s) and pressure (Pa) of a row.
-    pub fn own(&self, row: usize) -> (DVec3, f64) {
-        (self.arrays.velocity_of(row), self.arrays.pressure[row].to_f64())
+    fn find_rates(&mut self, zone: &mut OutflowZone<'_, R, D>) {
+        self.method.find_rates(zone, &mut self.memory);
     }
 
-    /// Fits the fluid at the places of the zone's particles, moved, and then at others.
-    pub fn find_at_zone(
-        &mut self,
-        fit: PointFit,
-        moved: impl Fn(DVec3) -> DVec3,
-        others: impl Iterator<Item = DVec3>,
+    fn move_particles(
+        &self,
+        normal: DVec3,
+        (rows, speeds): (&[u32], &[f64]),
+        time_step: f64,
+        arrays: &mut ParticleArrays<R, D>,
     ) {
-        let (zone, flows) = (self.zone, &mut self.buffers.flows);
-        let points = zone.iter().map(|&row| moved(self.arrays.position_of(row as usize))).chain(others);
-        flows.points.clear();
-        flows.points.extend(points.map(|point| std::array::from_fn(|axis| point[axis])));
-        flows.find(fit, self.pair, self.grid, self.arrays, self.sums);
-    }
-
-    /// Takes means over the fluid at the zone's particles of what rows have, 0 for those that are not named.
-    pub fn find_mean(&mut self, values: impl Iterator<Item = (usize, f64)>) {
-        let OutletBuffers { flows, column, .. } = &mut *self.buffers;
-        column.clear();
-        column.resize(self.arrays.len(), R::default());
-        for (row, value) in values {
-            column[row] = R::from_f64(value);
+        for (&row, &speed) in rows.iter().zip(speeds) {
+            let row = row as usize;
+            let velocity = arrays.velocity_of(row);
+            let acceleration = real_vector(&arrays.acceleration, row);
+            let particle = OutflowMotion { velocity, acceleration, speed, normal, time_step };
+            let Advanced { velocity: next, speed } = self.method.advance(&particle);
+            set_real_vector(&mut arrays.previous_velocity, row, velocity);
+            set_real_vector(&mut arrays.velocity, row, next);
+            let way = normal * (speed * time_step);
+            for axis in 0..D {
+                arrays.position[axis][row] += way[axis];
+            }
         }
-        flows.points.clear();
-        flows.points.extend(self.zone.iter().map(|&row| {
-            let point = self.arrays.position_of(row as usize);
-            std::array::from_fn(|axis| point[axis])
-        }));
-        flows.find_mean(column, self.pair, self.grid, self.arrays, self.sums);
     }
 
-    /// What was found at the points.
-    pub fn found(&self) -> &[Option<PointFlow>] {
-        &self.buffers.flows.found
+    fn save(&self) -> Vec<u8> {
+        encode_record(&self.memory)
     }
 
-    /// Mean of what was found where there is fluid; None where there is none anywhere.
-    pub fn mean_found(&self, value: impl Fn(&PointFlow) -> f64) -> Option<f64> {
-        let (mut sum, mut count) = (0.0, 0);
-        for flow in self.found().iter().flatten() {
-            sum += value(flow);
-            count += 1;
+    fn restore(&mut self, record: &[u8]) -> Result<(), String> {
+        self.memory = decode_record(record)?;
+        Ok(())
+    }
+}
+
+/// Makes a condition of the engine ready to run.
+struct Start<R, const D: usize>(PhantomData<R>);
+
+impl<R: Real, const D: usize> OutletVisitor for Start<R, D> {
+    type Output = Box<dyn RunningCondition<R, D>>;
+
+    fn visit<M: OutletMethod>(self, method: &M) -> Self::Output {
+        Box::new(WithMemory::new(method))
+    }
+}
+
+/// Inserts the outlets of a scene and makes them part of the saved state; called after the plugins
+/// have added their conditions.
+///
+/// # Errors
+/// [`OutletFaults`] for conditions that no plugin adds and for parameters out of range.
+pub fn insert_outlets<R: Real, const D: usize>(world: &mut World, scene: &Scene) -> Result<(), OutletFaults> {
+    let added = world.get_resource_or_init::<AddedOutlets>();
+    let mut faults = Vec::new();
+    let mut outlets = Vec::new();
+    for outlet in &scene.outlets {
+        let condition = match outlet.condition.visit(Start(PhantomData::<R>)) {
+            Ok(condition) => condition,
+            Err(name) => match added.start(name) {
+                Ok(condition) => condition,
+                Err(found) => {
+                    faults.extend(found.into_iter().map(|fault| format!("{}: {fault}", outlet.patch.name)));
+                    continue;
+                }
+            },
+        };
+        outlets.push(RunningOutlet { adjacent: PointFlow::default(), speeds: Vec::new(), condition });
+    }
+    if !faults.is_empty() {
+        return Err(OutletFaults(faults));
+    }
+    let needs = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
+    world.insert_resource(Outlets::<R, D> { all: outlets, needs });
+    let mut saved = world.get_resource_or_init::<SavedResources>();
+    saved.add_with::<Outlets<R, D>>("outlets", save::<R, D>, restore::<R, D>);
+    Ok(())
+}
+
+/// An outlet in a saved state.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SavedOutlet {
+    /// Name of its condition.
+    condition: String,
+    /// Memory of the condition, as a record.
+    memory: Vec<u8>,
+    /// Mean normal velocity of the fluid next to the outlet, m/s.
+    fluid_velocity: f64,
+    /// Mean pressure of the fluid next to the outlet, Pa.
+    fluid_pressure: f64,
+    /// Speed along the normal of each outflow row, m/s.
+    convective: Vec<f64>,
+}
+
+fn save<R: Real, const D: usize>(world: &World) -> Option<Vec<u8>> {
+    let scene = &world.resource::<ActiveScene>().0;
+    let outlets = &world.get_resource::<Outlets<R, D>>()?.all;
+    let saved = scene.outlets.iter().zip(outlets).map(|(outlet, running)| SavedOutlet {
+        condition: outlet.condition.parameters().name().to_owned(),
+        memory: running.condition.save(),
+        fluid_velocity: running.adjacent.velocity,
+        fluid_pressure: running.adjacent.pressure,
+        convective: running.speeds.clone(),
+    });
+    Some(encode_record(&saved.collect::<Vec<_>>()))
+}
+
+fn restore<R: Real, const D: usize>(world: &mut World, bytes: &[u8]) -> Result<(), String> {
+    let scene = world.resource::<ActiveScene>().0.clone();
+    let saved: Vec<SavedOutlet> = decode_record(bytes)?;
+    let mut outlets = world.resource_mut::<Outlets<R, D>>();
+    if saved.len() != scene.outlets.len() {
+        return Err(format!("it has {} outlets, the scene has {}", saved.len(), scene.outlets.len()));
+    }
+    for ((outlet, running), saved) in scene.outlets.iter().zip(&mut outlets.all).zip(saved) {
+        let (patch, condition) = (&outlet.patch.name, outlet.condition.parameters().name());
+        if saved.condition != condition {
+            let found = &saved.condition;
+            return Err(format!("{patch} has the condition `{found}`, the scene has `{condition}`"));
         }
-        (count > 0).then(|| sum / f64::from(count))
+        let misread = |fault| format!("{patch}: the memory of `{condition}` does not read: {fault}");
+        running.condition.restore(&saved.memory).map_err(misread)?;
+        running.adjacent.velocity = saved.fluid_velocity;
+        running.adjacent.pressure = saved.fluid_pressure;
+        running.speeds = saved.convective;
     }
+    Ok(())
+}
 
-    /// Gives a row what the condition says.
-    pub fn set(&mut self, row: usize, outflow: Outflow, state: &mut OutletState) {
-        self.arrays.pressure[row] = R::from_f64(outflow.pressure);
-        if let Some(density) = self.pair.density_at(outflow.pressure) {
-            self.arrays.density[row] = R::from_f64(density);
-        }
-        set_real_vector(&mut self.arrays.velocity, row, outflow.velocity);
-        state.convective.push(outflow.speed);
+impl<R: Real, const D: usize> Outlets<R, D> {
+    /// Returns the requirements of the conditions, in the order of the scene.
+    pub fn needs(&self) -> &[Needs] {
+        &self.needs
+    }
+}
+
+impl<R: Real, const D: usize> RunningOutlet<R, D> {
+    /// Moves the outflow particles of the outlet by a time step, s. Each moves along the normal
+    /// only.
+    pub fn move_particles(
+        &self,
+        outlet: &Outlet,
+        rows: &[u32],
+        time_step: f64,
+        arrays: &mut ParticleArrays<R, D>,
+    ) {
+        self.condition.move_particles(outlet.patch.towards, (rows, &self.speeds), time_step, arrays);
+    }
+}
+
+/// Returns the properties of the flow of a scene that conditions refer to.
+fn flow_properties<'a>(
+    scene: &Scene,
+    is_in_domain: &'a (dyn Fn(DVec3) -> bool + Sync),
+) -> FlowProperties<'a> {
+    FlowProperties {
+        dimensions: scene.dimensions,
+        spacing: scene.spacing,
+        density: scene.fluid.density,
+        sound_speed: scene.fluid.sound_speed,
+        viscosity: scene.fluid.viscosity,
+        reference_velocity: scene.reference_velocity,
+        periodic: scene.periodic,
+        is_in_domain,
+    }
+}
+
+/// Calls a function with the condition and the zone of each outlet.
+fn for_each_zone<R: Real, const D: usize>(
+    (scene, clock, pair, grid): (&Scene, &Clock, &Pair, &Grid<D>),
+    rows: &PatchRows,
+    outlets: &mut Outlets<R, D>,
+    (buffers, sums, arrays): (&mut ZoneBuffers<R, D>, &mut Sums<R, D>, &mut ParticleArrays<R, D>),
+    mut work: impl FnMut(&mut dyn RunningCondition<R, D>, &mut OutflowZone<'_, R, D>),
+) {
+    let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
+    let flow = flow_properties(scene, &is_in_domain);
+    for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
+        let RunningOutlet { adjacent, speeds, condition } = running;
+        let mut zone = OutflowZone {
+            flow,
+            patch: &outlet.patch,
+            extent: scene.extent_along(outlet.patch.towards),
+            rows: &rows.outflow[index],
+            upstream: &rows.upstream[index],
+            inflow: &rows.inflow,
+            adjacent: *adjacent,
+            time_step: clock.time_step,
+            pair: &pair.0,
+            grid: &grid.0,
+            arrays: &mut *arrays,
+            sums: &mut sums.0,
+            buffers: &mut *buffers,
+            speeds,
+        };
+        work(&mut **condition, &mut zone);
     }
 }
 
@@ -166,57 +293,57 @@ fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
     rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
 }
 
-/// Sets pressure, density and velocity of outflow particles and finds with which speed they move.
+/// Finds the mean flow next to an outlet; without fluid there it stays.
+fn find_adjacent<R: Real, const D: usize>(
+    adjacent: &mut PointFlow,
+    normal: DVec3,
+    rows: &[u32],
+    arrays: &ParticleArrays<R, D>,
+) {
+    if !rows.is_empty() {
+        adjacent.velocity = mean(rows, |row| arrays.velocity_of(row).dot(normal));
+        adjacent.pressure = mean(rows, |row| arrays.pressure[row].to_f64());
+    }
+}
+
+/// Sets pressure, density and velocity of outflow particles and finds the speeds at which they
+/// move.
 pub fn apply_outlets<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
-    pair: Res<Pair>,
-    grid: Res<Grid<D>>,
+    (pair, grid): (Res<Pair>, Res<Grid<D>>),
     rows: Res<PatchRows>,
-    mut buffers: Local<OutletBuffers<R, D>>,
-    mut states: ResMut<OutletStates>,
+    mut buffers: Local<ZoneBuffers<R, D>>,
+    mut outlets: ResMut<Outlets<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    states.0.resize_with(scene.outlets.len(), OutletState::default);
-    for (index, outlet) in scene.outlets.iter().enumerate() {
-        let state = &mut states.0[index];
-        let before = &rows.before_outlet[index];
-        if !before.is_empty() {
-            let normal = outlet.patch.towards;
-            state.fluid_velocity = mean(before, |row| arrays.velocity_of(row).dot(normal));
-            state.fluid_pressure = mean(before, |row| arrays.pressure[row].to_f64());
-        }
-        state.convective.clear();
-        let mut stage = OutletStage {
-            scene,
-            outlet,
-            rows: &rows,
-            zone: &rows.outflow[index],
-            index,
-            time_step: clock.time_step,
-            pair: &pair.0,
-            grid: &grid.0,
-            buffers: &mut buffers,
-            sums: &mut sums.0,
-            arrays: &mut arrays,
-        };
-        match outlet.condition {
-            OutletCondition::WaveEquation { .. } | OutletCondition::Orlanski { .. } => {
-                apply_wave(&mut stage, state);
-            }
-            OutletCondition::DoNothing => apply_do_nothing(&mut stage, state),
-            OutletCondition::ModifiedDoNothing { shown } => {
-                apply_modified_do_nothing(&mut stage, shown, state);
-            }
-            OutletCondition::Mirror { variant } => apply_mirror(&mut stage, variant, state),
-            OutletCondition::Characteristic { velocity, pressure } => {
-                apply_characteristic(&mut stage, References { velocity, pressure }, state);
-            }
-            OutletCondition::Hybrid { velocity, pressure, steps } => {
-                apply_hybrid(&mut stage, velocity, pressure, steps, state);
-            }
-        }
+    let work = |condition: &mut dyn RunningCondition<R, D>, zone: &mut OutflowZone<'_, R, D>| {
+        condition.apply(zone);
+    };
+    for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
+        find_adjacent(&mut running.adjacent, outlet.patch.towards, &rows.before_outlet[index], &arrays);
+        running.speeds.clear();
     }
+    let state = (&mut *buffers, &mut *sums, &mut **arrays);
+    for_each_zone((scene, &clock, &pair, &grid), &rows, &mut outlets, state, work);
+}
+
+/// Finds rates and shifting vectors of outflow particles.
+pub fn find_outlet_rates<R: Real, const D: usize>(
+    scene: Res<ActiveScene>,
+    clock: Res<Clock>,
+    (pair, grid): (Res<Pair>, Res<Grid<D>>),
+    rows: Res<PatchRows>,
+    mut buffers: Local<ZoneBuffers<R, D>>,
+    mut outlets: ResMut<Outlets<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
+) {
+    let work = |condition: &mut dyn RunningCondition<R, D>, zone: &mut OutflowZone<'_, R, D>| {
+        condition.find_rates(zone);
+    };
+    let state = (&mut *buffers, &mut *sums, &mut **arrays);
+    for_each_zone((&scene.0, &clock, &pair, &grid), &rows, &mut outlets, state, work);
 }

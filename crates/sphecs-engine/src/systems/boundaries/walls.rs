@@ -1,7 +1,8 @@
 //! Velocity and pressure of wall particles.
 //!
-//! A wall particle has the velocity of the surface point in front of it, x_w + d_w n: that of its own place would, inside
-//! a cylinder that turns, be too slow by the depth, and the fluid would see a surface that lags.
+//! A wall particle has the velocity of the surface point in front of it, x_w + d_w n. The velocity
+//! at its own position would be too low inside a turning cylinder, in proportion to the depth, and
+//! the fluid would see a surface that lags.
 
 use std::ops::Range;
 
@@ -21,11 +22,11 @@ use sphecs_core::pass::blocks::for_each_part;
 use sphecs_core::pass::rates::VelocityLevel;
 use sphecs_core::pass::wall_velocity::find_velocity_seen;
 use sphecs_core::pass::walls::extrapolate_wall_pressure;
-use sphecs_core::physics::wall::{Slip, WallModel, WallPressure};
+use sphecs_core::physics::wall::{Slip, WallPressure};
 use sphecs_scene::model::{BodyForce, Scene, WallPart};
 
-/// Sets the velocity of walls whose surface moves, and pressure and velocity of wall particles from the flow next to them, as
-/// the wall model asks.
+/// Sets the velocity of moving walls, and pressure and velocity of wall particles from the flow
+/// next to them, as the wall model requires.
 pub fn apply_walls<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
@@ -37,40 +38,8 @@ pub fn apply_walls<R: Real, const D: usize>(
 ) {
     let scene = &*scene.0;
     let time = clock.time;
-    let parts = &scene.walls.parts;
-    if parts.iter().any(WallPart::moves) {
-        let ParticleArrays {
-            zone,
-            patch,
-            position,
-            velocity,
-            previous_velocity,
-            wall_distance,
-            wall_normal,
-            ..
-        } = &mut **arrays;
-        let (zone, patch, position) = (&*zone, &*patch, &*position);
-        let (wall_distance, wall_normal) = (&*wall_distance, &*wall_normal);
-        let work = |rows: Range<usize>, (velocity, before): Columns<R, D>| {
-            for (at, row) in rows.enumerate() {
-                if zone[row] != Zone::Wall {
-                    continue;
-                }
-                let part = &parts[usize::from(patch[row])];
-                if part.moves() {
-                    let depth = wall_distance[row].to_f64();
-                    let surface = vector(position, row) + real_vector(wall_normal, row) * depth;
-                    let now = part.velocity_at(surface, time);
-                    for axis in 0..D {
-                        before[axis][at] = velocity[axis][at];
-                        velocity[axis][at] = R::from_f64(now[axis]);
-                    }
-                }
-            }
-        };
-        let columns =
-            (velocity.each_mut().map(Vec::as_mut_slice), previous_velocity.each_mut().map(Vec::as_mut_slice));
-        for_each_part(0..zone.len(), columns, &work);
+    if scene.walls.parts.iter().any(WallPart::moves) {
+        set_surface_velocity(&scene.walls.parts, time, &mut arrays);
     }
     match scene.walls.model.pressure() {
         WallPressure::Extrapolated => {
@@ -79,16 +48,51 @@ pub fn apply_walls<R: Real, const D: usize>(
         }
         WallPressure::Mirrored => find_body_force(scene, time, &arrays, &mut sums.0.body_force),
     }
-    if scene.walls.model == WallModel::Dummy {
+    if scene.walls.model.sees_kernel_mean() {
         let level = since_correction.map_or(VelocityLevel::Present, |since| since.time_level());
         find_velocity_seen(&pair.0, &grid.0, &arrays, level, &mut sums.0);
     }
 }
 
-/// What carries the pressure of the fluid into a wall row: g − a_wall, m/s², Adami et al. (2012), Eq. 27.
+/// Sets the velocity of the particles of moving wall parts to that of the surface in front of them.
+fn set_surface_velocity<R: Real, const D: usize>(
+    parts: &[WallPart],
+    time: f64,
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    let ParticleArrays {
+        zone, patch, position, velocity, previous_velocity, wall_distance, wall_normal, ..
+    } = arrays;
+    let (zone, patch, position) = (&*zone, &*patch, &*position);
+    let (wall_distance, wall_normal) = (&*wall_distance, &*wall_normal);
+    let work = |rows: Range<usize>, (velocity, before): Columns<R, D>| {
+        for (at, row) in rows.enumerate() {
+            if zone[row] != Zone::Wall {
+                continue;
+            }
+            let part = &parts[usize::from(patch[row])];
+            if part.moves() {
+                let depth = wall_distance[row].to_f64();
+                let surface = vector(position, row) + real_vector(wall_normal, row) * depth;
+                let now = part.velocity_at(surface, time);
+                for axis in 0..D {
+                    before[axis][at] = velocity[axis][at];
+                    velocity[axis][at] = R::from_f64(now[axis]);
+                }
+            }
+        }
+    };
+    let columns =
+        (velocity.each_mut().map(Vec::as_mut_slice), previous_velocity.each_mut().map(Vec::as_mut_slice));
+    for_each_part(0..zone.len(), columns, &work);
+}
+
+/// Returns the acceleration g − a_wall that extrapolates the pressure of the fluid to a wall row,
+/// m/s²: Adami et al. (2012), Eq. 27.
 ///
-/// Their a_wall is that of the fluid at the surface, held there by the pressure. Along the surface it is friction that takes the fluid with it, and
-/// where it slips it does not move with the wall: so a_wall is what a no-slip surface has of it along its normal.
+/// Their a_wall is the acceleration of the fluid at the surface, caused by the pressure. Along the
+/// surface the fluid is accelerated by friction, and where it slips it does not move with the wall.
+/// So a_wall is the normal part of the acceleration of a no-slip surface.
 fn carried<R: Real, const D: usize>(
     scene: &Scene,
     time: f64,
@@ -106,7 +110,8 @@ fn carried<R: Real, const D: usize>(
     std::array::from_fn(|axis| force[axis])
 }
 
-/// Body force of the fluid rows, m/s², where it is an expression; else the columns stay empty.
+/// Finds the body force of the fluid rows, m/s², where it is an expression; else the columns stay
+/// empty.
 fn find_body_force<R: Real, const D: usize>(
     scene: &Scene,
     time: f64,
@@ -132,5 +137,5 @@ fn find_body_force<R: Real, const D: usize>(
     for_each_part(0..arrays.len(), columns.each_mut().map(Vec::as_mut_slice), &work);
 }
 
-/// Velocities, present and before, of a part's rows.
+/// Velocities, present and previous, of the rows of a part.
 type Columns<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D]);

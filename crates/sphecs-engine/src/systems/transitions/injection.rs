@@ -10,7 +10,6 @@ use crate::resources::clock::Clock;
 use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
 use crate::resources::ledger::{InflowCapacity, Ledger};
-use crate::systems::boundaries::inlets::inlet_velocity;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::ParticleRow;
@@ -54,7 +53,7 @@ pub(super) fn inject<R: Real, const D: usize>(
     let &Injection { place, zone, patch, pressure, .. } = injection;
     let time = world.resource::<Clock>().time;
     let velocity = match zone {
-        Zone::Inflow => inlet_velocity(&scene.inlets[usize::from(patch)], scene.fluid.viscosity, place, time),
+        Zone::Inflow => scene.inlets[usize::from(patch)].velocity_at(scene.fluid.viscosity, place, time),
         // The velocity of the particle at the plane: the particles between the two move with it.
         _ => injection.velocity,
     };

@@ -29,8 +29,7 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
-use super::boundaries::entrance::{InflowRow, is_drained, is_slantwise};
-use super::boundaries::rows::PatchRows;
+use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
 use crate::arrays::Arrays;
 use crate::components::{Fluid, Inflow, Outflow, Returned};
@@ -39,12 +38,13 @@ use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
 use injection::{Injection, inject};
 use reservoir::store;
+use sphecs_core::boundary::inlet::Feed;
+use sphecs_core::boundary::inlet::injection::{InflowLine, is_drained};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
-use sphecs_core::physics::inlet::Feed;
 use sphecs_scene::model::{Inlet, Patch, Scene};
 
 /// Change of zone that a row has to make.
@@ -243,8 +243,9 @@ fn follow_inflow<R: Real, const D: usize>(
     let point = arrays.position_of(change.row);
     let Inlet { patch: inlet, feed, .. } = &scene.inlets[usize::from(patch)];
     if *feed == Feed::Once {
-        let places = world.resource::<PatchRows>().inflow_places(arrays, patch);
-        if is_drained(inlet, scene, point, places.filter(|at| *at != point)) {
+        let places = world.resource::<PatchRows>().inflow_positions(arrays, patch);
+        let lengths = (scene.spacing, scene.discretisation.support);
+        if is_drained(inlet, lengths, point, places.filter(|at| *at != point)) {
             world.resource_mut::<Failure>().drained = Some(patch);
         }
         return;
@@ -258,10 +259,10 @@ fn follow_inflow<R: Real, const D: usize>(
         pressure: 0.0,
         returned,
     };
-    if is_slantwise(inlet) {
+    if inlet.is_oblique() {
         // The particle that crossed no longer counts in its line.
         arrays.zone[change.row] = Zone::Fluid;
-        let line = InflowRow::of(inlet, point, scene.spacing);
+        let line = InflowLine::of(inlet, point, scene.spacing);
         let last = last_upstream(world, arrays, injections, patch, |at| {
             line.holds(inlet, at).then(|| inlet.along(at))
         });
@@ -328,6 +329,6 @@ fn last_upstream<R: Real, const D: usize>(
 ) -> Option<f64> {
     let pending = injections.iter().filter(|entry| entry.zone == Zone::Inflow && entry.patch == inlet);
     let places =
-        world.resource::<PatchRows>().inflow_places(arrays, inlet).chain(pending.map(|entry| entry.place));
+        world.resource::<PatchRows>().inflow_positions(arrays, inlet).chain(pending.map(|entry| entry.place));
     places.filter_map(along).min_by(f64::total_cmp)
 }

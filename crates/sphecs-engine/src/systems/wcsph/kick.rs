@@ -30,7 +30,7 @@ pub(crate) fn kick<R: Real, const D: usize>(
     (scene, settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
     mut since_correction: ResMut<StepsSinceCorrection>,
-    mut zones: ZoneMotion,
+    mut zones: ZoneMotion<R, D>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let Some(parameters) = scene.0.scheme.wcsph() else { return };

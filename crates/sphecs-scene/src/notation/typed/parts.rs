@@ -76,6 +76,18 @@ impl<'a> Variant<'a> {
     fn content(&self) -> Typed<'a> {
         Typed::new(self.node, self.context, self.name)
     }
+
+    /// Reports that the variant needs a value in brackets.
+    fn mismatch_of_content(&self) {
+        if let Some(node) = self.node {
+            let wanted = format!("`{}(…)` with one value", self.name);
+            self.content().mismatch(node, &wanted);
+        }
+    }
+
+    fn is_name_alone(&self) -> bool {
+        matches!(self.node, Some(Node { value: Value::Name(_), .. }))
+    }
 }
 
 impl<'de> de::EnumAccess<'de> for Variant<'de> {
@@ -109,11 +121,10 @@ impl<'de> de::VariantAccess<'de> for Variant<'de> {
             Some(Value::Tuple(_, items)) if items.is_empty() => {
                 return content_seed.deserialize(Unnamed(self));
             }
+            // `WaveEquation` alone: every field at its default.
+            Some(Value::Name(_)) => return content_seed.deserialize(Unnamed(self)),
             Some(_) => {
-                if let Some(node) = self.node {
-                    let wanted = format!("`{}(…)` with one value", self.name);
-                    self.content().mismatch(node, &wanted);
-                }
+                self.mismatch_of_content();
                 None
             }
             None => None,
@@ -155,19 +166,30 @@ impl<'de> de::VariantAccess<'de> for Variant<'de> {
 /// The content of a newtype variant whose own bracket is left out.
 struct Unnamed<'a>(Variant<'a>);
 
+impl<'a> Unnamed<'a> {
+    /// Returns the content where it is a single value; a placeholder, reported, if it is left out.
+    fn value(&self) -> Typed<'a> {
+        if self.0.is_name_alone() {
+            self.0.mismatch_of_content();
+            return Typed::new(None, self.0.context, self.0.name);
+        }
+        self.0.content()
+    }
+}
+
 impl<'de> de::Deserializer<'de> for Unnamed<'de> {
     type Error = Abort;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Abort> {
-        self.0.content().deserialize_any(visitor)
+        self.value().deserialize_any(visitor)
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Abort> {
-        self.0.content().deserialize_f64(visitor)
+        self.value().deserialize_f64(visitor)
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Abort> {
-        self.0.content().deserialize_seq(visitor)
+        self.value().deserialize_seq(visitor)
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -181,6 +203,10 @@ impl<'de> de::Deserializer<'de> for Unnamed<'de> {
             return visitor.visit_map(super::spanned::Access::new(node, context, self.0));
         }
         let node = self.0.node;
+        if self.0.is_name_alone() {
+            let defaults = Entries::new(Vec::new(), self.0.context);
+            return visitor.visit_map(defaults).map_err(|abort| abort.at(node));
+        }
         visitor.visit_map(self.0.content().entries(self.0.name, fields)).map_err(|abort| abort.at(node))
     }
 

@@ -180,8 +180,14 @@ impl<'a> Typed<'a> {
     }
 }
 
-/// What is said elsewhere in a scene than where it is looked for.
+/// Returns advice on a name that is written elsewhere in a scene or had its name changed.
 fn elsewhere(field: &str, name: &str) -> Option<String> {
-    let periodic = "a flow that goes round has neither inlet nor outlet: leave them out and write `periodic: [\"x\"]` in the scene";
-    (field == "condition" && name == "Periodic").then(|| periodic.to_owned())
+    let advice = match (field, name) {
+        ("condition", "Periodic") => {
+            "a periodic flow has neither inlet nor outlet: leave them out and write `periodic: [\"x\"]` in the scene"
+        }
+        ("pressure", "Absorbing") => "it is now called `NonReflecting`, with the same fields",
+        _ => return None,
+    };
+    Some(advice.to_owned())
 }

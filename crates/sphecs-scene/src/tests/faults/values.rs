@@ -2,8 +2,11 @@
 
 use super::{SOUND, check, faults_of};
 use crate::Scene;
-use sphecs_core::physics::outlet::{Frame, OutletCondition, OutletPressure, TransverseOperator, Waves};
+use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::boundary::outlet::pressure::{OutletPressure, Waves};
+use sphecs_core::boundary::outlet::wave_equation::WaveEquation;
 use sphecs_core::physics::wall::Slip;
+use sphecs_core::physics::wave_sums::{ReferenceFrame, TransverseOperator};
 
 #[test]
 fn numbers_out_of_bounds_are_faults() {
@@ -75,12 +78,12 @@ fn an_outlet_may_leave_its_condition_to_the_engine() {
     let scene = Scene::from_text("test.ron", &text)
         .load()
         .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
-    let conditions: Vec<_> = scene.outlets.iter().map(|outlet| outlet.condition).collect();
-    let usual = OutletCondition::WaveEquation {
-        frame: Frame::Moving,
+    let conditions: Vec<_> = scene.outlets.iter().map(|outlet| outlet.condition.clone()).collect();
+    let usual = OutletCondition::WaveEquation(WaveEquation {
+        frame: ReferenceFrame::Moving,
         transverse: TransverseOperator::Normalised,
-        pressure: OutletPressure::Absorbing { target: 0.0, time: None, waves: Waves::All },
-    };
+        pressure: OutletPressure::NonReflecting { target: 0.0, time: None, waves: Waves::All },
+    });
     assert_eq!(conditions, [usual]);
 }
 

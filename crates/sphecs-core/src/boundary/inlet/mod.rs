@@ -1,0 +1,86 @@
+//! Inlet conditions.
+//!
+//! - [`extrapolated`]: pressure extrapolated from the fluid
+//! - [`injection`]: positions at which particles enter an inflow zone
+//! - [`poiseuille`]: exact start-up profile between parallel plates
+//! - [`prescribed`]: given pressure
+//! - [`zone`]: the zone of inflow particles that a condition works on
+//!
+//! The velocity of an inflow is an expression or table of the scene. To add a condition of the
+//! pressure: a file, a variant of [`InletPressure`] and its arms below, and the source in
+//! docs/REFERENCES.md.
+
+pub mod extrapolated;
+pub mod injection;
+pub mod poiseuille;
+pub mod prescribed;
+pub mod zone;
+
+use serde::{Deserialize, Serialize};
+
+use crate::boundary::condition_fault::ConditionFault;
+use crate::math::real::Real;
+use extrapolated::Extrapolated;
+use prescribed::Prescribed;
+use zone::InflowZone;
+
+/// Supply of an inflow zone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Feed {
+    /// One particle enters for each that crosses the plane: the zone stays full.
+    #[default]
+    Fed,
+    /// The zone is filled once and drained, as a cylinder by its piston. The run stops when the
+    /// zone behind a particle that crosses is shorter than the kernel's support.
+    Once,
+}
+
+/// Pressure of inflow particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum InletPressure {
+    /// Extrapolated from the fluid inside, first-order consistent.
+    #[default]
+    Extrapolated,
+    /// A given pressure, Pa.
+    Prescribed(f64),
+}
+
+/// Evaluates an expression with the method of a pressure: the only match on the conditions.
+macro_rules! with_pressure {
+    ($pressure:expr, $method:ident => $result:expr) => {
+        match $pressure {
+            InletPressure::Extrapolated => {
+                let $method = Extrapolated;
+                $result
+            }
+            InletPressure::Prescribed(pressure) => {
+                let $method = Prescribed(pressure);
+                $result
+            }
+        }
+    };
+}
+
+/// A condition of the inflow pressure.
+pub trait InletMethod {
+    /// Sets velocity, pressure and density of the inflow particles at the present time.
+    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
+
+    /// Returns the parameters that the condition cannot work with.
+    fn faults(&self) -> Vec<ConditionFault> {
+        Vec::new()
+    }
+}
+
+impl InletPressure {
+    /// Sets velocity, pressure and density of the inflow particles at the present time.
+    pub fn apply<R: Real, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
+        with_pressure!(self, method => method.apply(zone));
+    }
+
+    /// Returns the parameters that are out of range.
+    pub fn faults(self) -> Vec<ConditionFault> {
+        with_pressure!(self, method => method.faults())
+    }
+}

@@ -1,0 +1,19 @@
+//! Boundary conditions: inlets and outlets, with the plane openings at which they apply.
+//!
+//! - [`flow`]: properties of the flow and of the domain that conditions refer to
+//! - [`inlet`]: inflow particles
+//! - [`outlet`]: outflow particles
+//! - [`condition_fault`]: parameters that a condition cannot work with
+//! - [`patch`]: plane openings of the domain
+//! - [`section_points`]: points that represent the section of an opening
+//!
+//! One condition is one file: equation, parameters, memory between steps, requirements, checks,
+//! application and tests. Wall models are in [`physics::wall`](crate::physics::wall), because the
+//! pair sums use them.
+
+pub mod condition_fault;
+pub mod flow;
+pub mod inlet;
+pub mod outlet;
+pub mod patch;
+pub mod section_points;

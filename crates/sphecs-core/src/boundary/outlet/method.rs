@@ -1,0 +1,139 @@
+//! Interface of an outlet condition: parameters, memory, requirements and application.
+//!
+//! Conditions of the engine and conditions that a plugin adds implement the same two traits.
+
+use std::fmt::Debug;
+
+use glam::DVec3;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::zone::OutflowZone;
+use crate::boundary::condition_fault::ConditionFault;
+use crate::math::real::Real;
+
+/// Parameters of an outlet condition, as a scene states them.
+pub trait OutletParameters: Debug + Send + Sync {
+    /// Returns the name of the condition in a scene.
+    fn name(&self) -> &str;
+
+    /// Returns the requirements of the condition.
+    fn needs(&self) -> Needs {
+        Needs::default()
+    }
+
+    /// Returns velocity and pressure that the scene states for the surroundings; 0 where it states
+    /// none.
+    fn references(&self) -> References {
+        References::default()
+    }
+
+    /// Returns the parameters that the condition cannot work with.
+    fn faults(&self) -> Vec<ConditionFault> {
+        Vec::new()
+    }
+}
+
+/// An outlet condition.
+///
+/// A time step calls [`apply`](Self::apply) before the rates are summed, then
+/// [`find_rates`](Self::find_rates), and [`advance`](Self::advance) for each particle of the zone.
+pub trait OutletMethod: OutletParameters + Clone + 'static {
+    /// State of the condition between steps. A checkpoint saves it by `serde`; buffers are skipped.
+    type Memory: Default + Serialize + DeserializeOwned + Send + Sync + 'static;
+
+    /// Sets velocity and pressure of the outflow particles and the speed at which they move: calls
+    /// [`OutflowZone::set`] once for each row of the zone, in their order.
+    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut Self::Memory);
+
+    /// Finds acceleration and shifting vector of the outflow particles; by default both are 0.
+    fn find_rates<R: Real, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        _memory: &mut Self::Memory,
+    ) {
+        zone.clear_rates();
+    }
+
+    /// Advances an outflow particle by a time step. By default it moves at the speed that
+    /// [`apply`](Self::apply) set.
+    fn advance(&self, particle: &OutflowMotion) -> Advanced {
+        Advanced { velocity: particle.accelerated(), speed: particle.speed }
+    }
+}
+
+/// Requirements of an outlet condition.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Needs {
+    /// Length, in spacings, beyond the kernel's support over which the condition follows the fluid
+    /// upstream of the plane; None if it follows none.
+    pub upstream_layers: Option<f64>,
+    /// True if backflow would re-enter with frozen or prescribed values.
+    pub is_one_way: bool,
+}
+
+/// Velocity and pressure of the surroundings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct References {
+    /// Velocity along the normal, m/s.
+    pub velocity: f64,
+    /// Pressure, Pa.
+    pub pressure: f64,
+}
+
+/// State of an outflow particle that a condition prescribes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OutflowState {
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// Pressure, Pa.
+    pub pressure: f64,
+    /// Speed along the normal at which the particle moves, m/s.
+    pub speed: f64,
+}
+
+impl OutflowState {
+    /// Returns a state whose particle moves along the normal at its own normal velocity.
+    pub fn moving(velocity: DVec3, pressure: f64, normal: DVec3) -> Self {
+        Self { velocity, pressure, speed: velocity.dot(normal) }
+    }
+
+    /// Returns the state with another velocity along the normal, m/s.
+    #[must_use]
+    pub fn at_speed(self, speed: f64, normal: DVec3) -> Self {
+        Self { velocity: self.velocity + normal * (speed - self.velocity.dot(normal)), speed, ..self }
+    }
+}
+
+/// Motion of an outflow particle at the start of a time step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutflowMotion {
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// Acceleration, m/s².
+    pub acceleration: DVec3,
+    /// Speed along the normal that the condition set, m/s.
+    pub speed: f64,
+    /// Unit normal in the direction of the outflow.
+    pub normal: DVec3,
+    /// Time step, s.
+    pub time_step: f64,
+}
+
+impl OutflowMotion {
+    /// Returns the velocity after a forward Euler step, m/s.
+    ///
+    /// The rates are dissipative: a leapfrog would amplify them.
+    pub fn accelerated(&self) -> DVec3 {
+        self.velocity + self.acceleration * self.time_step
+    }
+}
+
+/// Motion of an outflow particle over a time step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Advanced {
+    /// Velocity at the end of the step, m/s.
+    pub velocity: DVec3,
+    /// Speed along the normal at which the particle moved, m/s.
+    pub speed: f64,
+}

@@ -1,0 +1,107 @@
+//! Pressure of outflow particles under the conditions that solve a wave equation.
+
+use serde::{Deserialize, Serialize};
+
+use super::zone::OutflowZone;
+use crate::boundary::condition_fault::ConditionFault;
+use crate::math::real::Real;
+
+/// Pressure of outflow particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum OutletPressure {
+    /// The pressure of the crossing.
+    Frozen,
+    /// A given pressure, Pa.
+    Reference(f64),
+    /// The pressure of the crossing, relaxed towards `target` (Pa) over `time` (s).
+    Relaxed {
+        /// Pressure approached, Pa.
+        target: f64,
+        /// Time constant, s.
+        time: f64,
+    },
+    /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) and the mean
+    /// velocity followed over `time` (s).
+    NonReflecting {
+        /// Mean pressure approached, Pa.
+        #[serde(default)]
+        target: f64,
+        /// Time constant with which the mean velocity is followed, s. None: four travel times of
+        /// sound through the domain along the outlet's normal.
+        #[serde(default)]
+        time: Option<f64>,
+        /// Acoustic waves that are transmitted.
+        #[serde(default)]
+        waves: Waves,
+    },
+}
+
+/// Acoustic waves that a nonreflecting outlet transmits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Waves {
+    /// Plane waves along the normal: the mean over the section.
+    Plane,
+    /// Oblique waves as well.
+    #[default]
+    All,
+}
+
+impl Default for OutletPressure {
+    fn default() -> Self {
+        OutletPressure::NonReflecting { target: 0.0, time: None, waves: Waves::All }
+    }
+}
+
+impl OutletPressure {
+    /// Returns the pressure that the scene states for the surroundings, Pa; 0 where it states none.
+    pub fn target(self) -> f64 {
+        match self {
+            OutletPressure::Frozen => 0.0,
+            OutletPressure::Reference(target)
+            | OutletPressure::Relaxed { target, .. }
+            | OutletPressure::NonReflecting { target, .. } => target,
+        }
+    }
+
+    /// Tells whether the pressure is set anew in each step, not kept from step to step.
+    ///
+    /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it again
+    /// and again.
+    pub fn is_set_anew(self) -> bool {
+        matches!(self, OutletPressure::Reference(_) | OutletPressure::NonReflecting { .. })
+    }
+
+    /// Returns the parameters that are out of range.
+    pub fn faults(self) -> Vec<ConditionFault> {
+        let time = match self {
+            OutletPressure::Frozen | OutletPressure::Reference(_) => None,
+            OutletPressure::Relaxed { time, .. } => Some(time),
+            OutletPressure::NonReflecting { time, .. } => time,
+        };
+        let time = time.and_then(|time| ConditionFault::unless_positive("time", time, "s"));
+        let target = ConditionFault::unless_finite("pressure", self.target(), "Pa");
+        time.into_iter().chain(target).collect()
+    }
+
+    /// Sets the pressures of a zone where they do not depend on the flow.
+    pub fn set<R: Real, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
+        let (rows, pressures) = (zone.rows, &mut zone.arrays.pressure);
+        match self {
+            OutletPressure::Reference(pressure) => {
+                for &row in rows {
+                    pressures[row as usize] = R::from_f64(pressure);
+                }
+            }
+            OutletPressure::Relaxed { target, time } => {
+                let share = -(-zone.time_step / time).exp_m1();
+                for &row in rows {
+                    let pressure = pressures[row as usize].to_f64();
+                    pressures[row as usize] = R::from_f64(pressure + share * (target - pressure));
+                }
+            }
+            // The second is found from the flow: `non_reflecting`.
+            OutletPressure::Frozen | OutletPressure::NonReflecting { .. } => {}
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Plane openings of the domain.
+
+use glam::DVec3;
+
+/// Largest 1 − |n·e| at which the normal n of a patch counts as parallel to an axis e.
+const PARALLEL_TO_AXIS: f64 = 1e-9;
+
+/// A plane opening of the domain with its zone of inflow or outflow particles.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// Name for outputs and messages.
+    pub name: String,
+    /// A point of the plane inside the section, m.
+    pub at: DVec3,
+    /// Unit normal in the direction of the flow (into the domain for an inlet, out of it for an
+    /// outlet).
+    pub towards: DVec3,
+    /// Unit vectors that span the plane; the second is zero in 2D.
+    pub across: [DVec3; 2],
+    /// Half extents of the section's bounding rectangle about `at` along `across`, m.
+    pub half_extent: [f64; 2],
+    /// Length of its zone, m, ≥ the kernel's support.
+    pub depth: f64,
+    /// Area of the section, m² (length in m in 2D).
+    pub area: f64,
+}
+
+impl Patch {
+    /// Returns the signed distance of a point from the plane along the flow, m.
+    pub fn along(&self, point: DVec3) -> f64 {
+        (point - self.at).dot(self.towards)
+    }
+
+    /// Returns the mirror image of a point (m) in the plane, m.
+    pub fn mirrored(&self, point: DVec3) -> DVec3 {
+        point - self.towards * (2.0 * self.along(point))
+    }
+
+    /// Tells whether the projection of a point onto the plane lies in the section's bounding
+    /// rectangle widened by `margin`, m.
+    pub fn covers(&self, point: DVec3, margin: f64) -> bool {
+        let offset = point - self.at;
+        offset.dot(self.across[0]).abs() <= self.half_extent[0] + margin
+            && offset.dot(self.across[1]).abs() <= self.half_extent[1] + margin
+    }
+
+    /// Tells whether the normal is oblique to the axes, and so to the lattice.
+    pub fn is_oblique(&self) -> bool {
+        self.towards.abs().max_element() < 1.0 - PARALLEL_TO_AXIS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn patch(angle: f64) -> Patch {
+        let (s, c) = angle.sin_cos();
+        Patch {
+            name: "inlet".to_owned(),
+            at: DVec3::new(0.3, -0.2, 0.0),
+            towards: DVec3::new(c, s, 0.0),
+            across: [DVec3::new(-s, c, 0.0), DVec3::ZERO],
+            half_extent: [0.081, 0.0],
+            depth: 0.05,
+            area: 0.162,
+        }
+    }
+
+    #[test]
+    fn only_turned_patches_are_oblique() {
+        assert!(patch(0.3).is_oblique());
+        for quarter in 0..4 {
+            assert!(!patch(f64::from(quarter) * std::f64::consts::FRAC_PI_2).is_oblique());
+        }
+    }
+
+    #[test]
+    fn a_mirror_image_is_as_far_on_the_other_side() {
+        let patch = patch(0.3);
+        let point = patch.at + patch.towards * 0.02 + patch.across[0] * 0.01;
+        let image = patch.mirrored(point);
+        assert!((patch.along(image) + 0.02).abs() < 1e-15);
+        assert!(image.distance(patch.at - patch.towards * 0.02 + patch.across[0] * 0.01) < 1e-15);
+    }
+}

@@ -1,0 +1,109 @@
+//! Grid cells near inlets and outlets.
+//!
+//! Particles of other cells neither belong to a zone nor can cross a plane within a step.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::patch_rows::ADJACENT_LAYERS;
+use sphecs_core::boundary::outlet::method::Needs;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_scene::model::{Patch, Scene};
+
+/// Cells near a patch, with their rows, which are valid until the next sort.
+#[derive(Clone, Debug, Default)]
+pub struct PatchCells {
+    /// Runs of consecutive cells, found once: neither grid nor patches move.
+    cells: Option<Vec<Range<usize>>>,
+    /// First row of each run.
+    starts: Vec<usize>,
+    /// Number of rows before each run, and of all rows at the end.
+    before: Vec<usize>,
+}
+
+impl PatchCells {
+    /// Finds the rows in arrays that are sorted by the grid. `needs` are the requirements of the
+    /// outlets' conditions.
+    pub fn find<const D: usize>(&mut self, scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) {
+        let cells = self.cells.get_or_insert_with(|| find_cells(scene, needs, grid));
+        self.starts.clear();
+        self.before.clear();
+        self.before.push(0);
+        let mut total = 0;
+        for run in cells {
+            let (start, end) = (grid.rows(run.start).start, grid.rows(run.end - 1).end);
+            total += end - start;
+            self.starts.push(start);
+            self.before.push(total);
+        }
+    }
+
+    /// Returns the number of rows.
+    pub fn count(&self) -> usize {
+        self.before.last().copied().unwrap_or(0)
+    }
+
+    /// Returns a range of the rows, counted from the first row of the first cell, in their order.
+    pub fn rows(&self, part: Range<usize>) -> impl Iterator<Item = usize> {
+        let first = self.before.partition_point(|&before| before <= part.start).max(1) - 1;
+        let end = part.end;
+        (first..self.starts.len()).take_while(move |&run| self.before[run] < end).flat_map(move |run| {
+            let here = self.before[run]..self.before[run + 1];
+            let row = |at: usize| self.starts[run] + at.clamp(here.start, here.end) - here.start;
+            row(part.start)..row(part.end)
+        })
+    }
+}
+
+/// Finds the runs of consecutive cells that may hold particles of a zone, particles that cross a
+/// plane before the next sort, or particles that an outlet follows. Each patch has a slab along its
+/// plane over the whole domain, since particles of a zone may drift sideways.
+fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) -> Vec<Range<usize>> {
+    let support = scene.discretisation.support;
+    // No particle moves as far as the support in a step.
+    let slab = |patch: &Patch, before: f64, behind: f64| (patch.clone(), -before - support, behind + support);
+    let inlets = scene.inlets.iter().map(|inlet| slab(&inlet.patch, inlet.patch.depth, 0.0));
+    let outlets = scene.outlets.iter().zip(needs).map(|(outlet, needs)| {
+        let reach = support + needs.upstream_layers.unwrap_or(0.0).max(ADJACENT_LAYERS) * scene.spacing;
+        slab(&outlet.patch, reach, outlet.patch.depth)
+    });
+    let slabs: Vec<_> = inlets.chain(outlets).collect();
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for cell in 0..grid.len() {
+        let corner = grid.corner(grid.index_of(cell));
+        let (mut centre, mut half) = (DVec3::ZERO, DVec3::ZERO);
+        for d in 0..D {
+            half[d] = 0.5 * grid.cell_size()[d];
+            centre[d] = corner[d] + half[d];
+        }
+        let near = slabs.iter().any(|(patch, from, to)| {
+            let (along, extent) = (patch.along(centre), half.dot(patch.towards.abs()));
+            along + extent > *from && along - extent < *to
+        });
+        match runs.last_mut() {
+            _ if !near => {}
+            Some(last) if last.end == cell => last.end += 1,
+            _ => runs.push(cell..cell + 1),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_together_are_all_rows_in_order() {
+        let near = PatchCells { cells: None, starts: vec![3, 10, 10, 20], before: vec![0, 4, 4, 7, 9] };
+        let all = [3, 4, 5, 6, 10, 11, 12, 20, 21];
+        assert_eq!(near.count(), all.len());
+        for cut in 0..=all.len() {
+            for end in cut..=all.len() {
+                assert_eq!(near.rows(cut..end).collect::<Vec<_>>(), all[cut..end]);
+            }
+        }
+        assert_eq!(PatchCells::default().rows(0..0).count(), 0);
+    }
+}

@@ -1,0 +1,126 @@
+//! Rows of the sorted arrays that belong to each inlet and outlet.
+
+use bevy_ecs::resource::Resource;
+use glam::DVec3;
+
+use super::patch_cells::PatchCells;
+use sphecs_core::boundary::outlet::method::Needs;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::with_lists;
+use sphecs_scene::model::Scene;
+
+/// Layers of fluid upstream of an outlet over which the flow next to it is averaged.
+pub(super) const ADJACENT_LAYERS: f64 = 3.0;
+
+/// Rows by inlet and outlet, valid until the next sort.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct PatchRows {
+    /// Inflow rows of each inlet.
+    pub inflow: Vec<Vec<u32>>,
+    /// Outflow rows of each outlet.
+    pub outflow: Vec<Vec<u32>>,
+    /// Fluid rows in the last three layers before each outlet.
+    pub before_outlet: Vec<Vec<u32>>,
+    /// Fluid rows upstream of each outlet that its condition follows; empty if it follows none.
+    pub upstream: Vec<Vec<u32>>,
+    /// Rows of the cells near inlets and outlets: all others, and all that cross a plane, are among
+    /// them.
+    pub near: PatchCells,
+    /// Lists of each part of the rows, kept so that collecting allocates nothing.
+    parts: Vec<PatchRows>,
+}
+
+impl PatchRows {
+    /// Returns the positions of the inflow particles of an inlet, m.
+    pub fn inflow_positions<R: Real, const D: usize>(
+        &self,
+        arrays: &ParticleArrays<R, D>,
+        inlet: u16,
+    ) -> impl Iterator<Item = DVec3> {
+        let rows = self.inflow[usize::from(inlet)].iter().map(|&row| row as usize);
+        rows.filter(|&row| arrays.zone[row] == Zone::Inflow).map(|row| arrays.position_of(row))
+    }
+
+    /// Empties the lists of every patch of a scene.
+    fn clear(&mut self, scene: &Scene) {
+        self.inflow.resize_with(scene.inlets.len(), Vec::new);
+        self.outflow.resize_with(scene.outlets.len(), Vec::new);
+        self.before_outlet.resize_with(scene.outlets.len(), Vec::new);
+        self.upstream.resize_with(scene.outlets.len(), Vec::new);
+        self.lists().for_each(Vec::clear);
+    }
+
+    fn lists(&mut self) -> impl Iterator<Item = &mut Vec<u32>> {
+        let outlets = self.outflow.iter_mut().chain(&mut self.before_outlet).chain(&mut self.upstream);
+        self.inflow.iter_mut().chain(outlets)
+    }
+
+    /// Collects the rows, in their order, of arrays that are sorted by the grid. `needs` are the
+    /// requirements of the outlets' conditions.
+    pub fn collect<R: Real, const D: usize>(
+        &mut self,
+        scene: &Scene,
+        needs: &[Needs],
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<R, D>,
+    ) {
+        self.clear(scene);
+        if scene.inlets.is_empty() && scene.outlets.is_empty() {
+            return;
+        }
+        self.near.find(scene, needs, grid);
+        let (near, mut parts) = (&self.near, std::mem::take(&mut self.parts));
+        // Parts are joined in their order, so that the lists do not depend on the number of
+        // threads.
+        let found = with_lists(near.count(), &mut parts, &|among, part: &mut Self| {
+            part.clear(scene);
+            for row in near.rows(among) {
+                part.add(scene, needs, arrays, row);
+            }
+        });
+        for part in found {
+            for (all, of_part) in self.lists().zip(part.lists()) {
+                all.extend_from_slice(of_part);
+            }
+        }
+        self.parts = parts;
+    }
+
+    /// Adds a row to the lists that it belongs to.
+    fn add<R: Real, const D: usize>(
+        &mut self,
+        scene: &Scene,
+        needs: &[Needs],
+        arrays: &ParticleArrays<R, D>,
+        row: usize,
+    ) {
+        match arrays.zone[row] {
+            Zone::Inflow => self.inflow[usize::from(arrays.patch[row])].push(row as u32),
+            Zone::Outflow => self.outflow[usize::from(arrays.patch[row])].push(row as u32),
+            Zone::Fluid => {
+                let adjacent = ADJACENT_LAYERS * scene.spacing;
+                let lists = self.before_outlet.iter_mut().zip(&mut self.upstream);
+                for ((outlet, needs), (before, upstream)) in scene.outlets.iter().zip(needs).zip(lists) {
+                    let point = arrays.position_of(row);
+                    let along = outlet.patch.along(point);
+                    let near = |reach: f64, margin: f64| {
+                        along > -reach && along < scene.spacing && outlet.patch.covers(point, margin)
+                    };
+                    if near(adjacent, scene.spacing) {
+                        before.push(row as u32);
+                    }
+                    if let Some(layers) = needs.upstream_layers {
+                        let support = scene.discretisation.support;
+                        if near(support + layers * scene.spacing, support) {
+                            upstream.push(row as u32);
+                        }
+                    }
+                }
+            }
+            Zone::Wall | Zone::Reservoir => {}
+        }
+    }
+}
