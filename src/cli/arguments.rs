@@ -50,7 +50,7 @@ impl Arguments {
     }
 }
 
-/// Whether the first word belongs to a run without the word `run`. What looks neither like a file nor like an
+/// Returns true if the first word belongs to a run without the word `run`. What looks neither like a file nor like an
 /// option is left to clap, which knows the subcommand that was meant.
 fn means_a_run(word: &OsStr) -> bool {
     let text = word.to_string_lossy();

@@ -12,14 +12,14 @@ use super::runs::{ResumeArguments, RunArguments, WordArguments};
 use super::trials::{BenchArguments, ValidateArguments};
 use sphecs_bench::BenchOptions;
 use sphecs_bench::cases::Case;
-use sphecs_output::disk::bytes;
+use sphecs_core::format::bytes;
+use sphecs_core::format::{grouped, significant};
 use sphecs_output::error::OutputError;
 use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
 use sphecs_output::{info as run_info, pack as packing, vtk};
 use sphecs_run::console::Console;
 use sphecs_run::resume::{self, ResumeOptions};
-use sphecs_run::words::{columns, figure, grouped};
 use sphecs_run::{Ending, RunOptions, report};
 use sphecs_scene::model::Scene;
 use sphecs_scene::summary;
@@ -41,9 +41,9 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         force: arguments.force,
         threads: arguments.pace.threads.map(usize::from),
         until: arguments.pace.until,
-        steps: arguments.pace.steps,
+        max_steps: arguments.pace.steps,
         checkpoint_every: arguments.pace.checkpoint_every,
-        most_wall_time: arguments.pace.max_walltime,
+        max_wall_time: arguments.pace.max_walltime,
         allow_oversize: arguments.allow_oversize,
         console: console(&arguments.words),
     };
@@ -61,9 +61,9 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
             force: false,
             threads: arguments.pace.threads.map(usize::from),
             until: arguments.pace.until,
-            steps: arguments.pace.steps,
+            max_steps: arguments.pace.steps,
             checkpoint_every: arguments.pace.checkpoint_every,
-            most_wall_time: arguments.pace.max_walltime,
+            max_wall_time: arguments.pace.max_walltime,
             // The run was let begin, and much of it is written.
             allow_oversize: true,
             console: console(&arguments.words),
@@ -74,7 +74,7 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
     Ok(code_of(resume::resume(&options)?))
 }
 
-/// The folder of a run that has the name of its scene: below `runs/` whatever the scene is called, as `...ron` is `..`.
+/// Returns the folder of a run that has the name of its scene: below `runs/` whatever the scene is called, as `...ron` is `..`.
 fn named_folder(name: &str) -> Result<PathBuf, OutputError> {
     let folder = Path::new("runs").join(name);
     let below =
@@ -108,29 +108,16 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let scene = load(&arguments.input)?;
     let seeds = sphecs_scene::seeds(&scene);
     let summary = summary::summary(&scene, &seeds);
-    let step = summary.courant_step.min(summary.viscous_step);
-    let limit = if summary.viscous_step < summary.courant_step { "viscosity" } else { "sound speed" };
-    let rows = [
-        ("particles", report::counts(summary.by_zone.map(|count| count as u64))),
-        ("spacing", report::resolution(&scene)),
-        ("flow", format!("Re = {}, Mach = {}", figure(summary.reynolds), figure(summary.mach))),
-        (
-            "time",
-            format!(
-                "{} s in about {} steps of {} s, which the {limit} allows",
-                figure(scene.time.end),
-                grouped(summary.steps as u64),
-                figure(step),
-            ),
-        ),
+    let by_zone = summary.by_zone.map(|count| count as u64);
+    let mut rows = report::scene_rows(&scene, &summary, by_zone, scene.time.end, None);
+    rows.extend([
         ("memory", format!("about {}", bytes(summary.memory as u64))),
         (
             "output",
             format!("{} frames, at most {}", grouped(summary.frames as u64), bytes(summary.output as u64)),
         ),
-    ];
-    let notes: String = summary.notes.iter().map(|note| format!("\n  note: {note}")).collect();
-    Console::Normal.say(&format!("{} ({}D)\n{}{notes}", scene.title, scene.dimensions, columns(&rows)));
+    ]);
+    Console::Normal.print(&report::scene_table(&scene, &summary, &rows));
     Ok(DONE)
 }
 
@@ -154,13 +141,13 @@ pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
         let pictures = picture::render_all(&results, &options, &path, counter("pictures"))?;
         let (first, last) = (pictures.first().unwrap_or(&path), pictures.last().unwrap_or(&path));
         let count = grouped(pictures.len() as u64);
-        Console::Normal.say(&format!("{count} pictures, {} to {}", first.display(), last.display()));
+        Console::Normal.print(&format!("{count} pictures, {} to {}", first.display(), last.display()));
     } else {
         let time = picture::render(&results, arguments.time, &options, &path)?;
-        Console::Normal.say(&format!(
+        Console::Normal.print(&format!(
             "{} at t = {} s: {}",
             arguments.field.name(),
-            figure(time),
+            significant(time),
             path.display()
         ));
     }
@@ -173,7 +160,7 @@ pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
 /// [`Failure::Output`].
 pub fn info(arguments: &InfoArguments) -> Result<u8, Failure> {
     let results = Results::open(&arguments.run)?;
-    Console::Normal.say(run_info::describe(&results)?.trim_end());
+    Console::Normal.print(run_info::describe(&results)?.trim_end());
     Ok(DONE)
 }
 
@@ -185,7 +172,7 @@ pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
     let results = Results::open(&arguments.run)?;
     let folder = arguments.output.clone().unwrap_or_else(|| arguments.run.join("vtu"));
     let series = vtk::export_vtu(&results, &folder, counter("frames"))?;
-    Console::Normal.say(&format!("{} frames, open {}", results.len(), series.display()));
+    Console::Normal.print(&format!("{} frames, open {}", results.len(), series.display()));
     Ok(DONE)
 }
 
@@ -196,9 +183,9 @@ pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
 pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
     let packed = packing::pack(&arguments.run)?;
     if packed.frames == 0 {
-        Console::Normal.say("no frames were waiting: the run was packed before");
+        Console::Normal.print("no frames were waiting: the run was packed before");
     } else {
-        Console::Normal.say(&report::results(&arguments.run, &packed));
+        Console::Normal.print(&report::results(&arguments.run, &packed));
     }
     Ok(DONE)
 }
@@ -232,7 +219,7 @@ pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
     if arguments.list {
         for name in case::shipped() {
             let case = case::Case::load(&name).map_err(ValidateError::from)?;
-            Console::Normal.say(&format!("{name:<16}  {}", case.file.title));
+            Console::Normal.print(&format!("{name:<16}  {}", case.file.title));
         }
         return Ok(DONE);
     }

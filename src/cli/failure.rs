@@ -53,7 +53,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// The exit code.
+    /// Returns the exit code.
     pub fn code(&self) -> u8 {
         match self {
             Failure::Scene(_)
@@ -93,7 +93,7 @@ fn code_of_output(error: &OutputError) -> u8 {
         OutputError::Io { .. }
         | OutputError::NetCdf { .. }
         | OutputError::Busy { .. }
-        | OutputError::NoRoom { .. }
+        | OutputError::DiskFull { .. }
         | OutputError::Damaged { .. } => FILES,
     }
 }

@@ -108,7 +108,7 @@ pub struct WordArguments {
     pub verbose: bool,
 }
 
-/// A wall time in s: a number with its unit, or `h:mm:ss` as batch systems write it.
+/// Returns a wall time in s: a number with its unit, or `h:mm:ss` as batch systems write it.
 fn wall_time(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let seconds = if text.contains(':') {

@@ -112,12 +112,12 @@ impl Case {
         Self::ALL.iter().find(|(_, case)| *case == self).map_or("box", |(name, _)| name)
     }
 
-    /// The case of a name.
+    /// Returns the case of a name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, case)| *case)
     }
 
-    /// The box, if it is one.
+    /// Returns the box, if it is one.
     pub fn stirred(self) -> Option<StirredBox> {
         match self {
             Case::Box(stirred) => Some(stirred),
@@ -125,7 +125,7 @@ impl Case {
         }
     }
 
-    /// Whether it is timed only when it is asked for: it takes long, and a gigabyte or two.
+    /// Returns true if it is timed only when it is asked for: it takes long, and a gigabyte or two.
     pub fn is_large(self) -> bool {
         matches!(self, Case::Box(StirredBox { count, dimensions, .. }) if count >= LARGE.count && dimensions == 3)
     }
@@ -144,7 +144,7 @@ impl Case {
         }
     }
 
-    /// The scene.
+    /// Returns the scene.
     ///
     /// # Errors
     /// Its faults: more particles than the machine has memory for.
@@ -159,7 +159,7 @@ impl Case {
 }
 
 impl StirredBox {
-    /// The scene of the box: vortices of half its edge at 1 m/s, c0 = 10 m/s, ν = 1e-6 m²/s, Δ = 0.01 m.
+    /// Returns the scene of the box: vortices of half its edge at 1 m/s, c0 = 10 m/s, ν = 1e-6 m²/s, Δ = 0.01 m.
     ///
     /// # Errors
     /// Its faults: more particles than the machine has memory for.

@@ -78,7 +78,7 @@ pub fn run(options: &BenchOptions) -> Result<(), BenchError> {
     let pools: Vec<ThreadPool> = options.threads.iter().map(build).collect::<Result<_, _>>()?;
     let peaks = Peaks::measure();
     let at_rest = memory::at_rest();
-    options.console.say(&table::opening(&peaks));
+    options.console.print(&table::opening(&peaks));
     let mut measured = Vec::new();
     for &case in &options.cases {
         let scene = case.scene()?;
@@ -91,9 +91,9 @@ pub fn run(options: &BenchOptions) -> Result<(), BenchError> {
         };
         let figures =
             measure::measure(scene, tile.as_ref(), case.plan(), &pools, at_rest).map_err(flow_error)?;
-        options.console.say(&table::rows(case.name(), &figures, peaks.of(precision)));
+        options.console.print(&table::rows(case.name(), &figures, peaks.of(precision)));
         measured.push((case.name(), figures));
     }
-    options.console.say(&table::close(&measured, started.elapsed().as_secs_f64()));
+    options.console.print(&table::close(&measured, started.elapsed().as_secs_f64()));
     Ok(())
 }

@@ -140,7 +140,7 @@ pub fn measure(
     Ok(Figures { particles, pairs, operations, scalar_rate, memory, timings })
 }
 
-/// The flow of a scene, paved with the tile if there is one.
+/// Returns the flow of a scene, paved with the tile if there is one.
 pub fn paved(scene: Scene, tile: Option<&Tile>) -> Simulation {
     let mut seeds = seeds(&scene);
     if let Some(tile) = tile {

@@ -37,7 +37,7 @@ impl Growth {
     }
 }
 
-/// A line of `/proc/self/status`, B.
+/// Returns a line of `/proc/self/status`, B.
 fn resident(name: &str) -> Option<u64> {
     let text = fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find(|line| line.starts_with(name))?;

@@ -86,7 +86,7 @@ pub const fn slope_beyond_wendland(kernel: Kernel) -> usize {
     }
 }
 
-/// All of a step of a scene with Fickian or local shifting, or an evolved pressure, and no artificial viscosity.
+/// Returns all of a step of a scene with Fickian or local shifting, or an evolved pressure, and no artificial viscosity.
 pub fn per_pair(scene: &Scene) -> usize {
     let dimensions = scene.dimensions;
     let kernel = scene.scheme.kernel();

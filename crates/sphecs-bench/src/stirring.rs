@@ -81,7 +81,7 @@ impl Tile {
         (position / self.spacing).floor().as_ivec3()
     }
 
-    /// The particle of the tile at a place on the lattice of a box.
+    /// Returns the particle of the tile at a place on the lattice of a box.
     fn place(&self, site: IVec3) -> usize {
         let IVec3 { x, y, z } = site.rem_euclid(IVec3::splat(self.edge));
         ((z * self.edge + y) * self.edge + x) as usize

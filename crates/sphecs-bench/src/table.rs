@@ -2,8 +2,8 @@
 
 use super::measure::{Figures, Timing};
 use super::peak::Peaks;
+use sphecs_core::format::{duration, grouped};
 use sphecs_core::math::lanes::InstructionSet;
-use sphecs_run::words::{duration, grouped};
 
 /// Least share of a step that is said, %.
 const LEAST_SHARE: f64 = 0.05;

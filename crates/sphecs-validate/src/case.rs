@@ -40,7 +40,7 @@ pub fn shipped() -> Vec<String> {
 }
 
 impl Case {
-    /// The case of a name, or of a path that ends in `.ron`.
+    /// Returns the case of a name, or of a path that ends in `.ron`.
     ///
     /// # Errors
     /// All faults of the case, those of its scenes too.
@@ -81,7 +81,7 @@ impl Case {
         if faults.is_empty() { Ok(case) } else { Err(SceneFaults::new(&shown, text, faults)) }
     }
 
-    /// The scene of a run, with its values put in.
+    /// Returns the scene of a run, with its values put in.
     ///
     /// # Errors
     /// All faults of the scene.
@@ -89,7 +89,7 @@ impl Case {
         self.member_scene(run, &run.members(Tier::Quick)[0])
     }
 
-    /// The scene of a run, with the values of one of its members put in.
+    /// Returns the scene of a run, with the values of one of its members put in.
     ///
     /// # Errors
     /// All faults of the scene.
@@ -110,7 +110,7 @@ impl Case {
         }
     }
 
-    /// The text of a table beside the case.
+    /// Returns the text of a table beside the case.
     ///
     /// # Errors
     /// Why it cannot be read.

@@ -17,7 +17,7 @@ use sphecs_scene::schema::{FormulaText, Text};
 /// A direction may be longer or shorter than 1 by this.
 const UNIT: f64 = 1e-3;
 
-/// All faults of a case that reads.
+/// Returns all faults of a case that reads.
 pub fn faults(case: &Case) -> Vec<Fault> {
     let file = &case.file;
     let mut check = Check { case, probes: HashMap::new(), bodies: HashMap::new(), faults: Vec::new() };
@@ -69,7 +69,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The scene of a run and of its members.
+    /// Returns the scene of a run and of its members.
     fn scenes(&mut self, run: &'a RunFile) {
         for (member, set) in run.members(super::Tier::Full).iter().enumerate() {
             let faults = match self.case.member_scene(run, set) {
@@ -165,7 +165,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A run that is held against its other members must have some.
+    /// Returns a run that is held against its other members must have some.
     fn members(&mut self, run: &Text) {
         let alone = |file: &RunFile| file.members(super::Tier::Full).len() < 2;
         if self.case.file.runs.iter().any(|file| file.name.value == run.value && alone(file)) {

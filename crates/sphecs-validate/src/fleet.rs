@@ -35,7 +35,7 @@ pub struct Passage<'a> {
 }
 
 impl<'a> Passage<'a> {
-    /// The runs of a case in a tier, all their members.
+    /// Returns the runs of a case in a tier, all their members.
     pub fn of_case(case_index: usize, case: &'a Case, tier: Tier, folder: &Path) -> Vec<Self> {
         let wanted = case.file.runs.iter().filter(|run| run.tier <= tier);
         let members =
@@ -84,7 +84,7 @@ pub fn sail_all(
     };
     // Of a broadcast each thread has one share, which no other takes while it waits for parts of a step.
     let endings = on_threads(options.threads, || {
-        rayon::broadcast(|_| take().inspect_err(|_: &ValidateError| signals.ask(Signal::Terminate)))
+        rayon::broadcast(|_| take().inspect_err(|_: &ValidateError| signals.raise(Signal::Terminate)))
     });
     endings.map_err(RunError::from)?.into_iter().collect::<Result<(), _>>()?;
     Ok(signals.received())
@@ -96,7 +96,7 @@ struct StopOthers<'a>(&'a Signals);
 impl Drop for StopOthers<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            self.0.ask(Signal::Terminate);
+            self.0.raise(Signal::Terminate);
         }
     }
 }
@@ -116,14 +116,14 @@ impl Earlier {
         let run = &summary.run;
         let same_text =
             || std::fs::read_to_string(folder.join("scene.ron")).is_ok_and(|text| text == scene.text);
-        let to_its_end = run.until.is_none() && run.most_steps.is_none();
+        let to_its_end = run.until.is_none() && run.max_steps.is_none();
         if run.version != env!("CARGO_PKG_VERSION") || !to_its_end || !same_text() {
             return Earlier::Nothing;
         }
         match summary.status {
             Status::Completed => Earlier::Whole,
             Status::Running | Status::Interrupted | Status::Terminated | Status::OutOfTime => Earlier::Begun,
-            Status::BlownUp | Status::Failed => Earlier::Nothing,
+            Status::Diverged | Status::Failed => Earlier::Nothing,
         }
     }
 }
@@ -141,7 +141,7 @@ fn sail(
     let ending = match earlier {
         Earlier::Whole => Ok(Ending::Completed),
         Earlier::Begun => go_on(scene, folder, signals),
-        Earlier::Nothing => sphecs_run::run_here(scene, &run_options(folder), beside(signals)?),
+        Earlier::Nothing => sphecs_run::run_on_current_pool(scene, &run_options(folder), beside(signals)?),
     };
     let failure = match ending {
         Ok(Ending::Completed | Ending::OutOfTime) => None,
@@ -156,7 +156,7 @@ fn sail(
 }
 
 fn beside(signals: &Signals) -> Result<Signals, RunError> {
-    signals.beside().map_err(RunError::Signals)
+    signals.for_concurrent_run().map_err(RunError::Signals)
 }
 
 fn run_options(folder: &Path) -> RunOptions {
@@ -165,9 +165,9 @@ fn run_options(folder: &Path) -> RunOptions {
         force: true,
         threads: None,
         until: None,
-        steps: None,
+        max_steps: None,
         checkpoint_every: None,
-        most_wall_time: None,
+        max_wall_time: None,
         allow_oversize: false,
         console: Console::Quiet,
     }
@@ -176,11 +176,11 @@ fn run_options(folder: &Path) -> RunOptions {
 fn go_on(scene: Scene, folder: &Path, signals: &Signals) -> Result<Ending, RunError> {
     let run = run_options(folder);
     let options = ResumeOptions { run, sets: Vec::new(), allow_other_isa: false };
-    match resume::resume_here(&options, beside(signals)?) {
+    match resume::resume_on_current_pool(&options, beside(signals)?) {
         // Nothing to go on from: its checkpoints are damaged, of another layout or of another machine. What else may
         // fail, a full disk say, would fail again, and leaves what was begun.
         Err(RunError::Output(OutputError::Request(_) | OutputError::Damaged { .. })) => {
-            sphecs_run::run_here(scene, &options.run, beside(signals)?)
+            sphecs_run::run_on_current_pool(scene, &options.run, beside(signals)?)
         }
         ending => ending,
     }

@@ -35,12 +35,12 @@ use value::reading::{Reading, error_of, names};
 use value::{Context, RunResults, evaluate, runs_of};
 use verdict::Verdict;
 
+use sphecs_core::format::duration;
 use sphecs_output::disk::write_whole;
 use sphecs_output::error::OutputError;
 use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
 use sphecs_run::signals::Signal;
-use sphecs_run::words::duration;
 use sphecs_scene::faults::SceneFaults;
 
 /// Name of the report for programs.
@@ -132,7 +132,7 @@ impl<'a> Judge<'a> {
         let case = &self.cases[self.passages[index].case_index].name;
         let took = landed.line.failure.clone().unwrap_or_else(|| duration(landed.line.wall_time));
         let name = format!("{case}/{}", landed.line.name);
-        self.options.console.say(&format!("ran {name:<32} {took}"));
+        self.options.console.print(&format!("ran {name:<32} {took}"));
         self.landed[index] = Some(landed);
         self.hear_complete_cases()
     }
@@ -146,7 +146,7 @@ impl<'a> Judge<'a> {
             }
             self.next += 1;
             if of_case.is_empty() {
-                self.options.console.say(&format!("{}: nothing to do in this tier\n", case.name));
+                self.options.console.print(&format!("{}: nothing to do in this tier\n", case.name));
                 continue;
             }
             let outcome = self.hear(case, &of_case);
@@ -160,7 +160,7 @@ impl<'a> Judge<'a> {
 
     /// Measures a case by its runs.
     fn hear(&mut self, case: &Case, runs: &[usize]) -> Outcome {
-        self.options.console.say(&format!("\n{}: {}", case.name, case.file.title));
+        self.options.console.print(&format!("\n{}: {}", case.name, case.file.title));
         let mut outcome = Outcome::default();
         let mut results: BTreeMap<String, Vec<RunResults>> = BTreeMap::new();
         for &index in runs {
@@ -174,7 +174,7 @@ impl<'a> Judge<'a> {
         wanted.dedup_by_key(|run| run.name.value.as_str());
         measure(case, &wanted, &results, &mut outcome, self.options);
         draw(case, &results, &mut outcome, self.options);
-        self.options.console.say("");
+        self.options.console.print("");
         outcome
     }
 
@@ -197,7 +197,7 @@ impl<'a> Judge<'a> {
                 " ({measured} of {all} figures, {count} are of runs that this tier leaves out or that blew up and may)"
             ),
         };
-        self.options.console.say(&if missed.is_empty() {
+        self.options.console.print(&if missed.is_empty() {
             format!("all that must be met is met{unseen}; pages and plots in {folder}")
         } else {
             format!("missed: {}{unseen}; pages and plots in {folder}", missed.join(", "))
@@ -236,7 +236,7 @@ fn measure(
     let mut left_out: Vec<&str> = Vec::new();
     let is_present = |run: &&&RunFile| !run.may_fail || runs.contains_key(&run.name.value);
     let present: Vec<&RunFile> = wanted.iter().filter(is_present).copied().collect();
-    options.console.say(&report::console_head());
+    options.console.print(&report::console_head());
     for (index, figure) in case.file.figures.iter().enumerate() {
         let name = &figure.name.value;
         if is_left_out(&figure.value, &present, options.tier, &left_out, &readings) {
@@ -257,12 +257,12 @@ fn measure(
         let found = value.as_ref().ok().map(|reading| reading.value);
         let verdict = Verdict::on(found, figure.must.as_ref(), figure.goal.as_ref());
         let measured = Measured { index, value, verdict };
-        options.console.say(&report::console_line(figure, &measured));
+        options.console.print(&report::console_line(figure, &measured));
         outcome.figures.push(measured);
     }
 }
 
-/// Whether a figure looks at figures that were left out, or at runs or members that are not there and need not be.
+/// Returns true if a figure looks at figures that were left out, or at runs or members that are not there and need not be.
 fn is_left_out(
     value: &ValueFile,
     present: &[&RunFile],
@@ -305,7 +305,7 @@ fn draw(
         let name = format!("{}_{}.svg", case.name, plot.name.value);
         match plot::draw(plot, context, &options.folder.join(&name)) {
             Ok(()) => outcome.plots.push((name, plot.title.clone())),
-            Err(reason) => options.console.say(&format!("  no plot {name}: {reason}")),
+            Err(reason) => options.console.print(&format!("  no plot {name}: {reason}")),
         }
     }
     for file in case.file.pictures.iter().filter(|file| runs.contains_key(&file.run.value)) {
@@ -314,7 +314,7 @@ fn draw(
         for (name, drawn) in picture::draw(file, &run, &options.folder, &stem) {
             match drawn {
                 Ok(title) => outcome.plots.push((name, title)),
-                Err(reason) => options.console.say(&format!("  no picture {name}: {reason}")),
+                Err(reason) => options.console.print(&format!("  no picture {name}: {reason}")),
             }
         }
     }

@@ -200,7 +200,7 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
     Ok(())
 }
 
-/// The corner of the plot with the fewest points of curves, for the legend.
+/// Returns the corner of the plot with the fewest points of curves, for the legend.
 fn emptiest_corner(
     curves: &[Curve],
     across: &std::ops::Range<f64>,

@@ -6,7 +6,7 @@ use super::case::Case;
 use super::schema::{CaseFile, FigureFile};
 use super::value::reading::Reading;
 use super::verdict::{Verdict, figures, number, signs};
-use sphecs_run::words::{duration, grouped};
+use sphecs_core::format::{duration, grouped};
 
 /// A figure with its value.
 #[derive(Clone, Debug)]
@@ -40,11 +40,11 @@ pub struct RunLine {
     pub lanes: String,
     /// What its outlets were seen to do that they should not.
     pub notes: Vec<String>,
-    /// Whether another build of this version made it.
+    /// True if another build of this version made it.
     pub of_another_build: bool,
     /// Why it has no results.
     pub failure: Option<String>,
-    /// Whether a failure is no miss.
+    /// True if a failure is no miss.
     pub may_fail: bool,
 }
 
@@ -63,7 +63,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether a band to be met was missed, or a run failed.
+    /// Returns true if a band to be met was missed, or a run failed.
     pub fn is_missed(&self) -> bool {
         self.runs.iter().any(|run| run.failure.is_some() && !run.may_fail)
             || self.figures.iter().any(|figure| figure.verdict == Verdict::Missed)
@@ -102,7 +102,7 @@ pub fn console_head() -> String {
     format!("  {:<44}  {:>11}  {:>18}  {:>14}  verdict", "figure", "measured", "must", "goal")
 }
 
-/// The page of a case; `command` is what makes it again.
+/// Returns the page of a case; `command` is what makes it again.
 pub fn page(case: &Case, outcome: &Outcome, command: &str) -> String {
     let file = &case.file;
     let mut text = format!("# {}\n\n{}\n\nSource: {}.\n", file.title, file.setting.trim(), file.source);
@@ -188,7 +188,7 @@ struct FigureEntry<'a> {
     verdict: &'static str,
 }
 
-/// The contents of `report.json`: runs and figures of all cases.
+/// Returns the contents of `report.json`: runs and figures of all cases.
 pub fn json(outcomes: &[(&Case, Outcome)]) -> String {
     let figures: Vec<FigureEntry<'_>> = outcomes
         .iter()

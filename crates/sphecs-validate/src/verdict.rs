@@ -18,7 +18,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict on a value; None for one that could not be told.
+    /// Returns the verdict on a value; None for one that could not be told.
     pub fn on(value: Option<f64>, must: Option<&BandFile>, goal: Option<&BandFile>) -> Self {
         let within = |band: &BandFile| value.is_some_and(|value| holds(band, value));
         match (must, goal) {
@@ -31,7 +31,7 @@ impl Verdict {
         }
     }
 
-    /// The word of the tables.
+    /// Returns the word of the tables.
     pub fn word(self) -> &'static str {
         match self {
             Verdict::Goal => "goal",
@@ -52,7 +52,7 @@ fn holds(band: &BandFile, value: f64) -> bool {
     }
 }
 
-/// A band in signs.
+/// Returns a band in signs.
 pub fn signs(band: &BandFile) -> String {
     match band {
         BandFile::AtMost(most) => format!("≤ {}", number(most.value)),
@@ -62,12 +62,12 @@ pub fn signs(band: &BandFile) -> String {
     }
 }
 
-/// A number to four digits, as people read it.
+/// Returns a number to four digits, as people read it.
 pub fn number(value: f64) -> String {
     figures(value, 4)
 }
 
-/// A number to so many digits.
+/// Returns a number to so many digits.
 pub fn figures(value: f64, digits: i32) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() {

@@ -18,7 +18,7 @@ pub struct PlotFile {
     pub across: String,
     /// What stands at the ordinate, with its unit.
     pub upward: String,
-    /// Whether the ordinate is logarithmic.
+    /// True if the ordinate is logarithmic.
     #[serde(default)]
     pub logarithmic: bool,
     /// The curves.
@@ -86,7 +86,7 @@ pub enum CurveFile {
 }
 
 impl CurveFile {
-    /// The run that it shows.
+    /// Returns the run that it shows.
     pub fn run(&self) -> &Text {
         match self {
             CurveFile::Profile { run, .. }

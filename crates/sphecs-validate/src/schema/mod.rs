@@ -72,7 +72,7 @@ pub struct RunFile {
     /// From which tier on it is run, default `Usual`.
     #[serde(default)]
     pub tier: Tier,
-    /// Whether it is known that it may blow up: that is then told, and what looks at it is left out. Default false.
+    /// True if it is known that it may blow up: that is then told, and what looks at it is left out. Default false.
     #[serde(default)]
     pub may_fail: bool,
     /// The same flow again, so that its figures are means with a standard error.

@@ -89,7 +89,7 @@ mod tests {
     use sphecs_scene::notation::tree::Span;
     use sphecs_scene::notation::typed::Spanned;
 
-    /// A run with u at two points at 0 s.
+    /// Returns a run with u at two points at 0 s.
     fn run(u: [f64; 2]) -> RunResults {
         let probe = ProbeHistory {
             name: "line".to_owned(),

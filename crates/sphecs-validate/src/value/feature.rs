@@ -10,11 +10,11 @@ use crate::schema::FeatureFile;
 pub struct Feature {
     /// The value, in the unit of the field or in m.
     pub value: f64,
-    /// Whether the line ends before it does.
+    /// True if the line ends before it does.
     pub at_least: bool,
 }
 
-/// A feature of profiles over points of a line; of several profiles the largest or the smallest value.
+/// Returns a feature of profiles over points of a line; of several profiles the largest or the smallest value.
 ///
 /// # Errors
 /// That a place is asked of several profiles.
@@ -98,7 +98,7 @@ mod tests {
     use sphecs_scene::notation::tree::Span;
     use sphecs_scene::notation::typed::Spanned;
 
-    /// A line of points 0.5 m apart that begins at (1, 2) m and runs along y.
+    /// Returns a line of points 0.5 m apart that begins at (1, 2) m and runs along y.
     fn of(values: &[f64], take: &FeatureFile) -> Feature {
         let places: Vec<[f64; 3]> = (0..values.len()).map(|at| [1.0, 2.0 + 0.5 * at as f64, 0.0]).collect();
         feature(&places, &[Profile { time: 0.0, values: values.to_vec() }], take).expect("a feature")

@@ -8,7 +8,7 @@ use sphecs_output::probes::history::ProbeHistory;
 /// Stands for any letters in the name of a probe.
 const ANY: char = '*';
 
-/// Whether a name is the pattern, whose `*` stand for any letters.
+/// Returns true if a name is the pattern, whose `*` stand for any letters.
 pub fn fits(pattern: &str, name: &str) -> bool {
     let Some((head, tail)) = pattern.split_once(ANY) else { return pattern == name };
     let Some(rest) = name.strip_prefix(head) else { return false };
@@ -16,7 +16,7 @@ pub fn fits(pattern: &str, name: &str) -> bool {
     starts.into_iter().any(|at| fits(tail, &rest[at..]))
 }
 
-/// The probe of a name, or one that has the points of all that fit a pattern, in their order.
+/// Returns the probe of a name, or one that has the points of all that fit a pattern, in their order.
 ///
 /// # Errors
 /// That there is none.
@@ -39,14 +39,14 @@ pub fn probe<'a>(probes: &'a [ProbeHistory], pattern: &str) -> Result<Cow<'a, Pr
     }
 }
 
-/// A column of all probes: that of all at the first time, then at the next.
+/// Returns a column of all probes: that of all at the first time, then at the next.
 fn joined(probes: &[&ProbeHistory], name: &str, times: usize) -> Vec<f64> {
     (0..times)
         .flat_map(|index| probes.iter().filter_map(move |probe| probe.sample(name, index)).flatten().copied())
         .collect()
 }
 
-/// All values of a field, those of all points at the first time, then at the next.
+/// Returns all values of a field, those of all points at the first time, then at the next.
 ///
 /// # Errors
 /// That the probe does not measure it.

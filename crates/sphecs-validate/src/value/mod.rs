@@ -63,7 +63,7 @@ impl RunResults {
         Ok(Self { probes, monitor: monitor::read_history(folder)?, forces, summary })
     }
 
-    /// A probe by name, or all of a pattern as one.
+    /// Returns a probe by name, or all of a pattern as one.
     ///
     /// # Errors
     /// That there is none.
@@ -86,7 +86,7 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// The results of all members of a run.
+    /// Returns the results of all members of a run.
     ///
     /// # Errors
     /// That it has none.
@@ -95,7 +95,7 @@ impl<'a> Context<'a> {
         found.map(Vec::as_slice).ok_or_else(|| format!("run `{name}` has no results"))
     }
 
-    /// The results of a run, of an ensemble those of its first member.
+    /// Returns the results of a run, of an ensemble those of its first member.
     ///
     /// # Errors
     /// That it has none.
@@ -104,7 +104,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The runs that a value looks at; a formula and an order look at none.
+/// Returns the runs that a value looks at; a formula and an order look at none.
 pub fn runs_of(value: &ValueFile) -> Vec<&str> {
     match value {
         ValueFile::Profile { run, reference, .. } => {
@@ -122,7 +122,7 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
     }
 }
 
-/// The value of a figure.
+/// Returns the value of a figure.
 ///
 /// # Errors
 /// Why it cannot be told.

@@ -14,7 +14,7 @@ pub struct Profile {
     pub values: Vec<f64>,
 }
 
-/// The profiles of a probe at the times asked for.
+/// Returns the profiles of a probe at the times asked for.
 ///
 /// # Errors
 /// That the probe has no such field or no such time.

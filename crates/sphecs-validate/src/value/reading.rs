@@ -22,17 +22,17 @@ pub struct Reading {
     pub members: Vec<f64>,
     /// The run whose members they are.
     pub ensemble: Option<String>,
-    /// Whether the true value may be larger: a line that was too short.
+    /// True if the true value may be larger: a line that was too short.
     pub at_least: bool,
 }
 
 impl Reading {
-    /// A value without error.
+    /// Returns a value without error.
     pub fn plain(value: f64) -> Self {
         Self { value, ..Self::default() }
     }
 
-    /// The mean over the members of a run.
+    /// Returns the mean over the members of a run.
     pub fn over(run: &str, members: Vec<f64>) -> Self {
         let (value, deviation) = mean_and_deviation(&members);
         let count = members.len() as f64;
@@ -54,19 +54,19 @@ pub fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (count - 1.0).max(1.0)).sqrt())
 }
 
-/// The name under which a formula knows the standard error of a figure.
+/// Returns the name under which a formula knows the standard error of a figure.
 pub fn error_of(figure: &str) -> String {
     format!("{figure}_error")
 }
 
-/// The names in a formula.
+/// Returns the names in a formula.
 pub fn names(formula: &str) -> impl Iterator<Item = &str> {
     formula
         .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
         .filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_'))
 }
 
-/// The value of a formula of figures; `known` has their values.
+/// Returns the value of a formula of figures; `known` has their values.
 ///
 /// # Errors
 /// That it speaks of figures that were not measured.

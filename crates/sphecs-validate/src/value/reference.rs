@@ -8,7 +8,7 @@ use sphecs_scene::schema::FormulaText;
 /// A reference as a function of place (m) and time (s).
 pub type Reference = Box<dyn Fn([f64; 3], f64) -> f64>;
 
-/// The run that a reference is taken from, if it is one.
+/// Returns the run that a reference is taken from, if it is one.
 pub fn run_of(reference: &ReferenceFile) -> Option<&str> {
     match reference {
         ReferenceFile::Run(run) => Some(&run.value),
@@ -16,7 +16,7 @@ pub fn run_of(reference: &ReferenceFile) -> Option<&str> {
     }
 }
 
-/// The function of a reference; None for another run and for other members.
+/// Returns the function of a reference; None for another run and for other members.
 ///
 /// # Errors
 /// Why a formula or a table does not read.
@@ -56,7 +56,7 @@ pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Referen
     Ok(Some(function))
 }
 
-/// A component of a place.
+/// Returns a component of a place.
 pub fn coordinate(place: [f64; 3], axis: AxisFile) -> f64 {
     match axis {
         AxisFile::X => place[0],
@@ -85,7 +85,7 @@ fn read_table(text: &str, along: &str, value: &str) -> Result<Vec<(f64, f64)>, S
     if points.len() < 2 { Err("has fewer than two rows".to_owned()) } else { Ok(points) }
 }
 
-/// The straight line between the neighbours; NaN outside the table.
+/// Returns the straight line between the neighbours; NaN outside the table.
 fn between(points: &[(f64, f64)], x: f64) -> f64 {
     let above = points.partition_point(|point| point.0 < x).clamp(1, points.len() - 1);
     let (low, high) = (points[above - 1], points[above]);

@@ -25,7 +25,7 @@ pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, 
     Ok((of("time").ok_or_else(|| format!("{what} no times"))?, values))
 }
 
-/// A coefficient of a body over the interval that its scene gives it.
+/// Returns a coefficient of a body over the interval that its scene gives it.
 ///
 /// # Errors
 /// That the run has no such body, or one without coefficients.

@@ -1,6 +1,6 @@
-//! Numbers as people read them.
+//! Numbers as text for people: counts, durations, byte sizes and significant digits.
 
-/// A duration as people say it: `42 s`, `3 min 20 s`, `5 h 04 min`.
+/// Returns a duration in s as `42 s`, `3 min 20 s` or `5 h 04 min`.
 pub fn duration(seconds: f64) -> String {
     if seconds < 9.95 {
         return format!("{seconds:.1} s");
@@ -13,7 +13,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// A count with thin groups of three, `1 234 567`, as ISO 80000 writes numbers.
+/// Returns a count in groups of three digits, `1 234 567`, as in ISO 80000.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
@@ -26,8 +26,10 @@ pub fn grouped(count: u64) -> String {
     text
 }
 
-/// A figure with four digits: plain between a thousandth and a hundred thousand, else with an exponent.
-pub fn figure(value: f64) -> String {
+/// Returns a number with four significant digits and no trailing zeros.
+///
+/// Values below a thousandth and from a hundred thousand on have an exponent.
+pub fn significant(value: f64) -> String {
     let size = value.abs();
     if value.is_infinite() {
         return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
@@ -36,22 +38,35 @@ pub fn figure(value: f64) -> String {
         return format!("{value}");
     }
     if !(1e-3..1e5).contains(&size) {
-        return tidy(&format!("{value:.3e}"));
+        return without_trailing_zeros(&format!("{value:.3e}"));
     }
     let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
-    tidy(&format!("{value:.decimals$}"))
+    without_trailing_zeros(&format!("{value:.decimals$}"))
 }
 
-/// Without zeros that say nothing: `0.3000` is `0.3`, `4.000e-7` is `4e-7`.
-fn tidy(text: &str) -> String {
+/// Returns `0.3` for `0.3000` and `4e-7` for `4.000e-7`.
+fn without_trailing_zeros(text: &str) -> String {
     let (digits, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
     let digits =
         if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
     format!("{digits}{exponent}")
 }
 
-/// Two columns: names to the left, values behind them, one pair a line.
-pub fn columns(rows: &[(&str, String)]) -> String {
+/// Returns a number of bytes with a decimal unit: `25 kB`, `12.3 GB`.
+pub fn bytes(count: u64) -> String {
+    let size = count as f64;
+    match count {
+        0..10_000 => format!("{count} B"),
+        10_000..10_000_000 => format!("{:.0} kB", size / 1e3),
+        10_000_000..10_000_000_000 => format!("{:.0} MB", size / 1e6),
+        10_000_000_000..10_000_000_000_000 => format!("{:.1} GB", size / 1e9),
+        u64::MAX => "more than 1.8e7 TB".to_owned(),
+        _ => format!("{:.3e} TB", size / 1e12),
+    }
+}
+
+/// Returns names and values as two aligned columns, one pair a line.
+pub fn two_columns(rows: &[(&str, String)]) -> String {
     let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     rows.iter().map(|(name, value)| format!("  {name:<width$}  {value}")).collect::<Vec<_>>().join("\n")
 }
@@ -61,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_and_counts_read_well() {
+    fn durations_and_counts_have_units_and_groups() {
         for (seconds, text) in
             [(0.04, "0.0 s"), (9.96, "10 s"), (59.4, "59 s"), (200.0, "3 min 20 s"), (18_240.0, "5 h 04 min")]
         {
@@ -73,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_have_four_digits_and_no_idle_zeros() {
+    fn numbers_have_four_digits_and_no_trailing_zeros() {
         let cases = [
             (0.0, "0"),
             (0.3, "0.3"),
@@ -88,12 +103,29 @@ mod tests {
             (f64::INFINITY, "∞"),
         ];
         for (value, text) in cases {
-            assert_eq!(figure(value), text);
+            assert_eq!(significant(value), text);
+        }
+    }
+
+    #[test]
+    fn byte_sizes_have_a_unit() {
+        for (count, text) in [
+            (512, "512 B"),
+            (25_000, "25 kB"),
+            (42_000_000, "42 MB"),
+            (12_300_000_000, "12.3 GB"),
+            (2 << 50, "2.252e3 TB"),
+            (u64::MAX, "more than 1.8e7 TB"),
+        ] {
+            assert_eq!(bytes(count), text);
         }
     }
 
     #[test]
     fn columns_are_aligned() {
-        assert_eq!(columns(&[("a", "1".to_owned()), ("speed", "2".to_owned())]), "  a      1\n  speed  2");
+        assert_eq!(
+            two_columns(&[("a", "1".to_owned()), ("speed", "2".to_owned())]),
+            "  a      1\n  speed  2"
+        );
     }
 }

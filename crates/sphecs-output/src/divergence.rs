@@ -1,7 +1,9 @@
-//! What is left of a flow that blew up: `blow_up.nc` and `blow_up.png`, the surroundings of the particle that showed it first.
+//! Particles around the first invalid one of a flow that diverged: `divergence.nc` and
+//! `divergence.png`.
 //!
-//! The variables of `blow_up.nc` run over `particle`, in the order of the particles' numbers: position and velocity as the step that
-//! failed left them, the velocity one step earlier, and the density, pressure and acceleration that moved them.
+//! The variables of `divergence.nc` run over `particle`, in the order of the particle numbers. They
+//! are position and velocity after the step that failed, the velocity one step earlier, and
+//! density, pressure and acceleration within the step.
 
 use std::fs;
 use std::io;
@@ -13,6 +15,7 @@ use super::error::OutputError;
 use super::frame::Frame;
 use super::header::Header;
 use super::netcdf::dataset::{Dataset, Variable};
+use super::paths::{DIVERGENCE_NETCDF, DIVERGENCE_PICTURE};
 use super::picture::{Field, RenderOptions, Slice, render_marked};
 use super::results::Results;
 use sphecs_core::particles::zone::Zone;
@@ -20,15 +23,10 @@ use sphecs_engine::systems::clock::Clock;
 use sphecs_engine::systems::failure::Fault;
 use sphecs_engine::systems::neighbourhood::{Nearby, Neighbourhood};
 
-/// Name of the NetCDF file in the run folder.
-pub const NETCDF: &str = "blow_up.nc";
-/// Name of the picture in the run folder.
-pub const PICTURE: &str = "blow_up.png";
-
 /// Width of the picture, pixels.
 const WIDTH: u32 = 1000;
 
-/// Writes both files; their paths.
+/// Writes both files and returns their paths.
 ///
 /// # Errors
 /// [`OutputError`] with path and cause.
@@ -38,18 +36,18 @@ pub fn write(
     clock: &Clock,
     fault: &Fault,
 ) -> Result<[PathBuf; 2], OutputError> {
-    let paths = [folder.join(NETCDF), folder.join(PICTURE)];
+    let paths = [folder.join(DIVERGENCE_NETCDF), folder.join(DIVERGENCE_PICTURE)];
     dataset(header, &fault.neighbourhood, fault).write(&paths[0], header)?;
     draw(header, clock, fault, &paths[1])?;
     Ok(paths)
 }
 
-/// Removes both files where there are some: the run goes on from before.
+/// Removes both files if they exist, since the run resumes from an earlier step.
 ///
 /// # Errors
-/// [`OutputError::Io`] when the system refuses.
+/// [`OutputError::Io`] when a file cannot be removed.
 pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
-    for name in [NETCDF, PICTURE] {
+    for name in [DIVERGENCE_NETCDF, DIVERGENCE_PICTURE] {
         let path = folder.join(name);
         match fs::remove_file(&path) {
             Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
@@ -61,7 +59,8 @@ pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Where a particle was in the last frame of a run, and what it had: the last values of it that were good and are kept.
+/// Returns the time of the last frame, s, and the values of a particle in it; None if the particle
+/// is absent.
 ///
 /// # Errors
 /// [`OutputError`] with path and cause.
@@ -94,7 +93,7 @@ pub fn in_last_frame(folder: &Path, id: u32) -> Result<Option<(f64, Nearby)>, Ou
 
 fn dataset(header: &Header, around: &Neighbourhood, fault: &Fault) -> Dataset {
     let mut dataset = Dataset {
-        title: format!("surroundings of particle {} as the flow blew up: {}", fault.id, fault.found),
+        title: format!("particles around particle {} when the flow diverged: {}", fault.id, fault.found),
         dimensions: vec![("particle".to_owned(), around.particles.len())],
         variables: Vec::new(),
     };
@@ -127,7 +126,7 @@ fn dataset(header: &Header, around: &Neighbourhood, fault: &Fault) -> Dataset {
     dataset
 }
 
-/// The speed around the particle, which has a square around it.
+/// Draws the speed around the particle, which is marked by a square.
 fn draw(header: &Header, clock: &Clock, fault: &Fault, path: &Path) -> Result<(), OutputError> {
     let around = &fault.neighbourhood;
     let mut frame = Frame::absent(around.particles.len());
