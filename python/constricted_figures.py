@@ -1,7 +1,7 @@
 """Figures of a run of the constricted channel (scenes/constricted_r*.ron): python constricted_figures.py RUN
 
-Prints what README.md states of run R2: flow, largest mean velocity in the throat, pressure drop, and the counts that
-must be zero. Means are over 4 to 6 s, or the last third of a shorter run.
+Prints the figures of docs/results.md: flow, largest mean velocity in the throat, pressure drop, and the counts
+that must be zero. Means are over 4 to 6 s, or the last third of a shorter run.
 """
 
 import json
@@ -14,16 +14,16 @@ import xarray as xr
 
 V0, D1, RHO = 4.45e-2, 0.0889, 1000.0  # m/s, m, kg/m³: peak of the inflow, its width, density
 THROAT = 0.0778  # m, length
-BIN = 2.0e-3  # m, cells of the time-mean velocity
+BIN = 2.0e-3  # m, size of the cells for the time-averaged velocity
 
 
 def mean_velocity_in_throat(frames):
-    """Largest time mean of u over cells of BIN in the throat, m/s, and where, m."""
+    """Returns the largest time average of u over cells of BIN in the throat, m/s, and its position, m."""
     x, y, u = (frames[name].values.ravel() for name in ("x", "y", "u"))
     keep = (frames.zone.values.ravel() == 0) & (x > 0.0) & (x < THROAT)
     cells = pd.DataFrame({"i": np.floor(x[keep] / BIN), "j": np.floor(y[keep] / BIN), "u": u[keep]})
     means = cells.groupby(["i", "j"]).u.agg(["mean", "size"])
-    # A cell that few particles passed through is a sample, not a mean.
+    # A cell with few particles is a sample, not an average.
     means = means[means["size"] > 0.5 * means["size"].median()]
     best = means["mean"].idxmax()
     return means["mean"].max(), [(index + 0.5) * BIN for index in best]
@@ -58,10 +58,10 @@ def main(folder):
     axis = means[(means.probe == "axis") & means.x.between(0.0, THROAT)]
     print(f"largest mean u on its axis     {axis.u.max():.4f} m/s (probe `axis`)")
     deviation = monitor.largest_density_deviation
-    print(f"largest density deviation      {deviation.max():.4f}, in the mean over time {deviation.mean():.4f}")
-    print(f"set back onto a wall, in all   {monitor.held_at_walls.sum()}")
+    print(f"largest density deviation      {deviation.max():.4f}, time average {deviation.mean():.4f}")
+    print(f"set back onto a wall, total    {monitor.held_at_walls.sum()}")
     print(f"most particles behind a wall   {monitor.through_walls.max()}")
-    print(f"most pairs nearer than 0.5 Δ   {monitor.close_pairs.max()}")
+    print(f"most pairs closer than 0.5 Δ   {monitor.close_pairs.max()}")
     summary = json.loads((run / "summary.json").read_text())
     print(f"status {summary['status']}, wall time {summary.get('wall_time', summary.get('wall_time_s'))} s")
 

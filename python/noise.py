@@ -1,8 +1,8 @@
 """Velocity noise of single particles in runs of the constricted channel: python noise.py RUN...
 
-The noise of a particle is what a linear field through its twelve nearest neighbours and itself leaves of its velocity.
-Prints its root mean square in the jet (the first 0.12 m behind the throat), the spread of the density there, and the
-largest time mean of u in the throat, over the last third of the run.
+The noise of a particle is the residual of its velocity from a linear field fitted to itself and its twelve nearest
+neighbours. Prints the root mean square of the noise in the jet (the first 0.12 m downstream of the throat), the spread
+of the density there, and the largest time average of u in the throat, over the last third of the run.
 """
 
 import sys
@@ -12,12 +12,12 @@ from constricted_figures import THROAT, mean_velocity_in_throat
 from scipy.spatial import cKDTree
 from sphecs_results import frame, open_run
 
-NEIGHBOURS = 13  # the particle itself among them
-JET = 0.12  # m, length of the part of the jet that is looked at
+NEIGHBOURS = 13  # including the particle itself
+JET = 0.12  # m, length of the evaluated part of the jet
 
 
 def residual(position, velocity, scale):
-    """Velocity less the local linear fit, one row per particle."""
+    """Returns the velocity minus the local linear fit, one row per particle."""
     _, near = cKDTree(position).query(position, k=NEIGHBOURS)
     offset = (position[near] - position[:, None]) / scale
     basis = np.concatenate([np.ones((*offset.shape[:2], 1)), offset], axis=2)

@@ -1,7 +1,8 @@
 """Error of runs of the Poiseuille start-up (scenes/poiseuille*.ron): python poiseuille_figures.py RUN...
 
-Prints the largest difference between a fluid particle's u and the exact series at its place and time, and the largest
-|v|, both over the peak v0 of the steady flow, at the times of Alvarado-Rodríguez et al. (2017), section 5.1.
+Prints the largest difference between a fluid particle's u and the exact series at its position and time, and the
+largest |v|. Both are relative to the peak v0 of the steady flow, at the times of Alvarado-Rodríguez et al. (2017),
+section 5.1.
 """
 
 import sys
@@ -15,7 +16,7 @@ TIMES = (0.01, 0.03, 0.07, 0.15, 0.5, 1.0)  # s
 
 
 def series(y, t):
-    """Exact start-up profile, m/s, at distance y (m) from the middle and time t (s)."""
+    """Returns the exact start-up profile, m/s, at distance y (m) from the centre line and time t (s)."""
     u = FORCE / (2 * NU) * (HALF**2 - y**2)
     for n in range(200):
         k = 2 * n + 1

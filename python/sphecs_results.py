@@ -1,4 +1,4 @@
-"""Open, sample and plot the results of a run of sphecs.
+"""Functions that open, sample and plot the results of a run of sphecs.
 
     from sphecs_results import open_run, frame, profile, plot
 
@@ -15,21 +15,21 @@ import xarray as xr
 
 
 def open_run(folder, file="particles.nc"):
-    """Dataset of a packed run (`sphecs pack` packs a run that was killed)."""
+    """Opens a dataset of a packed run; `sphecs pack` packs a run that was killed."""
     path = Path(folder) / file
     if not path.exists():
-        raise FileNotFoundError(f"{path}: not there, `sphecs pack {folder}` makes it from the journal")
+        raise FileNotFoundError(f"{path} does not exist; `sphecs pack {folder}` creates it from the journal")
     return xr.open_dataset(path)
 
 
 def zones(run):
-    """Numbers of the zones by name."""
+    """Returns the number of each zone by its name."""
     meanings = run.zone.attrs["flag_meanings"].split()
     return dict(zip(meanings, np.atleast_1d(run.zone.attrs["flag_values"]).tolist()))
 
 
 def frame(run, time, zone=None):
-    """The particles of the frame nearest to a time (s), of one zone or of all that are somewhere."""
+    """Returns the particles of the frame nearest to a time (s), of one zone or of all zones with positions."""
     now = run.sel(time=time, method="nearest").load()
     if zone is None:
         keep = np.isfinite(now.x)
@@ -38,15 +38,15 @@ def frame(run, time, zone=None):
     return now.isel(particle=np.flatnonzero(keep))
 
 
-# Largest gain of a quadratic fit in what is uneven from particle to particle, as in the engine.
-MOST_GAIN = 5.0
+# Largest amplification of particle noise by a quadratic fit, as in the engine.
+MAX_GAIN = 5.0
 
 
 def profile(now, points, field, h):
-    """A field at points (rows of x, y, m) by weighted least squares over the particles within 2h, as the probes of sphecs.
+    """Samples a field at points (rows of x, y, m) by weighted least squares over the particles within 2h, as probes do.
 
-    Velocities by a quadratic fit where the particles bear one, all else by a linear one. NaN where fewer than four
-    particles are near.
+    Velocities use a quadratic fit where the particles allow one, other fields a linear fit. The result is NaN where
+    fewer than four particles are within 2h.
     """
     x = np.stack([now.x.values, now.y.values], axis=1)
     values = now[field].values.astype(float)
@@ -60,26 +60,26 @@ def profile(now, points, field, h):
         weight = (1 - q[near] / 2) ** 4 * (1 + 2 * q[near])
         first, second = offset[near].T
         linear = [np.ones(near.sum()), first, second]
-        shares = fit_shares([*linear, first**2, first * second, second**2], weight) if field in "uvw" else None
-        if shares is None or (shares**2).sum() > MOST_GAIN:
-            shares = fit_shares(linear, weight)
-        if shares is not None:
-            result[index] = shares @ values[near]
+        weights = fit_weights([*linear, first**2, first * second, second**2], weight) if field in "uvw" else None
+        if weights is None or (weights**2).sum() > MAX_GAIN:
+            weights = fit_weights(linear, weight)
+        if weights is not None:
+            result[index] = weights @ values[near]
     return result
 
 
-def fit_shares(functions, weight):
-    """What each particle contributes to a fit at the point where all functions but the first are 0; None where there is none."""
+def fit_weights(functions, weight):
+    """Returns the weight of each particle in a fit at the origin of the basis; None if the fit is singular."""
     basis = np.column_stack(functions)
     moment = basis.T @ (weight[:, None] * basis)
-    # A point beside the fluid has neighbours on one side only.
+    # A point outside the fluid has neighbours on one side only.
     if np.linalg.cond(moment) > 1e8:
         return None
     return weight * (basis @ np.linalg.inv(moment)[0])
 
 
 def plot(run, field, time, size=4.0):
-    """A scatter plot of a field over the particles of the frame nearest to a time (s), with the walls."""
+    """Draws a scatter plot of a field over the particles of the frame nearest to a time (s), with the walls."""
     import matplotlib.pyplot as plt
 
     now = frame(run, time)

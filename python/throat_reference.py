@@ -1,9 +1,10 @@
-"""What the throat of scenes/constricted_r*.ron should do, without particles: python throat_reference.py CELLS [--free-slip]
+"""Reference flow in the throat of scenes/constricted_r*.ron by finite volumes: python throat_reference.py CELLS [--free-slip]
 
-Incompressible Navier–Stokes by finite volumes on a staggered grid, CELLS cells over half the throat: van Leer's limiter for
-the momentum fluxes, central differences for the viscous ones, Heun's method in time with an exact projection. The upper
-half of the channel with a plane of symmetry, from 0.06 m before the throat to its end, which has one pressure:
-the jet behind it is left out. Prints the largest mean u in the throat and where, over the second half of 3 s.
+Solves the incompressible Navier–Stokes equations on a staggered grid with CELLS cells over half the throat: van Leer's
+limiter for the momentum fluxes, central differences for the viscous ones, Heun's method in time with an exact
+projection. The domain is the upper half of the channel with a plane of symmetry, from 0.06 m upstream of the throat to
+its end, which has a uniform pressure: the jet downstream is omitted. Prints the largest mean u in the throat and its
+position, over the second half of 3 s.
 """
 
 import sys
@@ -17,14 +18,14 @@ END = 3.0  # s
 
 
 def shifted(field, along_x, along_y):
-    """The field's value that many cells further on; the outermost ones go on beyond the edge."""
+    """Returns the field shifted by that many cells; the outermost values continue beyond the edge."""
     rows = np.clip(np.arange(field.shape[0]) + along_x, 0, field.shape[0] - 1)
     columns = np.clip(np.arange(field.shape[1]) + along_y, 0, field.shape[1] - 1)
     return field[np.ix_(rows, columns)]
 
 
 def upwind(behind, left, right, ahead, speed):
-    """Value on a face between `left` and `right`, from the side that the flow comes from, limited by van Leer's function."""
+    """Returns the upwind value on the face between `left` and `right`, limited by van Leer's function."""
 
     def half_slope(a, b):
         product = a * b
@@ -36,10 +37,10 @@ def upwind(behind, left, right, ahead, speed):
 
 
 class Throat:
-    """Channel and throat on a grid of square cells; u on the cells' left faces, v on their lower ones."""
+    """Flow in channel and throat on a grid of square cells; u on the left faces of the cells, v on the lower ones."""
 
     def __init__(self, cells, free_slip=False):
-        self.mirror = 1.0 if free_slip else -1.0  # the velocity along a wall, seen in it
+        self.mirror = 1.0 if free_slip else -1.0  # sign of the mirrored tangential velocity in a wall
         self.h = h = 0.5 * D / cells
         before, inside = round(L1 / h), round(L / h)
         nx, ny = before + inside, round(0.5 * D1 / h)
@@ -47,7 +48,7 @@ class Throat:
         self.fluid = fluid = np.zeros((nx, ny), bool)
         fluid[:before], fluid[before:, :cells] = True, True
         self.u, self.v = np.zeros((nx + 1, ny)), np.zeros((nx, ny + 1))
-        # Faces whose velocity is solved for; the last column of u is the outlet's.
+        # Faces whose velocity is unknown; the last column of u is the outlet.
         self.u_free, self.v_free = np.zeros(self.u.shape, bool), np.zeros(self.v.shape, bool)
         self.u_free[1:nx], self.u_free[nx] = fluid[1:] & fluid[:-1], fluid[-1]
         self.v_free[:, 1:ny] = fluid[:, 1:] & fluid[:, :-1]
@@ -56,7 +57,7 @@ class Throat:
         self.poisson = self.factorised()
 
     def factorised(self):
-        """The factors of −h²∇² over the fluid cells; the outlet's pressure, half a cell beyond the last, is zero."""
+        """Returns the factors of −h²∇² over the fluid cells; the pressure half a cell beyond the last, at the outlet, is 0."""
         nx = self.fluid.shape[0]
         index = np.where(self.fluid, np.cumsum(self.fluid).reshape(self.fluid.shape) - 1, -1)
         diagonal = np.zeros(self.fluid.sum())
@@ -74,7 +75,7 @@ class Throat:
         return splu(coo_matrix((values, entries)).tocsc())
 
     def neighbours(self, field, free, along_x):
-        """The two values before and the two behind in one direction: past a wall they are the reflected ones."""
+        """Returns the two values before and the two after in one direction, reflected at walls."""
         step = (lambda n: shifted(field, n, 0)) if along_x else (lambda n: shifted(field, 0, n))
         solved = (lambda n: shifted(free, n, 0)) if along_x else (lambda n: shifted(free, 0, n))
         one, two = solved(1), solved(1) & solved(2)
@@ -82,9 +83,9 @@ class Throat:
         return step(-2), step(-1), behind, np.where(two, step(2), self.mirror * np.where(one, step(1), step(-1)))
 
     def rates(self, u, v):
-        """∂u/∂t and ∂v/∂t by convection and friction."""
+        """Returns ∂u/∂t and ∂v/∂t by convection and friction."""
         h = self.h
-        # u: faces normal to x lie in the cells' middles, those normal to y on their corners.
+        # u: faces normal to x lie at the cell centres, those normal to y at the cell corners.
         west2, west, east, east2 = (shifted(u, n, 0) for n in (-2, -1, 1, 2))
         to_east, from_west = 0.5 * (u + east), 0.5 * (west + u)
         flux = to_east * upwind(west, u, east, east2, to_east) - from_west * upwind(west2, west, u, east, from_west)
@@ -104,7 +105,7 @@ class Throat:
         flux = to_north * upwind(south, v, north, north2, to_north)
         flux -= from_south * upwind(south2, south, v, north, from_south)
         west2, west, east, east2 = self.neighbours(v, self.v_free, along_x=True)
-        east[-1], east2[-1], east2[-2] = v[-1], v[-1], v[-1]  # nothing changes beyond the outlet
+        east[-1], east2[-1], east2[-2] = v[-1], v[-1], v[-1]  # zero gradient beyond the outlet
         west[0] = west2[0] = -v[0]
         corner = np.zeros((u.shape[0], v.shape[1]))
         corner[:, 1:-1] = 0.5 * (u[:, 1:] + u[:, :-1])
@@ -115,7 +116,7 @@ class Throat:
         return du * self.u_free, dv * self.v_free
 
     def project(self, u, v):
-        """Takes the divergence out of a velocity, in place."""
+        """Removes the divergence from a velocity, in place."""
         divergence = (u[1:] - u[:-1] + v[:, 1:] - v[:, :-1])[self.fluid]
         pressure = np.zeros(self.fluid.shape)  # over ρ, times Δt/h
         pressure[self.fluid] = self.poisson.solve(-divergence)
@@ -125,7 +126,7 @@ class Throat:
         return u, v
 
     def mean_velocity(self):
-        """Time mean of u in the throat, from its axis to its wall, over the second half of END."""
+        """Returns the time average of u in the throat, from its axis to its wall, over the second half of END."""
         time = total = 0.0
         mean = np.zeros_like(self.u)
         while time < END:

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up what is missing, runs the constricted channel to its end and draws its speed.
-# Options go to the run: `./scripts/demo.sh --smoke` is a quick look, `./scripts/demo.sh --until 1` a short one.
+# Installs what is missing, runs the constricted channel and draws its speed.
+# Options go to the run: `./scripts/demo.sh --smoke` is coarse, `./scripts/demo.sh --until 1` is short.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 say "building"
 cargo build --release --locked "${FEATURES[@]}"
 
-# A folder of the demonstration's own, so that `--force` replaces no run of the user's.
+# A separate folder, so that `--force` replaces no run of the user.
 run=runs/demo
 target/release/sphecs run scenes/constricted_r2.ron --out "$run" --force "$@"
 target/release/sphecs render "$run" --field speed --output "$run/speed.png"

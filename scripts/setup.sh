@@ -1,5 +1,5 @@
-# Sets up what sphecs is built with. Sourced by the other scripts, in the root of the repository.
-# Afterwards the array FEATURES holds the cargo options for this machine.
+# Installs the tools and libraries to build sphecs. Sourced by the other scripts in the root of the repository.
+# Sets the array FEATURES to the cargo options for this machine.
 
 say() { printf '== %s\n' "$*"; }
 
@@ -12,7 +12,7 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; elif command -v sudo >/dev/null; then sudo -n "$@"; else return 1; fi
 }
 
-# One update of the package lists serves all installations of a script.
+# Updates the package lists once per script.
 install_packages() {
     command -v apt-get >/dev/null || return 1
     if [ -z "${PACKAGE_LISTS_FRESH:-}" ]; then
@@ -26,7 +26,7 @@ has_netcdf() {
     command -v nc-config >/dev/null && [ -f "$(nc-config --includedir)/netcdf.h" ]
 }
 
-# A Python of this repository alone: nothing is installed into the system's.
+# Creates a virtual environment in the repository; nothing is installed into the system's Python.
 make_venv() {
     [ -x .venv/bin/pip ] && return 0
     command -v python3 >/dev/null || install_packages python3 python3-venv || return 1
@@ -35,7 +35,7 @@ make_venv() {
     install_packages python3-venv && python3 -m venv .venv
 }
 
-# netcdf-c and HDF5 from source need cmake ≥ 3.26, which Debian 12 does not have; PyPI does.
+# Building netcdf-c and HDF5 needs cmake ≥ 3.26, which Debian 12 lacks and PyPI has.
 new_cmake() {
     local version
     version=$(cmake --version 2>/dev/null | sed -n 's/^cmake version //p')
@@ -44,7 +44,7 @@ new_cmake() {
 }
 
 if ! command -v cc >/dev/null; then
-    say "installing a C toolchain, which Rust links with"
+    say "installing a C toolchain, which Rust needs for linking"
     install_packages build-essential || { echo "no C compiler: install gcc and libc6-dev" >&2; exit 1; }
 fi
 

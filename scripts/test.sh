@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Sets up what is missing and passes the tests: Rust's, then those of the files as Python reads them.
+# Installs what is missing and runs the tests: those in Rust, then those that read the result files in Python.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
 say "cargo test"
-cargo test --locked "${FEATURES[@]}"
+cargo test --workspace --locked "${FEATURES[@]}"
 
 say "pytest"
 make_venv || { echo "no python3 with venv: install python3-venv" >&2; exit 1; }
 .venv/bin/pip install --quiet --disable-pip-version-check -r python/requirements.txt
-# The program that the tests above were built with.
+# The program that the tests above built.
 export SPHECS="${CARGO_TARGET_DIR:-target}/debug/sphecs"
 .venv/bin/python -m pytest -q python/tests

@@ -75,7 +75,7 @@ pub use glam;
 
 pub use sphecs_bench as bench;
 pub use sphecs_core::{math, particles, pass, physics};
-pub use sphecs_engine::{components, simulation, systems, transfer};
+pub use sphecs_engine::{arrays, components, simulation, systems, transfer};
 pub use sphecs_output as output;
 pub use sphecs_run as run;
 pub use sphecs_scene as scene;

@@ -5,9 +5,9 @@ mod census;
 mod plug;
 
 use census::{census, of};
+use sphecs::arrays::Arrays;
 use sphecs::components::ParticleId;
 use sphecs::glam::DVec3;
-use sphecs::particles::arrays::ParticleArrays;
 use sphecs::particles::zone::Zone;
 use sphecs::scene::load_str;
 use sphecs::simulation::Simulation;
@@ -294,7 +294,7 @@ fn rows_of_zones_are_all_there<const D: usize>(text: &str, recycle: &str) {
         simulation.step().unwrap_or_else(|stop| panic!("{stop}"));
         let world = simulation.world();
         let scene = &*world.resource::<SceneInUse>().0;
-        let arrays = world.resource::<ParticleArrays<f64, D>>();
+        let arrays = world.resource::<Arrays<f64, D>>();
         rows.collect(scene, &world.resource::<Grid<D>>().0, arrays);
         let all = |belongs: &dyn Fn(usize) -> bool| -> Vec<u32> {
             (0..arrays.len()).filter(|&row| belongs(row)).map(|row| row as u32).collect()

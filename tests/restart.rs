@@ -7,6 +7,7 @@ use std::path::Path;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use shipped::shipped;
+use sphecs::arrays::Arrays;
 use sphecs::bevy_ecs::resource::Resource;
 use sphecs::bevy_ecs::schedule::{IntoScheduleConfigs, Schedule, Schedules};
 use sphecs::bevy_ecs::world::World;
@@ -16,7 +17,6 @@ use sphecs::components::{
 };
 use sphecs::glam::DVec3;
 use sphecs::math::column::Columns;
-use sphecs::particles::arrays::ParticleArrays;
 use sphecs::scene::model::Scene;
 use sphecs::scene::{load_smoke, load_str};
 use sphecs::simulation::Simulation;
@@ -275,7 +275,7 @@ fn not_kept() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<Seen>(), "of this test"),
         (TypeId::of::<AddedForces>(), "the program: a plugin adds them again"),
         (TypeId::of::<Stopwatch>(), "wall time"),
-        (TypeId::of::<ParticleArrays<f64, 2>>(), "kept as columns"),
+        (TypeId::of::<Arrays<f64, 2>>(), "kept as columns"),
         (TypeId::of::<Stored>(), "kept as a column"),
         (TypeId::of::<Seats>(), "entities are seats"),
         (TypeId::of::<FreshHome>(), "both homes are fresh in a restored world"),

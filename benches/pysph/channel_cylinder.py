@@ -41,7 +41,7 @@ from pysph.sph.wc.basic import TaitEOS
 
 SHIFTING = 4.0  # A, the default of sphecs
 ZONES = {"fluid": 0, "inlet": 2, "outlet": 3}  # numbers of the zones in particles.nc
-# What the equations below need beside what every array of PySPH has.
+# Properties that the equations below need in addition to the standard ones of PySPH.
 PROPERTIES = ["cs", "wij", "cx", "cy", "ioid", "disp"]
 
 
@@ -134,7 +134,7 @@ class Rates(Equation):
     def loop(self, d_idx, s_idx, d_au, d_av, d_cx, d_cy, d_p, d_rho, s_p, s_rho, s_m, DWIJ, XIJ, VIJ, R2IJ):
         volume = s_m[s_idx] / s_rho[s_idx]
         force = -volume * (d_p[d_idx] + s_p[s_idx]) / d_rho[d_idx]
-        # A particle meets itself here, at a distance of zero.
+        # The loop includes the particle itself, at zero distance.
         slope = (DWIJ[0] * XIJ[0] + DWIJ[1] * XIJ[1]) / (R2IJ + 1e-24)
         viscous = 4.0 * self.nu * s_m[s_idx] * slope / (d_rho[d_idx] + s_rho[s_idx])
         d_au[d_idx] += force * DWIJ[0] + viscous * VIJ[0]
@@ -159,7 +159,7 @@ class ShiftedLeapfrog(IntegratorStep):
 
 
 class Drift(IntegratorStep):
-    """Particles of inlet and outlet move on with the velocity that they have."""
+    """Advances inlet and outlet particles at their constant velocity."""
 
     def stage1(self, d_idx, d_x, d_y, d_u, d_v, dt):
         d_x[d_idx] += dt * d_u[d_idx]
@@ -208,7 +208,7 @@ class ChannelCylinder(Application):
         return start.density / sum(kernel.kernel(rij=r, h=start.smoothing_length) for r in distances)
 
     def create_inlet_outlet(self, particle_arrays: dict[str, ParticleArray]) -> list:
-        """PySPH's own, at the first and the last column of fluid."""
+        """Creates PySPH's own inlet and outlet, at the first and the last column of fluid."""
         fluid_x = self.start.points["fluid"][:, 0]
         inlet = InletInfo(
             "inlet",
@@ -238,7 +238,7 @@ class ChannelCylinder(Application):
         ]
 
     def create_solver(self) -> Solver:
-        """One evaluation a step; the end of time is out of reach, the number of steps counts."""
+        """One evaluation a step; the end time is unreachable, the number of steps decides."""
         integrator = LeapFrogIntegrator(fluid=ShiftedLeapfrog(), inlet=Drift(), outlet=Drift())
         return Solver(
             dim=2,
@@ -255,7 +255,7 @@ class ChannelCylinder(Application):
         return self.warm_up + self.steps
 
     def post_step(self, solver: Solver) -> None:
-        """Finds the largest speed for the shift; looks at the clock after the warm-up and at the end."""
+        """Finds the largest speed for the shift; takes the time after the warm-up and at the end."""
         fluid = self.particles[0]
         fluid.fastest[0] = np.sqrt(np.max(fluid.u**2 + fluid.v**2))
         # The solver counts a step after this.
@@ -267,7 +267,7 @@ class ChannelCylinder(Application):
 
 
 def figures(velocity: np.ndarray) -> dict[str, float]:
-    """What two runs of one flow should agree in, of the fluid's velocities (m/s)."""
+    """Returns statistics of the fluid's velocities (m/s) in which two runs of one flow should agree."""
     u, v = velocity.T
     return {
         "fluid": len(u),

@@ -1,12 +1,12 @@
-"""sphecs beside PySPH, on the flow of benches/channel_cylinder.ron: python3 benches/pysph/compare.py
+"""Comparison of sphecs with PySPH on the flow of benches/channel_cylinder.ron: python3 benches/pysph/compare.py
 
-Starts from nothing: makes a virtual environment in the folder of --work, installs PySPH and what it needs into it
-(requirements.txt), builds sphecs, runs both and prints speeds, their ratio and what differs. Needs Python 3.11 or
-later, a C++ compiler with OpenMP, cargo and the network; a second call finds everything in place.
+Creates a virtual environment in the folder of --work, installs PySPH and its requirements (requirements.txt), builds
+sphecs, runs both and prints speeds, their ratio and the differences of the setups. Needs Python 3.11 or
+later, a C++ compiler with OpenMP, cargo and the network; a second call reuses the installation.
 
 Both run the same particles, written by sphecs at t = 0, for the same number of steps of the same mean size. A time is
 the fastest of the repetitions, which take turns. That of sphecs is the difference of two runs, one of which ends with
-the warm-up; PySPH looks at the clock itself, after compiling and warm-up.
+the warm-up; PySPH takes its own time, after compiling and warm-up.
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ SCENE = ROOT / "benches" / "channel_cylinder.ron"
 REQUIREMENTS = HERE / "requirements.txt"
 
 DIFFERENCES = """\
-What differs:
+Differences:
 - Precision: PySPH computes in f64; sphecs in f32, as the scene says, and in f64. Positions are f64 in all.
 - Integrator: kick-drift-kick with one evaluation of the forces a step in both.
-- Time step: sphecs chooses it anew at every step, and pays for that; PySPH takes the mean of those steps.
+- Time step: sphecs recomputes it at every step, at its own cost; PySPH takes the mean of those steps.
 - Walls: pressure from the kernel mean of the fluid's in both; no slip by the distances from the wall's surface in
   sphecs, by the kernel mean of the fluid's velocity, reversed, in PySPH.
-- Outlet: wave equation in sphecs; what has left keeps its velocity and pressure in PySPH.
+- Outlet: wave equation in sphecs; outflow particles keep their velocity and pressure in PySPH.
 - Inlet: a given velocity in both; particles come from a reservoir in sphecs, new ones are made in PySPH.
 - Viscosity and shifting: the same formulas; sphecs divides the viscosity by the sum's factor on the lattice and limits
   the length of a shift. Tensile control is in sphecs only. Damping of noise is off in both.
 - Neighbours: sphecs sorts all particles into cells at every step; PySPH has linked lists and keeps what it finds within
   a step (--cache-nnps, the fastest of its ways that were tried).
-- Beside the flow: sphecs counts every particle, watches for a blow-up and keeps integral figures at every step.
-- Compiler: PySPH compiles with -O3, as it does for everybody; sphecs chooses its instructions at run time."""
+- Besides the flow, sphecs counts every particle, checks for divergence and records integral figures at every step.
+- Compiler: PySPH compiles with -O3, its default; sphecs chooses its instructions at run time."""
 
 
 class Failure(Exception):
-    """Something that the user has to mend."""
+    """A condition that the user has to correct."""
 
 
 @dataclass
@@ -60,12 +60,12 @@ class Measurement:
     seconds_of_warm_up: list[float] = field(default_factory=list)
 
     def fastest(self) -> float:
-        """Seconds for the timed steps; the runs to be taken off are the fastest, too."""
+        """Seconds for the timed steps; the subtracted runs are the fastest, too."""
         return min(self.seconds) - min(self.seconds_of_warm_up, default=0.0)
 
 
 def run(command: Sequence[object], log: Path, what: str, environment: dict[str, str] | None = None) -> str:
-    """Output of a command; all that it says goes to a file, too."""
+    """Returns the output of a command, which is also written to a file."""
     text = [str(part) for part in command]
     result = subprocess.run(text, capture_output=True, text=True, env={**os.environ, **(environment or {})})
     log.write_text(result.stdout + result.stderr)
@@ -76,12 +76,12 @@ def run(command: Sequence[object], log: Path, what: str, environment: dict[str, 
 
 
 def say(text: str) -> None:
-    """What goes on, at once and apart from the table."""
+    """Prints progress at once, separately from the table."""
     print(f"== {text}", file=sys.stderr, flush=True)
 
 
 def installed(work: Path) -> Path:
-    """The Python of a virtual environment with PySPH, made if it is not there."""
+    """The Python of a virtual environment with PySPH, created if it does not exist."""
     folder = work / "venv"
     python = folder / "bin" / "python"
     stamp = folder / "requirements.txt"
@@ -94,7 +94,7 @@ def installed(work: Path) -> Path:
         raise Failure(f"no C++ compiler `{compiler}`: install one (Debian: g++ and python3-dev), or name it in CXX")
     say(f"installing PySPH into {folder}, some minutes")
     run([sys.executable, "-m", "venv", "--clear", folder], work / "venv.log", "no virtual environment")
-    # The pins hold in pip's own environments for building, too: older versions of pip know the first, newer the second.
+    # The pins also apply to pip's build environments: older versions of pip read the first, newer the second.
     pinned = {"PIP_CONSTRAINT": str(REQUIREMENTS), "PIP_BUILD_CONSTRAINT": str(REQUIREMENTS)}
     pip = [python, "-m", "pip", "install", "--disable-pip-version-check", "-r", REQUIREMENTS]
     run(pip, work / "pip.log", "PySPH was not installed (compiler? network?)", pinned)
@@ -143,10 +143,10 @@ def measure_pysph(
     measurement: Measurement, python: Path, particles: Path, time_step: float, work: Path, warm_up: int, steps: int
 ) -> dict[str, Any]:
     """One repetition."""
-    # PySPH keeps its settings and what it compiles in the home folder. Threads that wait in a loop would stall it for
-    # as long as other work has a core.
+    # PySPH keeps settings and compiled code in $HOME. Busy-waiting threads would stall it while other
+    # work uses a core.
     environment = {
-        "HOME": str(work / "home"),
+        "HOME": str(work / "pysph_user"),
         "OMP_NUM_THREADS": str(measurement.threads),
         "OMP_WAIT_POLICY": "passive",
     }
@@ -163,7 +163,7 @@ def compare(options: argparse.Namespace, work: Path) -> None:
     """Installs, runs in turn, prints."""
     python = installed(work)
     sphecs = options.sphecs or built(work)
-    (work / "home").mkdir(exist_ok=True)
+    (work / "pysph_user").mkdir(exist_ok=True)
     load_before = os.getloadavg()[0]
 
     rows: list[Measurement] = []
@@ -210,7 +210,7 @@ def print_table(rows: list[Measurement], steps: int) -> None:
 
 
 def positive(text: str) -> int:
-    """A number of something that there must be."""
+    """Parses a positive number of items."""
     number = int(text)
     if number < 1:
         raise ValueError
@@ -218,12 +218,12 @@ def positive(text: str) -> int:
 
 
 def numbers(text: str) -> list[int]:
-    """Some of them, with commas between."""
+    """Parses a comma-separated list of positive numbers."""
     return [positive(part) for part in text.split(",")]
 
 
 def main() -> int:
-    """Exit code: 0, or 1 for a failure, which is said on the standard error."""
+    """Exit code: 0, or 1 for a failure, which is reported on standard error."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     default = Path(tempfile.gettempdir()) / "sphecs_beside_pysph"
     parser.add_argument("--work", type=Path, default=default, help="folder for everything that is made (%(default)s)")

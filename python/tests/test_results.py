@@ -1,4 +1,4 @@
-"""What a researcher finds in a run folder: units, zones that add up, and the engine's own figures."""
+"""Contents of a run folder: units, zone counts that add up, and agreement with the engine's own figures."""
 
 import json
 
@@ -56,14 +56,14 @@ def test_time_stays_a_number_of_seconds(particles, monitor):
     assert particles.time.values[-1] == pytest.approx(0.25, abs=0.01)
 
 
-def test_facts_of_the_run_are_attributes(particles, run_folder):
+def test_properties_of_the_run_are_attributes(particles, run_folder):
     for name in ("scene_sha256", "sphecs_version", "kernel", "smoothing_length", "spacing", "sound_speed"):
         assert name in particles.attrs
     text = (run_folder / "scene.ron").read_text()
     assert particles.attrs["scene"].strip() == text.strip()
 
 
-def test_zone_counts_are_those_of_the_ledger(particles, monitor, summary):
+def test_zone_counts_equal_the_ledger(particles, monitor, summary):
     names = zones(particles)
     shared = np.intersect1d(particles.time.values, monitor.time.values)
     assert shared.size >= 2
@@ -82,35 +82,35 @@ def test_zone_counts_are_those_of_the_ledger(particles, monitor, summary):
     assert ledger["balances"]
 
 
-def test_only_stored_particles_are_nowhere(particles):
+def test_only_stored_particles_have_no_position(particles):
     names = zones(particles)
     stored = particles.zone.isin([names["reservoir"], names["absent"]])
-    nowhere = np.isnan(particles.x) & np.isnan(particles.y)
-    assert bool((stored == nowhere).all())
+    no_position = np.isnan(particles.x) & np.isnan(particles.y)
+    assert bool((stored == no_position).all())
 
 
-def test_csv_twins_have_the_same_numbers(run_folder, monitor):
+def test_csv_files_have_equal_numbers(run_folder, monitor):
     table = pd.read_csv(run_folder / "monitor.csv")
     assert len(table) == monitor.sizes["time"]
     for column in table:
         name, unit = column.rstrip("]").split(" [")
         assert monitor[name].attrs["units"] == unit
-        # Readers of text may be off by the last digit.
+        # Parsing text may change the last digit.
         np.testing.assert_allclose(table[column].to_numpy(float), monitor[name].values, rtol=1e-14)
 
 
-def test_profile_from_particles_is_the_probe_of_the_engine(particles, run_folder):
+def test_profile_from_particles_equals_the_probe_of_the_engine(particles, run_folder):
     probes = open_run(run_folder, "probes.nc")
     time = np.intersect1d(particles.time.values, probes.time.values)[-1]
     points = np.column_stack([probes.axis_x, probes.axis_y])
-    # The engine samples the fluid only, not the zones beyond its ends.
+    # The engine samples the fluid only, not the zones of inlets and outlets.
     found = profile(frame(particles, time, "fluid"), points, "u", h=particles.attrs["smoothing_length"])
     wanted = probes.axis_u.sel(time=time).values
     both = np.isfinite(found) & np.isfinite(wanted)
     assert both.mean() > 0.9
     largest = np.abs(wanted[both]).max()
     assert largest > 0.0
-    # Both fit the same functions to the same particles; they weigh them a little differently by their volumes.
+    # Both fit the same functions to the same particles, with slightly different volumes as weights.
     assert np.abs(found - wanted)[both].max() < 1e-3 * largest
 
 
@@ -129,7 +129,7 @@ def test_mass_flow_of_a_section_is_the_integral_of_its_particles(particles, run_
     assert flow == pytest.approx(float(probes.inlet_mass_flow.sel(time=time)), rel=0.02)
 
 
-def test_plot_helper_draws(particles, tmp_path):
+def test_plot_draws_a_figure(particles, tmp_path):
     pytest.importorskip("matplotlib").use("Agg")
     target = tmp_path / "speed.png"
     plot(particles, "speed", time=0.2).savefig(target)

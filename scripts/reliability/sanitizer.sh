@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# The unsafe code under AddressSanitizer: lanes, packs and passes by their unit tests, then a run that is stopped and gone on with, on every
-# set of lanes. Needs a nightly toolchain. Figures of it stand in docs/RELIABILITY.md.
+# Runs the unsafe code under AddressSanitizer: unit tests of vectors, packs and passes, then a run that is stopped and
+# resumed, on every instruction set. Needs a nightly toolchain. Results are in docs/RELIABILITY.md.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 target=x86_64-unknown-linux-gnu
 export RUSTFLAGS=-Zsanitizer=address
-# Libraries of the system keep what they got until the process ends.
+# System libraries keep allocations until the process ends.
 export ASAN_OPTIONS=detect_leaks=0
 export CARGO_TARGET_DIR=target/sanitizer
-# Checks of pointers, which the profile leaves out.
+# Pointer checks, which the profile disables.
 checked=(--config profile.dev.package.sphecs.debug-assertions=true)
 
 cargo +nightly test "${checked[@]}" --locked --target "$target" --lib -- math:: particles:: pass:: physics::
@@ -23,4 +23,4 @@ for lanes in avx512 avx2 portable; do
         "$program" resume "$out/$scene-$lanes" -q --steps 20 --threads 3
     done
 done
-echo "nothing found"
+echo "no errors found"

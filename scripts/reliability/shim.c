@@ -1,12 +1,12 @@
-/* Ends a process, or takes its disk away, at the n-th call that changes a file below a folder.
+/* Kills a process, or simulates a full disk, at the n-th call that changes a file below a folder.
  *
  * Preloaded by failpoints.py. Environment:
  *   FAIL_UNDER  absolute path of the folder; only calls on paths below it, or on files opened there, are counted
  *   FAIL_AT     number of the call, from 1; 0 or absent: none
- *   FAIL_HOW    before: killed before the call;  after: killed behind it;  torn: killed when half of a write is done;
- *               full: this call and all later ones that need room fail with "no space left on device"; what stands in a file
- *               may be written over
- *   FAIL_COUNT  file that gets the number of calls when the process ends
+ *   FAIL_HOW    before: killed before the call;  after: killed after it;  torn: killed after half of a write;
+ *               full: this call and all later ones that need space fail with "no space left on device";
+ *               existing bytes of a file may be overwritten
+ *   FAIL_COUNT  file that receives the number of calls when the process ends
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -64,7 +64,7 @@ static void watch(int fd, int yes) {
     if (fd >= 0 && fd < 4096) atomic_store(&watched[fd], yes);
 }
 
-/* Counts a call; whether it is the one. */
+/* Counts a call and returns whether it is the target. */
 static int counts(void) {
     long number = atomic_fetch_add(&calls, 1) + 1;
     if (how == FULL) return number >= target;
@@ -77,13 +77,13 @@ static void after(int hit) {
     if (hit && how != FULL) kill(getpid(), SIGKILL);
 }
 
-static int no_room(int hit) {
+static int no_space(int hit) {
     if (!hit || how != FULL) return 0;
     errno = ENOSPC;
     return 1;
 }
 
-/* Whether bytes end beyond a file: what is written over has its room. */
+/* Returns whether a write extends a file; overwriting needs no space. */
 static int grows(int fd, off64_t end) {
     struct stat64 facts;
     return fstat64(fd, &facts) || end > facts.st_size;
@@ -102,7 +102,7 @@ static int grows(int fd, off64_t end) {
         }                                                                                     \
         int counted = is_under(path) && (flags & O_CREAT);                                    \
         int hit = counted && counts();                                                        \
-        if (no_room(hit)) return -1;                                                          \
+        if (no_space(hit)) return -1;                                                          \
         int fd = REAL(name)(path, flags, mode);                                               \
         watch(fd, is_under(path));                                                            \
         after(hit);                                                                           \
@@ -122,7 +122,7 @@ OPEN(open64)
         }                                                                                     \
         int below = is_under(path) || is_watched(folder);                                     \
         int hit = below && (flags & O_CREAT) && counts();                                     \
-        if (no_room(hit)) return -1;                                                          \
+        if (no_space(hit)) return -1;                                                          \
         int fd = REAL(name)(folder, path, flags, mode);                                       \
         watch(fd, below);                                                                     \
         after(hit);                                                                           \
@@ -136,7 +136,7 @@ int close(int fd) {
     return REAL(close)(fd);
 }
 
-/* Another number for the same file, as a handle for another thread. */
+/* Duplicates a descriptor, which stays watched. */
 int fcntl64(int fd, int command, ...) {
     va_list rest;
     va_start(rest, command);
@@ -149,7 +149,7 @@ int fcntl64(int fd, int command, ...) {
 
 ssize_t write(int fd, const void *bytes, size_t length) {
     int hit = is_watched(fd) && counts();
-    if (hit && how == FULL && grows(fd, lseek64(fd, 0, SEEK_CUR) + (off64_t)length) && no_room(hit)) return -1;
+    if (hit && how == FULL && grows(fd, lseek64(fd, 0, SEEK_CUR) + (off64_t)length) && no_space(hit)) return -1;
     ssize_t done = REAL(write)(fd, bytes, hit && how == TORN ? length / 2 : length);
     after(hit);
     return done;
@@ -158,7 +158,7 @@ ssize_t write(int fd, const void *bytes, size_t length) {
 #define PWRITE(name, offset_type)                                                             \
     ssize_t name(int fd, const void *bytes, size_t length, offset_type offset) {              \
         int hit = is_watched(fd) && counts();                                                 \
-        if (hit && how == FULL && grows(fd, offset + (off64_t)length) && no_room(hit)) return -1; \
+        if (hit && how == FULL && grows(fd, offset + (off64_t)length) && no_space(hit)) return -1; \
         ssize_t done = REAL(name)(fd, bytes, hit && how == TORN ? length / 2 : length, offset); \
         after(hit);                                                                           \
         return done;                                                                          \
@@ -166,10 +166,10 @@ ssize_t write(int fd, const void *bytes, size_t length) {
 PWRITE(pwrite, off_t)
 PWRITE(pwrite64, off64_t)
 
-#define ON_FILE(name, needs_room, ...)                                                        \
+#define ON_FILE(name, needs_space, ...)                                                        \
     {                                                                                         \
         int hit = is_watched(fd) && counts();                                                 \
-        if (needs_room && no_room(hit)) return -1;                                            \
+        if (needs_space && no_space(hit)) return -1;                                            \
         int result = REAL(name)(__VA_ARGS__);                                                 \
         after(hit);                                                                           \
         return result;                                                                        \
@@ -179,10 +179,10 @@ int fdatasync(int fd) ON_FILE(fdatasync, 1, fd)
 int ftruncate(int fd, off_t length) ON_FILE(ftruncate, 0, fd, length)
 int ftruncate64(int fd, off64_t length) ON_FILE(ftruncate64, 0, fd, length)
 
-#define ON_PATH(name, needs_room, ...)                                                        \
+#define ON_PATH(name, needs_space, ...)                                                        \
     {                                                                                         \
         int hit = is_under(path) && counts();                                                 \
-        if (needs_room && no_room(hit)) return -1;                                            \
+        if (needs_space && no_space(hit)) return -1;                                            \
         int result = REAL(name)(__VA_ARGS__);                                                 \
         after(hit);                                                                           \
         return result;                                                                        \

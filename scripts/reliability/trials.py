@@ -1,4 +1,4 @@
-"""What the drivers of this folder share: running the program, and comparing what two runs left."""
+"""Functions shared by the scripts of this folder: running the program and comparing run folders."""
 
 import filecmp
 import json
@@ -13,12 +13,12 @@ QUICK = ROOT / "scenes/quickstart.ron"
 
 
 def fail(message):
-    """Ends the driver: the first fault is the one to look at."""
+    """Ends the script with a message, at the first failure."""
     sys.exit(f"FAILED: {message}")
 
 
 def ends(program, arguments, code=0, what="", environment=None):
-    """Runs the program to its end; its output. Fails if it ends with another code."""
+    """Runs the program and returns its output. Fails unless its exit code is `code`."""
     command = [str(program), *map(str, arguments)]
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     if code is not None and done.returncode != code:
@@ -27,10 +27,10 @@ def ends(program, arguments, code=0, what="", environment=None):
 
 
 def same(whole, other, what):
-    """Fails unless two run folders have the same results, byte by byte, and the second nothing left over."""
+    """Fails unless two run folders have identical results, byte by byte, and the second has no temporary files."""
     for name in RESULTS:
         if (whole / name).exists() != (other / name).exists():
-            fail(f"{what}: {name} is in one of both only")
+            fail(f"{what}: {name} exists in one of the two folders only")
         if (whole / name).exists() and not filecmp.cmp(whole / name, other / name, shallow=False):
             fail(f"{what}: {name} differs")
     strays = [path for pattern in ("*.partial", "journal*", ".probe*") for path in other.rglob(pattern)]
@@ -40,5 +40,5 @@ def same(whole, other, what):
 
 
 def summary(folder):
-    """How a run ended."""
+    """Returns the summary of a run."""
     return json.loads((folder / "summary.json").read_text())

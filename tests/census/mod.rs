@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
+use sphecs::arrays::Arrays;
 use sphecs::bevy_ecs::world::{EntityRef, World};
 use sphecs::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
 use sphecs::glam::DVec3;
 use sphecs::math::real::Real;
-use sphecs::particles::arrays::ParticleArrays;
 use sphecs::particles::zone::Zone;
 use sphecs::simulation::Simulation;
 
@@ -45,7 +45,7 @@ type Leapfrog = HashMap<u32, (DVec3, bool)>;
 /// What the arrays, whichever the world has, hold beside the components.
 fn leapfrog(world: &World) -> Leapfrog {
     fn of<R: Real, const D: usize>(world: &World) -> Option<Leapfrog> {
-        let arrays = world.get_resource::<ParticleArrays<R, D>>()?;
+        let arrays = world.get_resource::<Arrays<R, D>>()?;
         let rows = (0..arrays.len()).map(|row| arrays.row(row));
         Some(rows.map(|row| (row.id, (row.velocity_before, row.fresh))).collect())
     }

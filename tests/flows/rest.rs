@@ -1,10 +1,10 @@
 //! Fluid at rest: what is uniform stays so, and water under gravity carries its weight.
 
+use sphecs::arrays::Arrays;
 use sphecs::bevy_ecs::entity::Entity;
 use sphecs::bevy_ecs::query::{With, Without};
 use sphecs::components::{Fluid, ParticleId, Position, Reservoir, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::particles::arrays::ParticleArrays;
 use sphecs::simulation::Simulation;
 
 use crate::{advance, flow, smoke};
@@ -117,7 +117,7 @@ fn a_particle_that_is_shot_at_a_wall_stays_in_front_of_it() {
         [world.get::<Position>(shot).map(|at| at.0), world.get::<Velocity>(shot).map(|velocity| velocity.0)]
             .map(|vector| vector.expect("the particle"));
     let id = world.get::<ParticleId>(shot).expect("the particle").0;
-    let arrays = world.resource::<ParticleArrays<f64, 2>>();
+    let arrays = world.resource::<Arrays<f64, 2>>();
     let row = arrays.id.iter().position(|&other| other == id).expect("its row");
     let before = arrays.row(row).velocity_before;
     let depth = in_front(&simulation, after);

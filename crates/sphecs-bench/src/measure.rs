@@ -18,6 +18,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_engine::arrays::Arrays;
 use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_engine::systems::neighbours::Grid;
 use sphecs_engine::systems::pair::Pair;
@@ -181,7 +182,7 @@ pub fn scalar_rate(simulation: &mut Simulation) -> f64 {
 
 fn scalar_rate_typed<R: Real, const D: usize>(simulation: &mut Simulation) -> f64 {
     let world = simulation.world();
-    let arrays = world.resource::<ParticleArrays<R, D>>();
+    let arrays = world.resource::<Arrays<R, D>>();
     scalar::pair_rate(&world.resource::<Pair>().0, &world.resource::<Grid<D>>().0, arrays)
 }
 
@@ -197,7 +198,7 @@ pub fn count(simulation: &mut Simulation) -> (usize, usize) {
 
 fn count_typed<R: Real, const D: usize>(simulation: &mut Simulation) -> (usize, usize) {
     let world = simulation.world();
-    let arrays = world.resource::<ParticleArrays<R, D>>();
+    let arrays = world.resource::<Arrays<R, D>>();
     (arrays.len(), ordered_pairs(&world.resource::<Grid<D>>().0, arrays))
 }
 

@@ -4,7 +4,6 @@
 //! Reservoir particles are not in the arrays: they have no neighbours. Everything here is the
 //! truth within a step; the components of the world are the truth between steps.
 
-use bevy_ecs::resource::Resource;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
@@ -14,7 +13,7 @@ use crate::math::real::Real;
 /// Columns of all particles that can be somebody's neighbour, in `D` dimensions.
 ///
 /// Positions are f64 always; the other columns are in the precision of the pair sums.
-#[derive(Resource, Clone, Debug)]
+#[derive(Clone, Debug)]
 pub struct ParticleArrays<R: Real, const D: usize> {
     /// Number of the particle: dense; no two rows but one that is to be dropped have the same.
     pub id: Vec<u32>,

@@ -10,8 +10,8 @@ use super::pair::Pair;
 use super::rates::{StepsSincePlain, Sums, level};
 use super::setup::SceneInUse;
 use super::surface_shear::SurfaceShear;
+use crate::arrays::Arrays;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::pass::body::{Body, BodySum};
 use sphecs_core::pass::edac::body::sum_body_force as sum_evolved;
 use sphecs_core::pass::rates::body::sum_body_force;
@@ -67,7 +67,7 @@ pub fn sum_body_forces<R: Real, const D: usize>(
     (scene, clock): (Res<SceneInUse>, Res<Clock>),
     grid: Res<Grid<D>>,
     since_plain: Res<StepsSincePlain>,
-    arrays: Res<ParticleArrays<R, D>>,
+    arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {
@@ -86,7 +86,7 @@ pub fn sum_body_forces<R: Real, const D: usize>(
 pub fn sum_edac_body_forces<R: Real, const D: usize>(
     (scene, clock): (Res<SceneInUse>, Res<Clock>),
     grid: Res<Grid<D>>,
-    arrays: Res<ParticleArrays<R, D>>,
+    arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {

@@ -29,6 +29,7 @@ use super::shift::shift;
 use super::stopwatch::Stopwatch;
 use super::transitions::stock::FreeNumbers;
 use super::transitions::{TransitionLists, transition};
+use crate::arrays::Arrays;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::physics::shifting::Shifting;
@@ -59,7 +60,7 @@ impl<R: Real, const D: usize> Plugin for NeighboursPlugin<R, D> {
         parts.world.init_resource::<Stopwatch>();
         parts.world.init_resource::<PatchRows>();
         parts.world.insert_resource(Spare::<R>(Default::default()));
-        parts.world.insert_resource(ParticleArrays::<R, D>::default());
+        parts.world.insert_resource(Arrays::<R, D>::default());
         parts.step.add_systems(gather::<R, D>.in_set(StepSystems::Gather));
         parts.step.add_systems(run_stage.in_set(StepSystems::Advance));
         parts.stage.add_systems(sort_particles::<R, D>.in_set(StageSystems::Neighbours));
@@ -80,7 +81,7 @@ impl<R: Real, const D: usize> Plugin for WcsphPlugin<R, D> {
             scene.output.probes.iter().any(|probe| matches!(probe.kind, ProbeKind::Section { .. }));
         let shifts = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting != Shifting::Off);
         let drifts = has_sections && shifts;
-        parts.world.insert_resource(ParticleArrays::<R, D> { drifts, ..Default::default() });
+        parts.world.insert_resource(Arrays(ParticleArrays::<R, D> { drifts, ..Default::default() }));
         parts.stage.add_systems((
             sum_density::<R, D>.in_set(StageSystems::Density),
             sum_gradients::<R, D>.in_set(StageSystems::Gradients),
@@ -101,11 +102,11 @@ impl<R: Real, const D: usize> Plugin for EdacTvfPlugin<R, D> {
         parts.world.init_resource::<AddedForces>();
         parts.world.init_resource::<Bodies>();
         parts.world.insert_resource(Sums::<R, D>(Default::default()));
-        parts.world.insert_resource(ParticleArrays::<R, D> {
+        parts.world.insert_resource(Arrays(ParticleArrays::<R, D> {
             evolves_pressure: true,
             drifts: true,
             ..Default::default()
-        });
+        }));
         parts.stage.add_systems((
             sum_volumes::<R, D>.in_set(StageSystems::Density),
             (sum_edac_rates::<R, D>, add_wall_friction::<R, D>, sum_edac_body_forces::<R, D>)

@@ -14,6 +14,7 @@ use super::neighbours::Grid;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
 use super::setup::{Resolution, SceneInUse};
+use crate::arrays::Arrays;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -44,7 +45,7 @@ pub fn sum_volumes<R: Real, const D: usize>(
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
     let scene = &*scene.0;
@@ -65,7 +66,7 @@ pub fn sum_edac_rates<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut found: ResMut<RatesFound>,
 ) {
@@ -91,7 +92,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
     sums: Res<Sums<R, D>>,
     mut clock: ResMut<Clock>,
     mut velocities: Local<Vec<DVec3>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     let limits = TimeStepLimits {
@@ -106,7 +107,7 @@ pub fn kick_and_drift<R: Real, const D: usize>(
         // It is in the accelerations.
         BodyForce::Expression(_) => 0.0,
     };
-    let arrays = &mut *arrays;
+    let arrays = &mut **arrays;
     let time_step = limits.time_step(
         largest_acceleration(arrays, pair.0.lanes).max(gravity),
         found.largest_signal,
@@ -255,7 +256,7 @@ pub fn even_outlets<R: Real, const D: usize>(
     resolution: Res<Resolution>,
     rows: Res<PatchRows>,
     sums: Res<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let Some(terms) = terms(&scene.0) else { return };
     let sound = scene.0.fluid.sound_speed * clock.time_step;

@@ -10,6 +10,7 @@ use super::clock::Clock;
 use super::neighbourhood::Neighbourhood;
 use super::pair::Pair;
 use super::setup::SceneInUse;
+use crate::arrays::Arrays;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
@@ -104,7 +105,7 @@ pub fn check_state<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
     pair: Res<Pair>,
-    arrays: Res<ParticleArrays<R, D>>,
+    arrays: Res<Arrays<R, D>>,
     mut failure: ResMut<Failure>,
 ) {
     if failure.fault.is_some() || clock.step == 0 {

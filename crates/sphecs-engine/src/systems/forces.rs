@@ -8,8 +8,8 @@ use glam::DVec3;
 
 use super::clock::Clock;
 use super::setup::SceneInUse;
+use crate::arrays::Arrays;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
 use sphecs_scene::model::BodyForce;
@@ -73,7 +73,7 @@ pub fn add_forces<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     clock: Res<Clock>,
     added: Res<AddedForces>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let force = &scene.0.body_force;
     if added.0.is_empty() && matches!(force, BodyForce::Constant(force) if *force == DVec3::ZERO) {
@@ -81,7 +81,7 @@ pub fn add_forces<R: Real, const D: usize>(
     }
     let time = clock.time;
     let mut acceleration = std::mem::replace(&mut arrays.acceleration, std::array::from_fn(|_| Vec::new()));
-    let state = &*arrays;
+    let state = &**arrays;
     let work = |rows: Range<usize>, acceleration: [&mut [R]; D]| {
         for (at, row) in rows.enumerate() {
             let zone = state.zone[row];

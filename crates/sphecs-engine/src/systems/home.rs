@@ -5,9 +5,9 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 
 use super::rates::Sums;
+use crate::arrays::Arrays;
 use crate::transfer;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
 
 /// Which home of the state is fresh.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,9 +24,7 @@ pub enum FreshHome {
 /// Fills the arrays if the components are fresher; a system of [`StepSystems::Gather`](super::schedule::StepSystems).
 pub fn gather<R: Real, const D: usize>(world: &mut World) {
     if *world.resource::<FreshHome>() == FreshHome::Components {
-        world.resource_scope(|world, mut arrays: Mut<ParticleArrays<R, D>>| {
-            transfer::gather(world, &mut arrays)
-        });
+        world.resource_scope(|world, mut arrays: Mut<Arrays<R, D>>| transfer::gather(world, &mut arrays));
     }
     world.insert_resource(FreshHome::Arrays);
 }
@@ -34,7 +32,7 @@ pub fn gather<R: Real, const D: usize>(world: &mut World) {
 /// Brings the components up to date if the arrays are fresher.
 pub fn scatter<R: Real, const D: usize>(world: &mut World) {
     if *world.resource::<FreshHome>() == FreshHome::Arrays {
-        world.resource_scope(|world, arrays: Mut<ParticleArrays<R, D>>| {
+        world.resource_scope(|world, arrays: Mut<Arrays<R, D>>| {
             transfer::scatter(world, &arrays);
             world.resource_scope(|world, sums: Mut<Sums<R, D>>| {
                 transfer::scatter_stress(world, &arrays.id, &sums.0.stress);

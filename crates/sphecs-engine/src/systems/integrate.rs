@@ -15,6 +15,7 @@ use super::clock::Clock;
 use super::pair::Pair;
 use super::rates::{RatesFound, StepsSincePlain, Sums};
 use super::setup::{Resolution, SceneInUse};
+use crate::arrays::Arrays;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -39,7 +40,7 @@ pub fn kick<R: Real, const D: usize>(
     mut since_plain: ResMut<StepsSincePlain>,
     mut clock: ResMut<Clock>,
     mut velocities: Local<Vec<DVec3>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     let Some(parameters) = scene.scheme.wcsph() else { return };
@@ -50,7 +51,7 @@ pub fn kick<R: Real, const D: usize>(
         smoothing_length: resolution.smoothing_length,
         viscosity: found.largest_viscosity,
     };
-    let arrays = &mut *arrays;
+    let arrays = &mut **arrays;
     let time_step = limits.time_step(
         largest_acceleration(arrays, pair.0.lanes),
         found.largest_signal,

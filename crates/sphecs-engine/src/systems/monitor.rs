@@ -12,6 +12,7 @@ use super::ledger::Ledger;
 use super::neighbours::Grid;
 use super::rates::RatesFound;
 use super::setup::{Resolution, SceneInUse};
+use crate::arrays::Arrays;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -112,7 +113,7 @@ fn figures<R: Real, const D: usize>(
     let scene = &world.resource::<SceneInUse>().0;
     let mass = world.resource::<Resolution>().mass;
     let ledger = world.resource::<Ledger>();
-    let arrays = world.resource::<ParticleArrays<R, D>>();
+    let arrays = world.resource::<Arrays<R, D>>();
     let interval = clock.time - before.time;
     let mut row = MonitorRow {
         time: clock.time,

@@ -8,9 +8,10 @@ use super::failure::Failure;
 use super::pair::Pair;
 use super::rates::Sums;
 use super::setup::SceneInUse;
+use crate::arrays::Arrays;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
+use sphecs_core::particles::arrays::SpareColumns;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::settings::PairSettings;
 use sphecs_core::pass::wall_distance::find_wall_distance;
@@ -58,11 +59,11 @@ pub fn sort_particles<R: Real, const D: usize>(
     mut grid: ResMut<Grid<D>>,
     mut spare: ResMut<Spare<R>>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
     mut rows: ResMut<PatchRows>,
     mut failure: ResMut<Failure>,
 ) {
-    let arrays = &mut *arrays;
+    let arrays = &mut **arrays;
     sums.0.forget_order();
     let zone = std::mem::take(&mut arrays.zone);
     let built = grid.0.build(&arrays.position, &arrays.id, |row| zone[row] != Zone::Reservoir);

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::neighbours::Grid;
 use super::pair::Pair;
 use super::setup::SceneInUse;
+use crate::arrays::Arrays;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::pass::density;
 use sphecs_core::pass::gradients;
 use sphecs_core::pass::rates::{self, VelocityLevel};
@@ -62,7 +62,7 @@ pub fn sum_density<R: Real, const D: usize>(
     grid: Res<Grid<D>>,
     since_plain: Res<StepsSincePlain>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     if scene.0.scheme.wcsph().is_some_and(needs_strain) {
         strain::sum_density_and_strain(&pair.0, &grid.0, &mut arrays, level(*since_plain), &mut sums.0);
@@ -77,7 +77,7 @@ pub fn sum_gradients<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     since_plain: Res<StepsSincePlain>,
-    arrays: Res<ParticleArrays<R, D>>,
+    arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
 ) {
     if !scene.0.scheme.has_stress() {
@@ -93,7 +93,7 @@ pub fn sum_rates<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     since_plain: Res<StepsSincePlain>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut found: ResMut<RatesFound>,
 ) {
@@ -113,7 +113,7 @@ pub fn add_wall_friction<R: Real, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     since_plain: Option<Res<StepsSincePlain>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
 ) {
     let level = since_plain.map_or(VelocityLevel::Present, |since_plain| level(*since_plain));

@@ -9,8 +9,8 @@ use super::home;
 use super::neighbours::{Grid, sort_particles};
 use super::pair::Pair;
 use super::rates::{sum_density, sum_gradients};
+use crate::arrays::Arrays;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::sample::Sample;
 use sphecs_core::pass::sampling::Sampler;
 use sphecs_core::pass::section::{self, Section};
@@ -44,7 +44,7 @@ pub fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
 
 /// The fields of what is seen at each point; None where nothing of it is near.
 pub fn sample<R: Real, const D: usize>(world: &World, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
-    let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<ParticleArrays<R, D>>());
+    let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<Arrays<R, D>>());
     let pair = &world.resource::<Pair>().0;
     let fluid = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Fluid.sees(zone));
     let flow = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Flow.sees(zone));
@@ -57,5 +57,5 @@ pub fn sample<R: Real, const D: usize>(world: &World, points: &[(DVec3, ProbeSig
 
 /// Mass flows through sections along their normals, kg/s (per metre of depth in 2D).
 pub fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
-    section::mass_flows(world.resource::<ParticleArrays<R, D>>(), world.resource::<Pair>().0.mass, sections)
+    section::mass_flows(world.resource::<Arrays<R, D>>(), world.resource::<Pair>().0.mass, sections)
 }

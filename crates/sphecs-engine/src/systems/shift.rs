@@ -8,6 +8,7 @@ use super::clock::Clock;
 use super::pair::Pair;
 use super::rates::{RatesFound, Sums};
 use super::setup::{Resolution, SceneInUse};
+use crate::arrays::Arrays;
 use sphecs_core::math::lanes::{Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -26,7 +27,7 @@ pub fn shift<R: Real, const D: usize>(
     found: Res<RatesFound>,
     pair: Res<Pair>,
     sums: Res<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| scheme.shifting != Shifting::Off) else {
         return;
@@ -38,7 +39,7 @@ pub fn shift<R: Real, const D: usize>(
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };
-    let ParticleArrays { zone, position, velocity, velocity_before, drift, .. } = &mut *arrays;
+    let ParticleArrays { zone, position, velocity, velocity_before, drift, .. } = &mut **arrays;
     let (zone, sums) = (&**zone, &sums.0);
     let position = position.each_mut().map(Vec::as_mut_slice);
     let velocities = [velocity, velocity_before].map(|columns| columns.each_mut().map(Vec::as_mut_slice));

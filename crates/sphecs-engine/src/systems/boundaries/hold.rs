@@ -14,6 +14,7 @@ use bevy_ecs::system::{Res, ResMut};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::arrays::Arrays;
 use crate::systems::neighbours::Grid;
 use crate::systems::setup::SceneInUse;
 use sphecs_core::math::real::Real;
@@ -40,13 +41,13 @@ pub fn hold_at_walls<R: Real, const D: usize>(
     scene: Res<SceneInUse>,
     grid: Res<Grid<D>>,
     mut held: ResMut<HeldAtWalls>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     // Drawn out beyond the far ends of the zones, which are no walls.
     let walls = &scene.layout.confines;
     let near = R::from_f64(NEAR * scene.spacing);
-    let ParticleArrays { zone, position, velocity, velocity_before, wall_distance, .. } = &mut *arrays;
+    let ParticleArrays { zone, position, velocity, velocity_before, wall_distance, .. } = &mut **arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
     let count = AtomicU64::new(0);
     let columns = (

@@ -21,6 +21,7 @@ use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::rows::PatchRows;
+use crate::arrays::Arrays;
 use crate::systems::clock::Clock;
 use crate::systems::forces::body_force;
 use crate::systems::neighbours::Grid;
@@ -28,7 +29,6 @@ use crate::systems::pair::Pair;
 use crate::systems::rates::Sums;
 use crate::systems::setup::SceneInUse;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
 use sphecs_core::pass::fits::PointFit;
 use sphecs_core::pass::points::PointFlows;
@@ -66,7 +66,7 @@ pub fn apply_inlets<R: Real, const D: usize>(
     mut flows: Local<PointFlows<D>>,
     mut inflow: Local<Vec<Prescribed>>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     let nu = scene.fluid.viscosity;
@@ -84,7 +84,7 @@ pub fn apply_inlets<R: Real, const D: usize>(
             }));
             flows.find(PointFit::Pressure, &pair.0, &grid.0, &arrays, &mut sums.0);
         }
-        let (before, found) = (&*arrays, &flows.found);
+        let (before, found) = (&**arrays, &flows.found);
         let prescribed = rows.par_iter().enumerate().with_min_len(CHUNK).map(|(index, &row)| {
             let row = row as usize;
             let (place, own) = (before.position_of(row), before.pressure[row].to_f64());

@@ -13,6 +13,7 @@ use super::hybrid::{HybridZone, apply_hybrid};
 use super::kept::{apply_characteristic, apply_do_nothing, apply_mirror, apply_modified_do_nothing};
 use super::rows::PatchRows;
 use super::wave_zone::{ZoneMove, apply_wave};
+use crate::arrays::Arrays;
 use crate::systems::clock::Clock;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
@@ -175,7 +176,7 @@ pub fn apply_outlets<R: Real, const D: usize>(
     mut buffers: Local<OutletBuffers<R, D>>,
     mut states: ResMut<OutletStates>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     states.0.resize_with(scene.outlets.len(), OutletState::default);

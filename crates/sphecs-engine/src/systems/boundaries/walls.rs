@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use crate::arrays::Arrays;
 use crate::systems::clock::Clock;
 use crate::systems::forces::body_force;
 use crate::systems::neighbours::Grid;
@@ -32,7 +33,7 @@ pub fn apply_walls<R: Real, const D: usize>(
     grid: Res<Grid<D>>,
     since_plain: Option<Res<StepsSincePlain>>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     let time = clock.time;
@@ -47,7 +48,7 @@ pub fn apply_walls<R: Real, const D: usize>(
             wall_distance,
             wall_normal,
             ..
-        } = &mut *arrays;
+        } = &mut **arrays;
         let (zone, patch, position) = (&*zone, &*patch, &*position);
         let (wall_distance, wall_normal) = (&*wall_distance, &*wall_normal);
         let work = |rows: Range<usize>, (velocity, before): Columns<R, D>| {

@@ -6,6 +6,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use super::outlets::{OutletStage, OutletState};
 use super::rows::PatchRows;
+use crate::arrays::Arrays;
 use crate::systems::neighbours::Grid;
 use crate::systems::pair::Pair;
 use crate::systems::rates::Sums;
@@ -129,7 +130,7 @@ pub fn outlet_rates<R: Real, const D: usize>(
     rows: Res<PatchRows>,
     mut waves: Local<Vec<WaveFound>>,
     mut sums: ResMut<Sums<R, D>>,
-    mut arrays: ResMut<ParticleArrays<R, D>>,
+    mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     for (outlet, rows) in scene.outlets.iter().zip(&rows.outflow) {

@@ -17,6 +17,7 @@ use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
+use crate::arrays::Arrays;
 use crate::components::{
     ParticleBundle, ParticleId, Position, Returned, Thermodynamics, Tracer, Velocity, WallSurface,
 };
@@ -30,7 +31,6 @@ use crate::transfer::count_roles;
 use sphecs_core::math::column::{Columns, Misfit};
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
-use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::saved::{self, Order};
 use sphecs_core::particles::zone::Zone;
 use sphecs_scene::model::Scene;
@@ -49,7 +49,7 @@ pub fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
     let grid = &world.resource::<Grid<D>>().0;
     to.put("grid.lower", grid.lower().to_vec());
     to.put("grid.upper", grid.upper().to_vec());
-    saved::save(world.resource::<ParticleArrays<R, D>>(), order, to);
+    saved::save(world.resource::<Arrays<R, D>>(), order, to);
     save_components(world, to);
     save_stored(world, to);
 }
@@ -139,10 +139,10 @@ pub fn restore_grid<const D: usize>(
 pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -> Result<(), Misfit> {
     let scene = world.resource::<SceneInUse>().0.clone();
     let arrays = saved::restore::<R, D>(from)?;
-    if arrays.evolves_pressure != world.resource::<ParticleArrays<R, D>>().evolves_pressure {
+    if arrays.evolves_pressure != world.resource::<Arrays<R, D>>().evolves_pressure {
         return Err(Misfit("its pressure does not follow from the scheme of the scene".to_owned()));
     }
-    if arrays.drifts != world.resource::<ParticleArrays<R, D>>().drifts {
+    if arrays.drifts != world.resource::<Arrays<R, D>>().drifts {
         return Err(Misfit("its drift does not follow from the scheme of the scene".to_owned()));
     }
     let stored = from.take::<u32>("stored.id")?;
@@ -164,7 +164,7 @@ pub fn restore<R: Real, const D: usize>(world: &mut World, from: &mut Columns) -
     restore_components(&mut particles, tag, from)?;
     spawn_saved(world, &scene, &particles);
     world.insert_resource(Stored(stored));
-    world.insert_resource(arrays);
+    world.insert_resource(Arrays(arrays));
     world.insert_resource(FreshHome::Both);
     Ok(())
 }

@@ -32,6 +32,7 @@ use super::boundaries::rows::PatchRows;
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::setup::{SceneInUse, Seats};
+use crate::arrays::Arrays;
 use crate::components::{Fluid, Inflow, Outflow, Returned};
 use entry::{Entry, enter};
 use sphecs_core::math::real::Real;
@@ -66,7 +67,7 @@ pub fn transition<R: Real, const D: usize>(world: &mut World) {
         wrap_periodic::<R, D>(world, &scene);
         return;
     }
-    world.resource_scope(|world, mut arrays: Mut<ParticleArrays<R, D>>| {
+    world.resource_scope(|world, mut arrays: Mut<Arrays<R, D>>| {
         world.resource_scope(|world, mut lists: Mut<TransitionLists>| {
             let TransitionLists { changes, entries } = &mut *lists;
             let near = &world.resource::<PatchRows>().near;
@@ -85,7 +86,7 @@ pub fn transition<R: Real, const D: usize>(world: &mut World) {
 }
 
 fn wrap_periodic<R: Real, const D: usize>(world: &mut World, scene: &Scene) {
-    let mut arrays = world.resource_mut::<ParticleArrays<R, D>>();
+    let mut arrays = world.resource_mut::<Arrays<R, D>>();
     for axis in 0..D {
         let Some((lower, upper)) = scene.periodic[axis] else { continue };
         let period = upper - lower;

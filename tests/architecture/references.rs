@@ -2,18 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Source, read, root, sources};
+use crate::source_tree::{SOURCES, SourceFile, expect_none, read, root, sources};
 
 const DOCUMENT: &str = "docs/REFERENCES.md";
 
-/// Environment variable that lets the test mend the lists of files.
+/// Environment variable that lets the test update the lists of files.
 const UPDATE: &str = "UPDATE_REFERENCES";
 
 /// A cited work: the first author's name and the year.
 type Key = (String, u16);
 
 /// Comments of a file joined to running text, since a citation may be broken over two lines; with the line of each word.
-fn comment_words(source: &Source) -> Vec<(usize, String)> {
+fn comment_words(source: &SourceFile) -> Vec<(usize, String)> {
     let mut words = Vec::new();
     for (number, line) in source.text.lines().enumerate() {
         let line = line.trim_start();
@@ -29,7 +29,7 @@ fn comment_words(source: &Source) -> Vec<(usize, String)> {
 }
 
 /// `Author (year)`, `Author & Author (year)` and `Author et al. (year)` in comments, with their lines.
-fn citations(source: &Source) -> Vec<(usize, Key)> {
+fn citations(source: &SourceFile) -> Vec<(usize, Key)> {
     let words = comment_words(source);
     let mut found = Vec::new();
     for (at, (line, word)) in words.iter().enumerate() {
@@ -136,7 +136,7 @@ fn update(cited: &BTreeMap<Key, BTreeMap<String, usize>>, entries: &BTreeMap<Key
 #[test]
 fn citations_and_references_agree_both_ways() {
     let mut cited: BTreeMap<Key, BTreeMap<String, usize>> = BTreeMap::new();
-    for source in sources(&["src"]) {
+    for source in sources(&SOURCES) {
         for (line, key) in citations(&source) {
             cited.entry(key).or_default().entry(source.path.clone()).or_insert(line);
         }
@@ -177,13 +177,13 @@ fn citations_and_references_agree_both_ways() {
             ));
         }
     }
-    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+    expect_none(&faults);
 }
 
 #[test]
 fn citations_can_be_looked_up() {
     let mut faults = Vec::new();
-    for source in sources(&["src"]) {
+    for source in sources(&SOURCES) {
         let words = comment_words(&source);
         for (at, (line, word)) in words.iter().enumerate() {
             let next = words.get(at + 1).map_or("", |(_, word)| word.as_str());
@@ -199,12 +199,12 @@ fn citations_can_be_looked_up() {
             }
         }
     }
-    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+    expect_none(&faults);
 }
 
 #[test]
 fn scheme_reads_the_forms_in_use() {
-    let source = |text: &str| Source::new("", text);
+    let source = |text: &str| SourceFile::new("", text);
     let cases = [
         (
             "//! Lo & Shao (2002), as in Alvarado-Rodríguez et al.\n//! (2017), Eq. 10.",

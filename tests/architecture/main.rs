@@ -1,0 +1,6 @@
+//! Structure, language and citations of the repository, read from its files.
+
+mod language;
+mod references;
+mod source_tree;
+mod structure;
