@@ -73,14 +73,19 @@
 pub use bevy_ecs;
 pub use glam;
 
+#[cfg(feature = "cli")]
 pub use sphecs_bench as bench;
 pub use sphecs_core::{math, particles, pass, physics};
 pub use sphecs_engine::{arrays, components, simulation, systems, transfer};
+#[cfg(feature = "output")]
 pub use sphecs_output as output;
+#[cfg(feature = "output")]
 pub use sphecs_run as run;
 pub use sphecs_scene as scene;
+#[cfg(feature = "cli")]
 pub use sphecs_validate as validate;
 
+#[cfg(feature = "cli")]
 pub mod cli;
 
 /// The examples of the README compile.
