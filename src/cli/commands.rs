@@ -24,7 +24,7 @@ use sphecs_run::{Ending, RunOptions, report};
 use sphecs_scene::model::Scene;
 use sphecs_scene::summary;
 use sphecs_validate::schema::Tier;
-use sphecs_validate::{Judgement, ValidateError, ValidateOptions, case};
+use sphecs_validate::{Conclusion, ValidateError, ValidateOptions, case};
 
 /// Runs a scene.
 ///
@@ -236,9 +236,9 @@ pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
         console: Console::Normal,
     };
     Ok(match sphecs_validate::validate(&options)? {
-        Judgement::Met => DONE,
-        Judgement::Missed => MISSED,
-        Judgement::Stopped(signal) => signal.exit_code(),
+        Conclusion::Met => DONE,
+        Conclusion::Missed => MISSED,
+        Conclusion::Stopped(signal) => signal.exit_code(),
     })
 }
 

@@ -57,7 +57,7 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Failure::Scene(_)
-            | Failure::Validate(ValidateError::Case(_))
+            | Failure::Validate(ValidateError::Case(_) | ValidateError::Scene(_))
             | Failure::Bench(BenchError::Scene(_) | BenchError::Threads(_)) => BAD_INPUT,
             Failure::Bench(BenchError::Flow { .. }) => FLOW,
             Failure::Run(error) | Failure::Validate(ValidateError::Run(error)) => code_of_run(error),

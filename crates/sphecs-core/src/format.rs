@@ -26,10 +26,15 @@ pub fn grouped(count: u64) -> String {
     text
 }
 
-/// Returns a number with four significant digits and no trailing zeros.
+/// Returns a number with four significant digits, as [`with_digits`] does.
+pub fn significant(value: f64) -> String {
+    with_digits(value, 4)
+}
+
+/// Returns a number with `digits` significant digits and no trailing zeros.
 ///
 /// Values below a thousandth and from a hundred thousand on have an exponent.
-pub fn significant(value: f64) -> String {
+pub fn with_digits(value: f64, digits: usize) -> String {
     let size = value.abs();
     if value.is_infinite() {
         return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
@@ -37,10 +42,11 @@ pub fn significant(value: f64) -> String {
     if value == 0.0 || value.is_nan() {
         return format!("{value}");
     }
+    let decimals = digits.saturating_sub(1);
     if !(1e-3..1e5).contains(&size) {
-        return without_trailing_zeros(&format!("{value:.3e}"));
+        return without_trailing_zeros(&format!("{value:.decimals$e}"));
     }
-    let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
+    let decimals = (decimals as i32 - size.log10().floor() as i32).max(0) as usize;
     without_trailing_zeros(&format!("{value:.decimals$}"))
 }
 
@@ -105,6 +111,7 @@ mod tests {
         for (value, text) in cases {
             assert_eq!(significant(value), text);
         }
+        assert_eq!(with_digits(0.012345, 2), "0.012");
     }
 
     #[test]
