@@ -4,7 +4,7 @@
 
 use divan::Bencher;
 use divan::counter::BytesCount;
-use sphecs::bench::cases::Case;
+use sphecs::bench::cases::BenchCase;
 use sphecs::output::checkpoint::store::Store;
 use sphecs::output::checkpoint::{Checkpoint, Facts};
 use sphecs::simulation::Simulation;
@@ -15,8 +15,8 @@ fn main() {
 
 /// The box after a few steps.
 fn million() -> Simulation {
-    let scene = Case::named("3d-large-f64").expect("a case of the engine").scene().expect("a scene");
-    let mut simulation = Simulation::from_scene(scene);
+    let scene = BenchCase::named("3d-large-f64").expect("a case of the engine").scene().expect("a scene");
+    let mut simulation = Simulation::builder(scene).build().expect("a simulation");
     for _ in 0..2 {
         simulation.step().expect("the flow is tame");
     }

@@ -12,12 +12,12 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use sphecs::bench::cases::Case;
-use sphecs::bench::measure::{FastestSets, count, paved, scalar_rate};
+use sphecs::bench::cases::BenchCase;
+use sphecs::bench::measure::{FastestSets, count, filled_with_tiles, scalar_rate};
 use sphecs::bench::operations::per_pair;
 use sphecs::bench::peak::Peaks;
-use sphecs::bench::stirring::Tile;
-use sphecs::bench::table::shares;
+use sphecs::bench::tile::Tile;
+use sphecs::bench::timing_table::shares;
 use sphecs::math::lanes::InstructionSet;
 use sphecs::scene::faults::SceneFaults;
 use sphecs::scene::load;
@@ -88,12 +88,12 @@ impl Report {
 
 /// Times steps of a case after its warm-up.
 fn time(bencher: Bencher, name: &str) {
-    let case = Case::named(name).expect("a case of the engine");
-    let tile = case.stirred().map(|stirred| Tile::of(stirred).expect("a tame flow"));
+    let case = BenchCase::named(name).expect("a case of the engine");
+    let tile = case.periodic_box().map(|stirred| Tile::of(stirred).expect("a tame flow"));
     time_flow(bencher, name.to_owned(), case.scene(), tile, case.plan().warm_up);
 }
 
-/// Times steps of a scene, paved with the tile if there is one, after so many others.
+/// Times steps of a scene, filled_with_tiles with the tile if there is one, after so many others.
 fn time_flow(
     bencher: Bencher,
     name: String,
@@ -102,7 +102,7 @@ fn time_flow(
     warm_up: usize,
 ) {
     let mut simulation = match scene {
-        Ok(scene) => paved(scene, tile.as_ref()),
+        Ok(scene) => filled_with_tiles(scene, tile.as_ref()),
         Err(faults) => panic!("{faults}"),
     };
     for _ in 0..warm_up {

@@ -42,7 +42,7 @@
 //! use sphecs::scene;
 //! use sphecs::simulation::Simulation;
 //! use sphecs::systems::forces::{AddedForces, ParticleState};
-//! use sphecs::systems::plugin::{Parts, Plugin};
+//! use sphecs::plugins::{Parts, Plugin};
 //!
 //! struct Spring {
 //!     /// Stiffness per mass, 1/s².
@@ -65,8 +65,8 @@
 //! # }
 //! ```
 //!
-//! A plugin adds systems to the sets of [`StepSystems`](systems::schedule::StepSystems) and
-//! [`StageSystems`](systems::schedule::StageSystems) in the same way.
+//! A plugin adds systems to the sets of [`StepSet`](schedule::StepSet) and
+//! [`StageSet`](schedule::StageSet) in the same way.
 //! SI units everywhere.
 
 // The versions that the public interface speaks: a user's own would be other types.

@@ -6,10 +6,10 @@ use sphecs::bevy_ecs::query::With;
 use sphecs::components::{Fluid, Inflow, Outflow, Position, Thermodynamics, Velocity, Wall};
 use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
+use sphecs::resources::clock::Clock;
 use sphecs::scene::load_smoke;
 use sphecs::simulation::{Simulation, Stop};
-use sphecs::systems::clock::Clock;
-use sphecs::systems::failure::check_state;
+use sphecs::systems::divergence::check_state;
 
 /// A channel with an inlet, an outlet and walls.
 fn start(sets: &[(&str, &str)]) -> Simulation {

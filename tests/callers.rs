@@ -11,12 +11,12 @@ use sphecs::bevy_ecs::system::{Res, ResMut};
 use sphecs::components::{ParticleId, Position, Velocity};
 use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
+use sphecs::plugins::{Plugin, PluginContext};
+use sphecs::resources::clock::Clock;
+use sphecs::resources::ledger::Ledger;
+use sphecs::schedule::StepSet;
 use sphecs::simulation::Simulation;
-use sphecs::systems::clock::Clock;
 use sphecs::systems::forces::{AddedForces, ParticleState};
-use sphecs::systems::ledger::Ledger;
-use sphecs::systems::plugin::{Parts, Plugin};
-use sphecs::systems::schedule::StepSystems;
 
 /// Spacing of the particles, m.
 const SPACING: f64 = 0.01;
@@ -33,7 +33,7 @@ fn closed() -> Simulation {
 struct Wind(DVec3);
 
 impl Plugin for Wind {
-    fn build(&self, parts: &mut Parts<'_>) {
+    fn build(&self, parts: &mut PluginContext<'_>) {
         let force = self.0;
         parts.world.get_resource_or_init::<AddedForces>().add(move |_: &ParticleState| force);
     }
@@ -50,9 +50,9 @@ fn watch(clock: Res<Clock>, ledger: Res<Ledger>, mut seen: ResMut<Seen>) {
 }
 
 impl Plugin for Watch {
-    fn build(&self, parts: &mut Parts<'_>) {
+    fn build(&self, parts: &mut PluginContext<'_>) {
         parts.world.init_resource::<Seen>();
-        parts.step.add_systems(watch.in_set(StepSystems::Observe));
+        parts.step.add_systems(watch.in_set(StepSet::Observe));
     }
 }
 

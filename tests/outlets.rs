@@ -9,11 +9,11 @@ use sphecs::arrays::Arrays;
 use sphecs::components::ParticleId;
 use sphecs::glam::DVec3;
 use sphecs::particles::zone::Zone;
+use sphecs::resources::grid::Grid;
+use sphecs::resources::scene::ActiveScene;
 use sphecs::scene::load_str;
 use sphecs::simulation::Simulation;
 use sphecs::systems::boundaries::rows::PatchRows;
-use sphecs::systems::neighbours::Grid;
-use sphecs::systems::setup::SceneInUse;
 
 /// The conditions of Negi et al. (2020) on a stream of some velocity, m/s.
 fn conditions(velocity: &str) -> Vec<String> {
@@ -293,7 +293,7 @@ fn rows_of_zones_are_all_there<const D: usize>(text: &str, recycle: &str) {
     for _ in 0..150 {
         simulation.step().unwrap_or_else(|stop| panic!("{stop}"));
         let world = simulation.world();
-        let scene = &*world.resource::<SceneInUse>().0;
+        let scene = &*world.resource::<ActiveScene>().0;
         let arrays = world.resource::<Arrays<f64, D>>();
         rows.collect(scene, &world.resource::<Grid<D>>().0, arrays);
         let all = |belongs: &dyn Fn(usize) -> bool| -> Vec<u32> {

@@ -17,23 +17,24 @@ use sphecs::components::{
 };
 use sphecs::glam::DVec3;
 use sphecs::math::column::Columns;
+use sphecs::plugins::{Plugin, PluginContext};
+use sphecs::resources::entity_index::{EntityIndex, FreeParticles};
+use sphecs::resources::grid::{Grid, SortBuffers};
+use sphecs::resources::ledger::Ledger;
+use sphecs::resources::pair::Pair;
+use sphecs::resources::pair_sums::Sums;
+use sphecs::resources::scene::{ActiveScene, Resolution};
+use sphecs::resources::state_location::StateLocation;
+use sphecs::resources::stopwatch::Stopwatch;
+use sphecs::saved_state::SavedResources;
 use sphecs::scene::model::Scene;
 use sphecs::scene::{load_smoke, load_str};
+use sphecs::schedule::StepSet;
 use sphecs::simulation::Simulation;
-use sphecs::systems::bodies::Bodies;
+use sphecs::systems::body_forces::Bodies;
 use sphecs::systems::boundaries::rows::PatchRows;
-use sphecs::systems::checkpoint::Kept;
-use sphecs::systems::failure::{Failure, check_state};
+use sphecs::systems::divergence::{Failure, check_state};
 use sphecs::systems::forces::AddedForces;
-use sphecs::systems::home::FreshHome;
-use sphecs::systems::ledger::Ledger;
-use sphecs::systems::neighbours::{Grid, Spare};
-use sphecs::systems::pair::Pair;
-use sphecs::systems::plugin::{Parts, Plugin};
-use sphecs::systems::rates::Sums;
-use sphecs::systems::schedule::StepSystems;
-use sphecs::systems::setup::{Resolution, SceneInUse, Seats, Stored};
-use sphecs::systems::stopwatch::Stopwatch;
 use sphecs::systems::transitions::TransitionLists;
 
 /// Steps from one cut to the next: plain steps come round, particles change zone.
@@ -266,22 +267,22 @@ fn a_state_of_another_scene_is_refused_with_what_does_not_fit() {
 /// What a world has that no state keeps, and why it need not.
 fn not_kept() -> Vec<(TypeId, &'static str)> {
     vec![
-        (TypeId::of::<SceneInUse>(), "the scene"),
+        (TypeId::of::<ActiveScene>(), "the scene"),
         (TypeId::of::<Resolution>(), "from the scene"),
         (TypeId::of::<Pair>(), "from the scene"),
         (TypeId::of::<Grid<2>>(), "its box is kept, its cells are sorted anew in every step"),
         (TypeId::of::<Schedules>(), "the program"),
-        (TypeId::of::<Kept>(), "the program"),
+        (TypeId::of::<SavedResources>(), "the program"),
         (TypeId::of::<Seen>(), "of this test"),
         (TypeId::of::<AddedForces>(), "the program: a plugin adds them again"),
         (TypeId::of::<Stopwatch>(), "wall time"),
         (TypeId::of::<Arrays<f64, 2>>(), "kept as columns"),
-        (TypeId::of::<Stored>(), "kept as a column"),
-        (TypeId::of::<Seats>(), "entities are seats"),
-        (TypeId::of::<FreshHome>(), "both homes are fresh in a restored world"),
+        (TypeId::of::<FreeParticles>(), "kept as a column"),
+        (TypeId::of::<EntityIndex>(), "entities are seats"),
+        (TypeId::of::<StateLocation>(), "both homes are fresh in a restored world"),
         (TypeId::of::<Failure>(), "a flow that failed is not kept"),
         (TypeId::of::<PatchRows>(), "collected anew at each sort"),
-        (TypeId::of::<Spare<f64>>(), "buffer"),
+        (TypeId::of::<SortBuffers<f64>>(), "buffer"),
         (TypeId::of::<Sums<f64, 2>>(), "summed anew in every step"),
         (TypeId::of::<Bodies>(), "summed anew in every step, from what the scene says"),
         (TypeId::of::<TransitionLists>(), "buffer"),
@@ -319,10 +320,10 @@ fn look(world: &mut World) {
 }
 
 impl Plugin for Look {
-    fn build(&self, parts: &mut Parts<'_>) {
+    fn build(&self, parts: &mut PluginContext<'_>) {
         parts.world.init_resource::<Seen>();
         // Behind the engine's own check, with which it would be ambiguous.
-        parts.step.add_systems(look.in_set(StepSystems::Observe).after(check_state::<f64, 2>));
+        parts.step.add_systems(look.in_set(StepSet::Observe).after(check_state::<f64, 2>));
     }
 }
 
@@ -334,7 +335,7 @@ fn nothing_that_lives_across_steps_is_forgotten() {
     (0..300).for_each(|_| run.step().expect("a step"));
     assert!(run.ledger().entered_back[0] > 0, "no particle came back");
     let world = run.world();
-    let kept: Vec<TypeId> = world.resource::<Kept>().types().collect();
+    let kept: Vec<TypeId> = world.resource::<SavedResources>().types().collect();
     assert!(kept.len() >= 8, "only {} resources are kept", kept.len());
     let mut bare = World::new();
     // An empty schedule would not be built.
@@ -348,7 +349,7 @@ fn nothing_that_lives_across_steps_is_forgotten() {
         world.resource::<Seen>().0.iter().filter(|(type_id, _)| !known.contains(type_id)).collect();
     assert!(
         forgotten.is_empty(),
-        "neither kept by `Parts::keep` nor named in `not_kept` with a reason: {forgotten:?}; \
+        "neither kept by `PluginContext::keep` nor named in `not_kept` with a reason: {forgotten:?}; \
          `cargo test --features debug` shows the names"
     );
 }

@@ -1,4 +1,4 @@
-//! One function for each command: from arguments to an exit code.
+//! Commands: one function each, from arguments to an exit code.
 
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
@@ -7,11 +7,11 @@ use std::path::{Component, Path, PathBuf};
 use super::arguments::{
     CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
 };
+use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
-use super::runs::{ResumeArguments, RunArguments, WordArguments};
-use super::trials::{BenchArguments, ValidateArguments};
+use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
 use sphecs_bench::BenchOptions;
-use sphecs_bench::cases::Case;
+use sphecs_bench::cases::BenchCase;
 use sphecs_core::format::bytes;
 use sphecs_core::format::{grouped, significant};
 use sphecs_output::error::OutputError;
@@ -39,18 +39,18 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             None => named_folder(&scene.name)?,
         },
         force: arguments.force,
-        threads: arguments.pace.threads.map(usize::from),
-        until: arguments.pace.until,
-        max_steps: arguments.pace.steps,
-        checkpoint_every: arguments.pace.checkpoint_every,
-        max_wall_time: arguments.pace.max_walltime,
+        threads: arguments.limits.threads.map(usize::from),
+        until: arguments.limits.until,
+        max_steps: arguments.limits.steps,
+        checkpoint_every: arguments.limits.checkpoint_every,
+        max_wall_time: arguments.limits.max_walltime,
         allow_oversize: arguments.allow_oversize,
-        console: console(&arguments.words),
+        console: console(&arguments.verbosity),
     };
     Ok(code_of(sphecs_run::run(scene, &options)?))
 }
 
-/// Goes on with a run.
+/// Resumes a run.
 ///
 /// # Errors
 /// [`Failure`] with its exit code.
@@ -59,14 +59,14 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
         run: RunOptions {
             folder: arguments.run.clone(),
             force: false,
-            threads: arguments.pace.threads.map(usize::from),
-            until: arguments.pace.until,
-            max_steps: arguments.pace.steps,
-            checkpoint_every: arguments.pace.checkpoint_every,
-            max_wall_time: arguments.pace.max_walltime,
-            // The run was let begin, and much of it is written.
+            threads: arguments.limits.threads.map(usize::from),
+            until: arguments.limits.until,
+            max_steps: arguments.limits.steps,
+            checkpoint_every: arguments.limits.checkpoint_every,
+            max_wall_time: arguments.limits.max_walltime,
+            // The run was allowed to start, and part of it is already written.
             allow_oversize: true,
-            console: console(&arguments.words),
+            console: console(&arguments.verbosity),
         },
         sets: arguments.sets.clone(),
         allow_other_isa: arguments.allow_other_isa,
@@ -74,18 +74,18 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
     Ok(code_of(resume::resume(&options)?))
 }
 
-/// Returns the folder of a run that has the name of its scene: below `runs/` whatever the scene is called, as `...ron` is `..`.
+/// Returns the folder `runs/NAME`, refusing names such as `..` (of a scene `...ron`) that lead out
+/// of `runs/`.
 fn named_folder(name: &str) -> Result<PathBuf, OutputError> {
     let folder = Path::new("runs").join(name);
     let below =
         folder.components().eq([Component::Normal("runs".as_ref()), Component::Normal(name.as_ref())]);
-    let refused =
-        || format!("`{name}`: cannot be the name of a folder below `runs/`: give a folder by `--out`");
+    let refused = || format!("`{name}`: cannot be the name of a folder in `runs/`: give a folder by `--out`");
     if below { Ok(folder) } else { Err(OutputError::Request(refused())) }
 }
 
-fn console(words: &WordArguments) -> Console {
-    match (words.quiet, words.verbose) {
+fn console(verbosity: &VerbosityArguments) -> Console {
+    match (verbosity.quiet, verbosity.verbose) {
         (true, _) => Console::Quiet,
         (false, true) => Console::Verbose,
         (false, false) => Console::Normal,
@@ -100,7 +100,7 @@ fn code_of(ending: Ending) -> u8 {
     }
 }
 
-/// Says what a run of a scene would be.
+/// Prints the size of the run of a scene.
 ///
 /// # Errors
 /// [`Failure::Scene`] with every fault of the scene.
@@ -154,7 +154,7 @@ pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// Says what a run folder holds.
+/// Prints a description of a run folder.
 ///
 /// # Errors
 /// [`Failure::Output`].
@@ -183,7 +183,7 @@ pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
 pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
     let packed = packing::pack(&arguments.run)?;
     if packed.frames == 0 {
-        Console::Normal.print("no frames were waiting: the run was packed before");
+        Console::Normal.print("the run is packed already: its journal has no frames");
     } else {
         Console::Normal.print(&report::results(&arguments.run, &packed));
     }
@@ -195,7 +195,7 @@ pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
 /// # Errors
 /// [`Failure::Bench`].
 pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
-    let is_asked = |case: Case| {
+    let is_asked = |case: BenchCase| {
         arguments.cases.contains(&case)
             || if case.is_large() { arguments.large } else { arguments.cases.is_empty() }
     };
@@ -203,15 +203,15 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     threads.sort_unstable();
     threads.dedup();
     let options = BenchOptions {
-        cases: Case::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
-        threads: if threads.is_empty() { sphecs_bench::usual_threads() } else { threads },
+        cases: BenchCase::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
+        threads: if threads.is_empty() { sphecs_bench::default_threads() } else { threads },
         console: Console::Normal,
     };
     sphecs_bench::run(&options)?;
     Ok(DONE)
 }
 
-/// Runs cases and holds them against their references.
+/// Runs validation cases and compares them with their references.
 ///
 /// # Errors
 /// [`Failure::Validate`].
@@ -251,7 +251,7 @@ fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Fai
     Ok(read(&input.scene, &input.sets, memory)?)
 }
 
-/// Makes the folder that a file goes to.
+/// Makes the folder of a file.
 fn make_parent(path: &Path) -> Result<(), OutputError> {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => std::fs::create_dir_all(parent)
@@ -260,7 +260,7 @@ fn make_parent(path: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Counts on a terminal while a series is written, on one line that is overwritten.
+/// Returns a counter that overwrites one line of a terminal while a series is written.
 fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
     let on_terminal = std::io::stderr().is_terminal();
     move |done, all| {
@@ -276,10 +276,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_name_of_a_scene_leads_out_of_the_runs() {
+    fn no_scene_name_leads_out_of_the_runs_folder() {
         assert_eq!(named_folder("flow.v2").expect("a folder"), Path::new("runs/flow.v2"));
         for name in ["..", ".", "", "/etc", "a/b", "../b", "a/.."] {
-            assert!(named_folder(name).is_err(), "`{name}` was taken");
+            assert!(named_folder(name).is_err(), "`{name}` was accepted");
         }
     }
 }

@@ -1,16 +1,19 @@
-//! The components of a particle: the truth between steps, what is saved, inspected and selected by role.
+//! Components of a particle: its state between two steps, for output, inspection and selection by
+//! role.
 //!
-//! Every particle has one [`ParticleId`], the state components and exactly one role:
-//! [`Fluid`], [`Wall`], [`Inflow`], [`Outflow`] or [`Reservoir`]. bevy keeps 8 B of change ticks for each component of each
-//! entity, so few are wide; what only the integrator needs stays in the
-//! [arrays](super::arrays::ParticleArrays), where a step left it.
+//! Every particle has a [`ParticleId`], the state components and exactly one role: [`Fluid`],
+//! [`Wall`], [`Inflow`], [`Outflow`] or [`Reservoir`]. bevy stores 8 B of change ticks per
+//! component and entity, so the components are few and wide. Values that only the integrator needs
+//! remain in the [arrays](crate::arrays::Arrays).
 
 use bevy_ecs::bundle::Bundle;
 use bevy_ecs::component::Component;
 use glam::DVec3;
 
-/// Number of a particle: dense from 0, stable for the whole run; where a scene deletes what leaves, its number is given anew. It is
-/// the `particle` index of `particles.nc`.
+/// Number of a particle: dense from 0, constant during a run, and the `particle` index of
+/// `particles.nc`.
+///
+/// In a scene that deletes outflowing particles, the number of a deleted particle is reused.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ParticleId(pub u32);
 
@@ -22,7 +25,7 @@ pub struct Position(pub DVec3);
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Velocity(pub DVec3);
 
-/// Density and pressure. Of fluid particles both are summed anew in every step.
+/// Density and pressure.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Thermodynamics {
     /// Density, kg/m³.
@@ -31,27 +34,27 @@ pub struct Thermodynamics {
     pub pressure: f64,
 }
 
-/// What a particle carries along.
+/// Quantities advected with a particle.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tracer {
     /// Passive scalar.
     pub tag: f32,
-    /// How often the particle was taken from the reservoir and injected again, or its number was given anew.
+    /// Number of injections from the reservoir, or of reuses of the particle's number.
     pub passages: u32,
 }
 
-/// Role: moves by the equations of motion.
+/// Role: fluid particle, which moves by the equations of motion.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Fluid;
 
-/// Role: a fixed image particle of the wall part `part`.
+/// Role: wall particle of the wall part `part`.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Wall {
     /// Index into the scene's wall parts.
     pub part: u16,
 }
 
-/// Where a wall particle stands behind its surface.
+/// Position of a wall particle relative to the wall surface.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct WallSurface {
     /// Distance behind the surface, m.
@@ -60,33 +63,34 @@ pub struct WallSurface {
     pub normal: DVec3,
 }
 
-/// Role: upstream of the inlet `inlet`.
+/// Role: inflow particle, upstream of the inlet `inlet`.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Inflow {
     /// Index into the scene's inlets.
     pub inlet: u16,
 }
 
-/// Mark of an inflow particle that came back from the fluid: it may still have the particle that followed it in.
+/// Mark of an inflow particle that returned from the fluid. The particle that was injected behind
+/// it may still be there.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Returned;
 
-/// Role: downstream of the outlet `outlet`.
+/// Role: outflow particle, downstream of the outlet `outlet`.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Outflow {
     /// Index into the scene's outlets.
     pub outlet: u16,
 }
 
-/// Role: stored outside the flow.
+/// Role: particle in the reservoir, outside the flow.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Reservoir;
 
-/// Sub-particle stress T/ρ² (xx, yy, zz, xy, yz, zx), m⁵/(kg s²), of particles in a scene with `Sps` viscosity.
+/// Sub-particle stress T/ρ² (xx, yy, zz, xy, yz, zx), m⁵/(kg s²), in a scene with `Sps` viscosity.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct SpsStress(pub [f64; 6]);
 
-/// The state that every particle has.
+/// Components that every particle has.
 #[derive(Bundle, Clone, Copy, Debug)]
 pub struct ParticleBundle {
     /// Number.
@@ -97,6 +101,6 @@ pub struct ParticleBundle {
     pub velocity: Velocity,
     /// Density and pressure.
     pub thermodynamics: Thermodynamics,
-    /// Passive scalar and injections.
+    /// Passive scalar and number of injections.
     pub tracer: Tracer,
 }

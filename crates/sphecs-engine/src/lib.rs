@@ -1,7 +1,25 @@
-//! Components, systems, schedules and plugins of sphecs.
+//! Engine of sphecs: components, resources, systems, schedules and plugins of a simulation.
+//!
+//! A [`Simulation`](simulation::Simulation) holds a bevy_ecs world with one entity per particle.
+//!
+//! - [`arrays`]: the sorted particle columns as a resource
+//! - [`components`]: the state of a particle between two steps
+//! - [`plugins`]: the [`Plugin`](plugins::Plugin) interface, and the plugins of the engine itself
+//! - [`resources`]: scene, clock, particle counts and other data of the world beside the particles
+//! - [`saved_state`]: everything that the next step depends on, as named columns
+//! - [`schedule`]: the two schedules of a step and their sets
+//! - [`simulation`]: the simulation, its builder and the reasons to stop
+//! - [`spawn`]: the particles of a scene or of a saved state as entities
+//! - [`systems`]: the functions that run in the sets
+//! - [`transfer`]: copies between components and arrays
 
 pub mod arrays;
 pub mod components;
+pub mod plugins;
+pub mod resources;
+pub mod saved_state;
+pub mod schedule;
 pub mod simulation;
+pub mod spawn;
 pub mod systems;
 pub mod transfer;

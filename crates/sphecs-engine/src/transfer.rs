@@ -1,15 +1,15 @@
-//! Carries the state between its two homes: the components of the world and the sorted arrays.
+//! Transfer of the particle state between the components of the world and the sorted arrays.
 //!
-//! The arrays persist from step to step, so neither direction runs inside a step: [`gather`] only when a caller
-//! changed components, [`scatter`] only before somebody reads them. Role changes touch single entities and are
-//! made in both homes at once (`systems/transitions/`).
+//! The arrays persist from step to step, so neither direction runs inside a step: [`gather`] only
+//! after a caller changed components, [`scatter`] only before components are read. Changes of role
+//! concern single entities and are made in both copies at once (`systems/transitions/`).
 
 use bevy_ecs::query::{Has, With, Without};
 use bevy_ecs::world::World;
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
-use super::components::{
+use crate::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Velocity, Wall,
     WallSurface,
 };
@@ -20,11 +20,11 @@ use sphecs_core::particles::zone::Zone;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///
-/// What the integrator needs beside them, velocity and evolved pressure of an earlier time, and the drift are kept for every
-/// particle whose velocity, and where it evolves pressure, the caller left as it was. One where he changed them, or that is
-/// new, takes a plain step next: the integrator would start from the earlier time and lose the change.
-pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
-    let left = Left::take(arrays);
+/// A particle whose velocity, and under `EdacTvf` pressure, the caller left unchanged keeps its
+/// previous velocity and pressure and its drift. A changed or new particle takes a corrective step
+/// next: the integrator would start from the previous velocity and lose the change.
+pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
+    let history = History::take(arrays);
     arrays.clear();
     let mut state = world.query_filtered::<(
         (&ParticleId, &Position, &Velocity, &Thermodynamics),
@@ -40,7 +40,7 @@ pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleA
             _ => (Zone::Fluid, 0),
         };
         let surface = surface.copied().unwrap_or_default();
-        let past = left.of(id.0, velocity.0, thermodynamics.pressure).unwrap_or(Past {
+        let past = history.of(id.0, velocity.0, thermodynamics.pressure).unwrap_or(Past {
             velocity: velocity.0,
             pressure: thermodynamics.pressure,
             drift: DVec3::ZERO,
@@ -64,20 +64,21 @@ pub fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleA
     }
 }
 
-/// What the arrays held of the integrator's when the caller took the components.
-struct Left<R, const D: usize> {
+/// Columns of the arrays that only the integrator needs, before the arrays are filled from the
+/// components.
+struct History<R, const D: usize> {
     row_of: Vec<u32>,
     fresh: Vec<bool>,
     present: [Vec<R>; D],
     before: [Vec<R>; D],
-    /// Pressures, present and earlier; empty where the pressure does not evolve.
+    /// Present pressure, Pa; empty if the pressure follows from the density.
     pressure: Vec<R>,
     pressure_before: Vec<R>,
-    /// Empty where nothing drifts.
+    /// Drift, m/s; empty if it is not stored.
     drift: [Vec<R>; D],
 }
 
-/// What the integrator knows of a particle's past.
+/// Values of a particle that only the integrator needs.
 struct Past {
     velocity: DVec3,
     pressure: f64,
@@ -85,7 +86,7 @@ struct Past {
     fresh: bool,
 }
 
-impl<R: Real, const D: usize> Left<R, D> {
+impl<R: Real, const D: usize> History<R, D> {
     fn take(arrays: &mut ParticleArrays<R, D>) -> Self {
         let columns = |columns: &mut [Vec<R>; D]| columns.each_mut().map(std::mem::take);
         Self {
@@ -99,13 +100,14 @@ impl<R: Real, const D: usize> Left<R, D> {
         }
     }
 
-    /// The past of a particle that still has its velocity (m/s) and, where it evolves, its pressure (Pa).
+    /// Returns the past of a particle if its velocity (m/s) and, under `EdacTvf`, its pressure (Pa)
+    /// are unchanged.
     fn of(&self, id: u32, velocity: DVec3, pressure: f64) -> Option<Past> {
         let row = *self.row_of.get(id as usize).filter(|&&row| row != u32::MAX)? as usize;
-        let same = (0..D).all(|axis| self.present[axis][row] == R::from_f64(velocity[axis]));
         let evolves = !self.pressure.is_empty();
-        let same = same && (!evolves || self.pressure[row] == R::from_f64(pressure));
-        same.then(|| Past {
+        let is_unchanged = (0..D).all(|axis| self.present[axis][row] == R::from_f64(velocity[axis]))
+            && (!evolves || self.pressure[row] == R::from_f64(pressure));
+        is_unchanged.then(|| Past {
             velocity: real_vector(&self.before, row),
             pressure: if evolves { self.pressure_before[row].to_f64() } else { pressure },
             drift: if self.drift[0].is_empty() { DVec3::ZERO } else { real_vector(&self.drift, row) },
@@ -114,11 +116,11 @@ impl<R: Real, const D: usize> Left<R, D> {
     }
 }
 
-/// Particles that a thread takes at a time.
+/// Particles per task of a thread.
 const CHUNK: usize = 8192;
 
 /// Writes the state of every row to the components of its particle.
-pub fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
+pub(crate) fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
     let row_of = rows_by_number(&arrays.id);
     let mut state = world.query_filtered::<(
         &ParticleId,
@@ -126,8 +128,11 @@ pub fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArra
         &mut Velocity,
         &mut Thermodynamics,
     ), Without<Reservoir>>();
-    // A slice for every table, that is for every set of components that particles have: all of them are stored in tables.
-    let Ok(tables) = state.contiguous_iter_mut(world) else { unreachable!("a component outside a table") };
+    // One slice per table, that is, per set of components. All components of particles are stored
+    // in tables.
+    let Ok(tables) = state.contiguous_iter_mut(world) else {
+        unreachable!("all components of particles are stored in tables")
+    };
     for (ids, mut positions, mut velocities, mut states) in tables {
         let columns = (ids, &mut *positions, &mut *velocities, &mut *states);
         columns.into_par_iter().with_min_len(CHUNK).for_each(|(id, position, velocity, state)| {
@@ -143,8 +148,10 @@ pub fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArra
     }
 }
 
-/// Writes the sub-particle stress, columns by component, to the particles that carry it; nothing where there are no columns.
-pub fn scatter_stress<R: Real>(world: &mut World, id: &[u32], stress: &[Vec<R>]) {
+/// Writes the sub-particle stress, one column per component, to the particles with [`SpsStress`].
+///
+/// Does nothing if there are no columns.
+pub(crate) fn scatter_stress<R: Real>(world: &mut World, id: &[u32], stress: &[Vec<R>]) {
     // The columns are xx, yy, xy in 2D and xx, yy, zz, xy, yz, zx in 3D.
     let slots: &[usize] = if stress.len() == 3 { &[0, 1, 3] } else { &[0, 1, 2, 3, 4, 5] };
     if stress.iter().any(|column| column.len() != id.len()) || stress.len() != slots.len() {
@@ -161,7 +168,7 @@ pub fn scatter_stress<R: Real>(world: &mut World, id: &[u32], stress: &[Vec<R>])
     }
 }
 
-/// The row of each particle number; `u32::MAX` where there is none.
+/// Returns the row of each particle number, `u32::MAX` for a number without a row.
 fn rows_by_number(id: &[u32]) -> Vec<u32> {
     let slots = id.iter().max().map_or(0, |&largest| largest as usize + 1);
     let mut row_of = vec![u32::MAX; slots];
@@ -171,8 +178,8 @@ fn rows_by_number(id: &[u32]) -> Vec<u32> {
     row_of
 }
 
-/// Number of particles by zone, counted in the components.
-pub fn count_roles(world: &mut World) -> [u64; 5] {
+/// Counts the particles of each zone by their components.
+pub(crate) fn count_roles(world: &mut World) -> [u64; 5] {
     fn count<C: bevy_ecs::component::Component>(world: &mut World) -> u64 {
         world.query_filtered::<(), (With<ParticleId>, With<C>)>().iter(world).count() as u64
     }
@@ -189,8 +196,8 @@ pub fn count_roles(world: &mut World) -> [u64; 5] {
 mod tests {
     use glam::DVec3;
 
-    use super::super::components::{ParticleBundle, Tracer};
     use super::*;
+    use crate::components::{ParticleBundle, Tracer};
 
     fn bundle(id: u32, x: f64) -> ParticleBundle {
         ParticleBundle {
@@ -213,14 +220,14 @@ mod tests {
     }
 
     #[test]
-    fn state_survives_the_way_to_the_arrays_and_back() {
+    fn transfer_to_the_arrays_and_back_keeps_the_state() {
         let mut world = World::new();
         world.spawn((bundle(0, 1.0), Fluid));
         world.spawn((bundle(1, 2.0), Wall { part: 3 }, WallSurface::default()));
         world.spawn((bundle(2, 3.0), Outflow { outlet: 1 }));
         world.spawn((bundle(3, 4.0), Reservoir));
         let mut arrays = gathered(&mut world);
-        assert_eq!(arrays.len(), 3, "the reservoir stays outside");
+        assert_eq!(arrays.len(), 3, "the reservoir has no rows");
         for row in 0..3 {
             assert!(arrays.row(row).fresh && arrays.row(row).velocity_before == arrays.row(row).velocity);
             arrays.fresh[row] = false;
@@ -238,13 +245,13 @@ mod tests {
     }
 
     #[test]
-    fn only_a_changed_velocity_begins_anew() {
+    fn only_a_particle_with_changed_velocity_takes_a_corrective_step() {
         let mut world = World::new();
-        let seats = [0, 1].map(|id| world.spawn((bundle(id, 1.0), Fluid)).id());
+        let entities = [0, 1].map(|id| world.spawn((bundle(id, 1.0), Fluid)).id());
         let mut arrays = gathered(&mut world);
         arrays.fresh.fill(false);
         arrays.velocity_before[1].fill(0.25);
-        world.entity_mut(seats[1]).insert(Velocity(DVec3::X));
+        world.entity_mut(entities[1]).insert(Velocity(DVec3::X));
         gather(&mut world, &mut arrays);
         let [kept, changed] = [arrays.row(0), arrays.row(1)];
         assert!(!kept.fresh && kept.velocity_before == DVec3::new(0.0 - 1.0, 0.25, 0.0));

@@ -19,9 +19,9 @@ use super::paths::{DIVERGENCE_NETCDF, DIVERGENCE_PICTURE};
 use super::picture::{Field, RenderOptions, Slice, render_marked};
 use super::results::Results;
 use sphecs_core::particles::zone::Zone;
-use sphecs_engine::systems::clock::Clock;
-use sphecs_engine::systems::failure::Fault;
-use sphecs_engine::systems::neighbourhood::{Nearby, Neighbourhood};
+use sphecs_engine::resources::clock::Clock;
+use sphecs_engine::systems::divergence::DivergedParticle;
+use sphecs_engine::systems::divergence::{NearbyParticle, Neighbourhood};
 
 /// Width of the picture, pixels.
 const WIDTH: u32 = 1000;
@@ -34,11 +34,11 @@ pub fn write(
     folder: &Path,
     header: &Header,
     clock: &Clock,
-    fault: &Fault,
+    diverged: &DivergedParticle,
 ) -> Result<[PathBuf; 2], OutputError> {
     let paths = [folder.join(DIVERGENCE_NETCDF), folder.join(DIVERGENCE_PICTURE)];
-    dataset(header, &fault.neighbourhood, fault).write(&paths[0], header)?;
-    draw(header, clock, fault, &paths[1])?;
+    dataset(header, &diverged.neighbourhood, diverged).write(&paths[0], header)?;
+    draw(header, clock, diverged, &paths[1])?;
     Ok(paths)
 }
 
@@ -64,7 +64,7 @@ pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
 ///
 /// # Errors
 /// [`OutputError`] with path and cause.
-pub fn in_last_frame(folder: &Path, id: u32) -> Result<Option<(f64, Nearby)>, OutputError> {
+pub fn in_last_frame(folder: &Path, id: u32) -> Result<Option<(f64, NearbyParticle)>, OutputError> {
     let results = Results::open(folder)?;
     let Some(last) = results.len().checked_sub(1) else { return Ok(None) };
     let frame = results.frame(last)?;
@@ -77,13 +77,13 @@ pub fn in_last_frame(folder: &Path, id: u32) -> Result<Option<(f64, Nearby)>, Ou
         DVec3::new(component(0), component(1), component(2))
     };
     let velocity = vector(&frame.velocity);
-    let particle = Nearby {
+    let particle = NearbyParticle {
         id,
         zone: Zone::ALL.get(usize::from(frame.zone[slot])).copied().unwrap_or_default(),
         patch: frame.patch[slot],
         position: DVec3::from_array([0, 1, 2].map(|axis| frame.position[axis][slot])),
         velocity,
-        velocity_before: velocity,
+        previous_velocity: velocity,
         acceleration: DVec3::ZERO,
         density: f64::from(frame.density[slot]),
         pressure: f64::from(frame.pressure[slot]),
@@ -91,13 +91,16 @@ pub fn in_last_frame(folder: &Path, id: u32) -> Result<Option<(f64, Nearby)>, Ou
     Ok(Some((frame.time, particle)))
 }
 
-fn dataset(header: &Header, around: &Neighbourhood, fault: &Fault) -> Dataset {
+fn dataset(header: &Header, around: &Neighbourhood, diverged: &DivergedParticle) -> Dataset {
     let mut dataset = Dataset {
-        title: format!("particles around particle {} when the flow diverged: {}", fault.id, fault.found),
+        title: format!(
+            "particles around particle {} when the flow diverged: {}",
+            diverged.id, diverged.found
+        ),
         dimensions: vec![("particle".to_owned(), around.particles.len())],
         variables: Vec::new(),
     };
-    let mut add = |name: String, units: &str, long_name: &str, value: &dyn Fn(&Nearby) -> f64| {
+    let mut add = |name: String, units: &str, long_name: &str, value: &dyn Fn(&NearbyParticle) -> f64| {
         dataset.variables.push(Variable {
             name,
             dimensions: vec!["particle".to_owned()],
@@ -117,7 +120,7 @@ fn dataset(header: &Header, around: &Neighbourhood, fault: &Fault) -> Dataset {
     for (axis, name) in ["u", "v", "w"].into_iter().enumerate().take(header.dimensions) {
         add(name.to_owned(), "m s-1", "velocity after the step", &move |near| near.velocity[axis]);
         add(format!("{name}_before"), "m s-1", "velocity one step earlier", &move |near| {
-            near.velocity_before[axis]
+            near.previous_velocity[axis]
         });
         add(format!("d{name}_dt"), "m s-2", "acceleration in the step", &move |near| near.acceleration[axis]);
     }
@@ -127,8 +130,8 @@ fn dataset(header: &Header, around: &Neighbourhood, fault: &Fault) -> Dataset {
 }
 
 /// Draws the speed around the particle, which is marked by a square.
-fn draw(header: &Header, clock: &Clock, fault: &Fault, path: &Path) -> Result<(), OutputError> {
-    let around = &fault.neighbourhood;
+fn draw(header: &Header, clock: &Clock, diverged: &DivergedParticle, path: &Path) -> Result<(), OutputError> {
+    let around = &diverged.neighbourhood;
     let mut frame = Frame::absent(around.particles.len());
     (frame.time, frame.step, frame.time_step) = (clock.time, clock.step, clock.time_step);
     for (slot, near) in around.particles.iter().enumerate() {
@@ -141,14 +144,14 @@ fn draw(header: &Header, clock: &Clock, fault: &Fault, path: &Path) -> Result<()
     }
     let reach = DVec3::splat(around.reach);
     let mut header = header.clone();
-    header.title = format!("Speed around particle {}", fault.id);
-    header.bounds = [(around.middle - reach).to_array(), (around.middle + reach).to_array()];
+    header.title = format!("Speed around particle {}", diverged.id);
+    header.bounds = [(around.centre - reach).to_array(), (around.centre + reach).to_array()];
     let options = RenderOptions {
         field: Field::Speed,
         width: WIDTH,
-        slice: Slice { axis: 2, at: Some(around.middle.z) },
+        slice: Slice { axis: 2, at: Some(around.centre.z) },
         ..RenderOptions::default()
     };
-    let slot = around.particles.iter().position(|near| near.id == fault.id).unwrap_or_default();
+    let slot = around.particles.iter().position(|near| near.id == diverged.id).unwrap_or_default();
     render_marked(&header, &frame, slot, &options, path)
 }

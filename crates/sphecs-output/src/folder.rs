@@ -26,8 +26,8 @@ use super::summary::Summary;
 use super::table::TableWriter;
 use sphecs_core::math::column::Columns;
 use sphecs_core::math::lanes::InstructionSet;
-use sphecs_engine::systems::bodies::BodyForcesRow;
-use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::resources::clock::Clock;
+use sphecs_engine::systems::body_forces::BodyForcesRow;
 use sphecs_engine::systems::monitor::MonitorRow;
 
 /// Run folder while the run is under way.

@@ -8,8 +8,8 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_engine::components::{
     Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
-use sphecs_engine::systems::clock::Clock;
-use sphecs_engine::systems::setup::Seats;
+use sphecs_engine::resources::clock::Clock;
+use sphecs_engine::resources::entity_index::EntityIndex;
 
 /// Value of `zone` for a slot without a particle: the reservoir may grow during a run, and
 /// particles may be deleted.
@@ -113,7 +113,7 @@ impl Frame {
             Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
         let mut particles =
             world.query::<(&ParticleId, &Position, &Velocity, &Thermodynamics, &Tracer, Roles)>();
-        let numbers = world.get_resource::<Seats>().map_or(0, |seats| seats.0.len());
+        let numbers = world.get_resource::<EntityIndex>().map_or(0, |entities| entities.0.len());
         frame.resize(numbers.max(particles.iter(world).count()));
         for (id, position, velocity, thermodynamics, tracer, roles) in particles.iter(world) {
             let slot = id.0 as usize;

@@ -10,7 +10,7 @@ use super::error::OutputError;
 use super::header::Header;
 use super::paths::SUMMARY;
 use sphecs_core::particles::zone::Zone;
-use sphecs_engine::systems::ledger::Ledger;
+use sphecs_engine::resources::ledger::Ledger;
 
 /// State of a run or reason of its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use miette::Diagnostic;
 
-use sphecs_engine::simulation::Stop;
+use sphecs_engine::simulation::{BuildError, Stop};
 use sphecs_output::error::OutputError;
 use sphecs_scene::faults::SceneFaults;
 
@@ -20,6 +20,9 @@ pub enum RunError {
         /// Particle that diverged and the results kept, printed after the advice.
         report: String,
     },
+    /// The simulation could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
     /// A file could not be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::console::Console;
 use super::progress_bar::Bar;
-use sphecs_engine::systems::clock::Clock;
+use sphecs_engine::resources::clock::Clock;
 
 /// Wall time over which the speed is averaged, s: long enough to smooth the frames, short enough to
 /// follow a time step that shrinks as the flow starts.

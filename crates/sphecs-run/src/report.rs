@@ -8,11 +8,11 @@ use super::RunOptions;
 use sphecs_core::format::{bytes, duration, grouped, significant, two_columns};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
+use sphecs_engine::resources::clock::Clock;
+use sphecs_engine::resources::ledger::Ledger;
 use sphecs_engine::simulation::Stop;
-use sphecs_engine::systems::clock::Clock;
-use sphecs_engine::systems::failure::Fault;
-use sphecs_engine::systems::ledger::Ledger;
-use sphecs_engine::systems::neighbourhood::Nearby;
+use sphecs_engine::systems::divergence::DivergedParticle;
+use sphecs_engine::systems::divergence::NearbyParticle;
 use sphecs_output::divergence;
 use sphecs_output::error::OutputError;
 use sphecs_output::header::Header;
@@ -183,7 +183,7 @@ pub fn results(folder: &Path, packed: &Packed) -> String {
 /// Returns the status of a run that the flow stopped, and advice to the user.
 pub fn status_and_cure(stop: &Stop) -> (Status, String) {
     match stop {
-        Stop::BlowUp { cure, .. } => (Status::Diverged, (*cure).to_owned()),
+        Stop::Diverged { advice, .. } => (Status::Diverged, (*advice).to_owned()),
         Stop::Drained { .. } => {
             (Status::Failed, "lengthen its `depth`, lower `time.end`, or make it `Fed`".to_owned())
         }
@@ -197,25 +197,31 @@ pub fn status_and_cure(stop: &Stop) -> (Status, String) {
 /// Writes the particles around the one that diverged and returns a report on it, one fact a line.
 ///
 /// Called after the results are closed, since the last frame is read.
-pub fn failure_report(folder: &Path, header: &Header, scene: &Scene, clock: &Clock, fault: &Fault) -> String {
+pub fn failure_report(
+    folder: &Path,
+    header: &Header,
+    scene: &Scene,
+    clock: &Clock,
+    diverged: &DivergedParticle,
+) -> String {
     let vector = |vector: DVec3| {
         let parts: Vec<String> =
             vector.to_array().into_iter().take(header.dimensions).map(significant).collect();
         format!("({})", parts.join(", "))
     };
     let mut text = String::new();
-    if let Some(own) = fault.neighbourhood.particle(fault.id) {
+    if let Some(own) = diverged.neighbourhood.particle(diverged.id) {
         text += &format!(
             "\nin the step: density {} kg/m³, pressure {} Pa, acceleration {} m/s²; velocity {} m/s after it, {} m/s before",
             significant(own.density),
             significant(own.pressure),
             vector(own.acceleration),
             vector(own.velocity),
-            vector(own.velocity_before),
+            vector(own.previous_velocity),
         );
     }
     // A frame that cannot be read is no reason to omit the other facts.
-    if let Ok(Some((time, last))) = divergence::in_last_frame(folder, fault.id) {
+    if let Ok(Some((time, last))) = divergence::in_last_frame(folder, diverged.id) {
         text += &format!(
             "\nin the last frame, t = {} s: {} at {} m, velocity {} m/s, density {} kg/m³, pressure {} Pa",
             significant(time),
@@ -226,8 +232,8 @@ pub fn failure_report(folder: &Path, header: &Header, scene: &Scene, clock: &Clo
             significant(last.pressure),
         );
     }
-    text += &near_outlet(scene, fault).unwrap_or_default();
-    let nearest = |(near, distance): (&Nearby, f64)| {
+    text += &near_outlet(scene, diverged).unwrap_or_default();
+    let nearest = |(near, distance): (&NearbyParticle, f64)| {
         format!(
             ", the nearest is {} particle {} at a distance of {} Δ",
             near.zone.name(),
@@ -235,9 +241,9 @@ pub fn failure_report(folder: &Path, header: &Header, scene: &Scene, clock: &Clo
             significant(distance / header.spacing)
         )
     };
-    let (count, closest) = fault.neighbourhood.neighbours(fault.id);
+    let (count, closest) = diverged.neighbourhood.neighbours(diverged.id);
     text += &format!("\n{} neighbours{}", grouped(count as u64), closest.map_or_else(String::new, nearest));
-    text + &match divergence::write(folder, header, clock, fault) {
+    text + &match divergence::write(folder, header, clock, diverged) {
         Ok([data, picture]) => {
             format!("\nthe particles around it are in `{}`, drawn in `{}`", data.display(), picture.display())
         }
@@ -249,14 +255,14 @@ pub fn failure_report(folder: &Path, header: &Header, scene: &Scene, clock: &Clo
 /// suspect.
 ///
 /// Near means in the zone of the outlet or within two kernel supports upstream of it.
-fn near_outlet(scene: &Scene, fault: &Fault) -> Option<String> {
+fn near_outlet(scene: &Scene, diverged: &DivergedParticle) -> Option<String> {
     let reach = 2.0 * scene.scheme.support(scene.spacing);
     let near = |patch: &Patch| {
-        let along = patch.along(fault.position);
-        along > -reach && along < patch.depth + reach && patch.covers(fault.position, reach)
+        let along = patch.along(diverged.position);
+        along > -reach && along < patch.depth + reach && patch.covers(diverged.position, reach)
     };
     let (number, outlet) = scene.outlets.iter().enumerate().find(|(_, outlet)| near(&outlet.patch))?;
-    let along = outlet.patch.along(fault.position) / scene.spacing;
+    let along = outlet.patch.along(diverged.position) / scene.spacing;
     let side = if along < 0.0 { "upstream" } else { "downstream" };
     Some(format!(
         "\nit is {} Δ {side} of the plane of outlet {number}, `{}`, which may be the cause: see docs/which_outlet.md",

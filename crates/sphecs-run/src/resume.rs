@@ -14,8 +14,8 @@ use super::threads::on_threads;
 use super::{Ending, RunOptions, report};
 use sphecs_core::format::{grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
+use sphecs_engine::saved_state::decode_record;
 use sphecs_engine::simulation::Simulation;
-use sphecs_engine::systems::checkpoint::value;
 use sphecs_output::checkpoint::store::{Rejected, Store};
 use sphecs_output::checkpoint::{Checkpoint, Facts};
 use sphecs_output::cut_back::has_output;
@@ -81,7 +81,7 @@ fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>,
         }
         None => {
             let state = RunState::new(scene.output.every, scene.output.monitor_every);
-            (None, Facts::default(), Simulation::from_scene(scene), state)
+            (None, Facts::default(), Simulation::builder(scene).build()?, state)
         }
     };
     let (scene, clock) = (simulation.scene(), simulation.clock());
@@ -197,9 +197,9 @@ fn restored(scene: Scene, checkpoint: Checkpoint) -> Result<(Facts, Simulation, 
         request(format!("the checkpoint of step {} does not match the scene: {what}", facts.step))
     };
     let run_state = state.take::<u8>(run_state::COLUMN).map_err(|error| mismatch(error.to_string()))?;
-    let run_state = value(&run_state).map_err(mismatch)?;
-    let simulation =
-        Simulation::from_state(scene, state, &[]).map_err(|error| mismatch(error.to_string()))?;
+    let run_state = decode_record(&run_state).map_err(mismatch)?;
+    let simulation = Simulation::builder(scene).state(state).build();
+    let simulation = simulation.map_err(|error| mismatch(error.to_string()))?;
     Ok((facts, simulation, run_state))
 }
 

@@ -12,8 +12,8 @@ use super::{Ending, RunOptions, report};
 use sphecs_core::format::{duration, grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
+use sphecs_engine::saved_state::encode_record;
 use sphecs_engine::simulation::{Simulation, Stop};
-use sphecs_engine::systems::checkpoint::record;
 use sphecs_output::error::OutputError;
 use sphecs_output::folder::RunFolder;
 use sphecs_output::frame::Frame;
@@ -57,7 +57,7 @@ impl RunLoop {
     /// # Errors
     /// [`RunError::Output`] when the folder cannot be made.
     pub fn start(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Self, RunError> {
-        let mut simulation = Simulation::from_scene(scene);
+        let mut simulation = Simulation::builder(scene).build()?;
         let first = Frame::from_world(simulation.world_mut());
         let scene = simulation.scene();
         let mut header = Header::new(scene, &first);
@@ -213,7 +213,7 @@ impl RunLoop {
             stages: self.stages().into_iter().map(|(_, seconds)| seconds).collect(),
             ..self.state.clone()
         };
-        columns.put(run_state::COLUMN, record(&state));
+        columns.put(run_state::COLUMN, encode_record(&state));
         self.folder.checkpoint(&clock, columns)?;
         self.state.output_time += now.elapsed().as_secs_f64();
         if self.console == Console::Verbose {
@@ -359,8 +359,8 @@ impl RunLoop {
         let report = match self.folder.finish(summary) {
             Ok(_) => {
                 let scene = self.simulation.scene();
-                let report = |fault| report::failure_report(&path, &header, scene, &clock, fault);
-                let on_particle = self.simulation.fault().map(report).unwrap_or_default();
+                let report = |diverged| report::failure_report(&path, &header, scene, &clock, diverged);
+                let on_particle = self.simulation.diverged_particle().map(report).unwrap_or_default();
                 on_particle + &report::results_kept(&path, frames, self.last_checkpoint)
             }
             Err(error) => report::results_not_closed(&error),

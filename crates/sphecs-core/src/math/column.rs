@@ -1,7 +1,8 @@
-//! Named columns of numbers: the form in which a state is kept and carried.
+//! Named columns of numbers: the form in which a state is saved and restored.
 //!
-//! A column has one of five types, so that every number is kept in the precision in which it is the truth. Columns compare and
-//! are written by their bits: `==` on numbers would take −0 for 0 and a NaN for something else than itself.
+//! A column has one of five types, so that every number is saved in the precision in which it is
+//! computed. Columns are compared and written bit by bit: `==` on numbers would equate −0 and 0,
+//! and a NaN would differ from itself.
 
 /// Numbers of one type.
 #[derive(Clone, Debug)]
@@ -10,7 +11,7 @@ pub enum Column {
     F64(Vec<f64>),
     /// Single precision.
     F32(Vec<f32>),
-    /// Counts and numbers of particles.
+    /// Counts and particle numbers.
     U32(Vec<u32>),
     /// Indices of patches.
     U16(Vec<u16>),
@@ -18,11 +19,11 @@ pub enum Column {
     U8(Vec<u8>),
 }
 
-/// A type that columns are made of.
+/// Type of the values of a column.
 pub trait Element: Copy + 'static {
-    /// Values as a column.
+    /// Wraps values into a column.
     fn into_column(values: Vec<Self>) -> Column;
-    /// The values of a column of this type; None of any other.
+    /// Returns the values of a column of this type; None for a column of another type.
     fn from_column(column: Column) -> Option<Vec<Self>>;
 }
 
@@ -49,11 +50,11 @@ element!(u32, U32);
 element!(u16, U16);
 element!(u8, U8);
 
-/// Numbers that become bytes at a time when a column is written.
+/// Values converted to bytes at a time when a column is written.
 const CHUNK: usize = 4096;
 
 impl Column {
-    /// Number of values.
+    /// Returns the number of values.
     pub fn len(&self) -> usize {
         match self {
             Column::F64(values) => values.len(),
@@ -64,12 +65,12 @@ impl Column {
         }
     }
 
-    /// Whether there is no value.
+    /// Returns true if there is no value.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Bytes of all values.
+    /// Returns the size of all values, bytes.
     pub fn size(&self) -> u64 {
         let width = match self {
             Column::F64(_) => size_of::<f64>(),
@@ -81,7 +82,7 @@ impl Column {
         (self.len() * width) as u64
     }
 
-    /// Name of the type, as stored.
+    /// Returns the name of the type, as written to files.
     pub fn type_name(&self) -> &'static str {
         match self {
             Column::F64(_) => "f64",
@@ -92,7 +93,10 @@ impl Column {
         }
     }
 
-    /// Hands over the bytes of all values, little-endian, in pieces.
+    /// Passes the bytes of all values to `take`, little-endian, chunk by chunk.
+    ///
+    /// # Errors
+    /// The first error of `take`.
     pub fn bytes<E>(&self, mut take: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
         let mut buffer = Vec::with_capacity(8 * CHUNK);
         macro_rules! pieces {
@@ -114,7 +118,9 @@ impl Column {
         Ok(())
     }
 
-    /// The column of a type's name from the bytes of its values; None if the name is unknown or the bytes are no multiple.
+    /// Builds a column from the name of its type and the bytes of its values.
+    ///
+    /// None if the type is unknown or the number of bytes is not a multiple of its size.
     pub fn from_bytes(type_name: &str, bytes: &[u8]) -> Option<Self> {
         macro_rules! values {
             ($type:ty, $variant:ident) => {{
@@ -136,9 +142,9 @@ impl Column {
 
 impl PartialEq for Column {
     fn eq(&self, other: &Self) -> bool {
-        let same_bits = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        let have_equal_bits = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         match (self, other) {
-            (Column::F64(a), Column::F64(b)) => a.len() == b.len() && a.iter().zip(b).all(same_bits),
+            (Column::F64(a), Column::F64(b)) => a.len() == b.len() && a.iter().zip(b).all(have_equal_bits),
             (Column::F32(a), Column::F32(b)) => {
                 a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
             }
@@ -150,14 +156,14 @@ impl PartialEq for Column {
     }
 }
 
-/// Columns by their names, in the order in which they were put.
+/// Columns by name, in the order in which they were added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Columns(Vec<(String, Column)>);
 
-/// Why columns are not what their reader expects.
+/// Difference between the saved columns and those that the reader expects.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Misfit(pub String);
+pub struct ColumnMismatch(pub String);
 
 impl Columns {
     /// Adds values under a name.
@@ -178,38 +184,39 @@ impl Columns {
         self.0.push((name, column));
     }
 
-    /// Takes the values of a name out.
+    /// Removes the column of a name and returns its values.
     ///
     /// # Errors
-    /// [`Misfit`] if there are none, or they are of another type.
-    pub fn take<T: Element>(&mut self, name: &str) -> Result<Vec<T>, Misfit> {
+    /// [`ColumnMismatch`] if there is no such column, or its type differs.
+    pub fn take<T: Element>(&mut self, name: &str) -> Result<Vec<T>, ColumnMismatch> {
         let at = self.0.iter().position(|(known, _)| known == name);
-        let at = at.ok_or_else(|| Misfit(format!("it has no column `{name}`")))?;
+        let at = at.ok_or_else(|| ColumnMismatch(format!("column `{name}` is missing")))?;
         let (_, column) = self.0.remove(at);
         let found = column.type_name();
         let expected = T::into_column(Vec::new()).type_name();
-        let misfit = || Misfit(format!("its column `{name}` is of type {found}, must be {expected}"));
-        T::from_column(column).ok_or_else(misfit)
+        let mismatch =
+            || ColumnMismatch(format!("column `{name}` has the type {found}, must have {expected}"));
+        T::from_column(column).ok_or_else(mismatch)
     }
 
-    /// Takes out the values of a name, of which there must be so many.
+    /// Removes the column of a name, which must have `count` values, and returns them.
     ///
     /// # Errors
-    /// [`Misfit`] as [`Self::take`], or if there are more or fewer.
-    pub fn take_exactly<T: Element>(&mut self, name: &str, count: usize) -> Result<Vec<T>, Misfit> {
+    /// [`ColumnMismatch`] as for [`Self::take`], or if the number of values differs.
+    pub fn take_exactly<T: Element>(&mut self, name: &str, count: usize) -> Result<Vec<T>, ColumnMismatch> {
         let values = self.take::<T>(name)?;
         match values.len() {
             found if found == count => Ok(values),
-            found => Err(Misfit(format!("its column `{name}` has {found} values, must have {count}"))),
+            found => Err(ColumnMismatch(format!("column `{name}` has {found} values, must have {count}"))),
         }
     }
 
-    /// The columns with their names.
+    /// Iterates over names and columns.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Column)> {
         self.0.iter().map(|(name, column)| (name.as_str(), column))
     }
 
-    /// Bytes of all values.
+    /// Returns the size of all values, bytes.
     pub fn size(&self) -> u64 {
         self.0.iter().map(|(_, column)| column.size()).sum()
     }
@@ -220,7 +227,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bits_survive_the_way_to_bytes_and_back() {
+    fn conversion_to_bytes_and_back_keeps_every_bit() {
         let columns = [
             Column::F64(vec![-0.0, f64::NAN, f64::from_bits(0x7ff0_0000_0000_0001), 1.0 / 3.0]),
             Column::F32(vec![f32::INFINITY, -0.0, f32::from_bits(0x7fc0_1234)]),
@@ -231,21 +238,21 @@ mod tests {
         ];
         for column in columns {
             let mut bytes = Vec::new();
-            let written: Result<(), ()> = column.bytes(|piece| {
-                bytes.extend_from_slice(piece);
+            let written: Result<(), ()> = column.bytes(|chunk| {
+                bytes.extend_from_slice(chunk);
                 Ok(())
             });
-            written.expect("nothing refuses");
+            written.expect("the closure never fails");
             assert_eq!(Column::from_bytes(column.type_name(), &bytes).expect("whole"), column);
             if column.type_name() != "u8" && !bytes.is_empty() {
                 assert_eq!(Column::from_bytes(column.type_name(), &bytes[1..]), None);
             }
         }
-        assert_ne!(Column::F64(vec![0.0]), Column::F64(vec![-0.0]), "zeros of two signs are two states");
+        assert_ne!(Column::F64(vec![0.0]), Column::F64(vec![-0.0]), "0 and −0 are different states");
     }
 
     #[test]
-    fn what_does_not_fit_is_named() {
+    fn mismatch_names_the_column() {
         let mut columns = Columns::default();
         columns.put("x", vec![1.0, 2.0]);
         columns.put("zone", vec![1_u8]);

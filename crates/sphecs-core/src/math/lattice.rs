@@ -1,4 +1,4 @@
-//! What the sums of the scheme return on the initial square or cubic lattice.
+//! Kernel sums on the initial square or cubic lattice.
 //!
 //! ```text
 //! S0  = Σ_b Δ^D W(r_b)                          density, itself included:    1 in the limit h ≫ Δ
@@ -6,13 +6,14 @@
 //! C_ν = −2 Σ_b Δ^D (x_b²/2) F(r_b) R(r_b)       Lo–Shao sum over ν ∇²v:       1,   R = r²/(r² + η²)
 //! ```
 //!
-//! The Lo–Shao sum of a field v is 2 ν Σ V_b (v_a − v_b) F; for v = y²/2, whose Laplacian is 1, it is ν C_ν, and
-//! without η² (R = 1) C_ν = C_g. On the lattice all sums differ from 1 by a percent or more, and the scheme divides
-//! by them, so that a uniform fill has the reference density and a parabola its viscous force.
+//! The Lo–Shao sum of a field v is 2 ν Σ V_b (v_a − v_b) F; for v = y²/2, whose Laplacian is 1, it
+//! is ν C_ν, and without η² (R = 1) C_ν = C_g. On the lattice all sums differ from 1 by a percent
+//! or more. The scheme divides by them, so that a uniform lattice has the reference density and a
+//! parabolic profile the exact viscous force.
 
 use super::kernel::Kernel;
 
-/// The lattice sums of a kernel, h/Δ and number of dimensions.
+/// Lattice sums of a kernel for a ratio h/Δ and a number of dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeSums {
     /// S0 = Σ Δ^D W, itself included.
@@ -27,11 +28,12 @@ pub struct LatticeSums {
     pub neighbours: usize,
 }
 
-/// η²/h² of the denominators that Monaghan (1992) keeps from vanishing.
+/// η²/h², with which Monaghan (1992) keeps denominators from vanishing.
 pub const ETA_SQUARED: f64 = 0.01;
 
 impl LatticeSums {
-    /// The sums on a lattice of spacing 1 with a smoothing length of `smoothing_ratio` = h/Δ.
+    /// Computes the sums on a lattice of spacing 1 with the smoothing length
+    /// `smoothing_ratio` = h/Δ.
     pub fn new(kernel: Kernel, smoothing_ratio: f64, dimensions: usize) -> Self {
         let h = smoothing_ratio;
         let reach = (kernel.support_ratio() * h).ceil() as i32;
@@ -67,7 +69,8 @@ mod tests {
 
     #[test]
     fn wendland_loses_viscosity_on_a_coarse_lattice() {
-        // Published with the scheme's description: 0.964, 0.974, 0.999 and, with η², 0.953, 0.963, 0.985.
+        // Published with the description of the scheme: 0.964, 0.974, 0.999 and, with η², 0.953,
+        // 0.963, 0.985.
         for (ratio, plain, printed) in [(1.2, 0.964, 0.953), (1.3, 0.974, 0.963), (2.0, 0.999, 0.985)] {
             let sums = LatticeSums::new(Kernel::WendlandC2, ratio, 2);
             assert!((sums.viscosity - plain).abs() < 6e-4, "h = {ratio} Δ: {}", sums.viscosity);
@@ -76,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn density_sum_is_off_by_a_percent() {
+    fn density_sum_deviates_by_up_to_two_percent() {
         for (ratio, off) in [(1.2, 0.018), (1.3, 0.0105), (2.0, 0.0012)] {
             let sums = LatticeSums::new(Kernel::WendlandC2, ratio, 2);
             assert!(((sums.density - 1.0).abs() - off).abs() < 5e-4, "h = {ratio} Δ: {}", sums.density);

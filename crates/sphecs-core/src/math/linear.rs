@@ -1,10 +1,10 @@
 //! Linear systems of up to four unknowns, by elimination with row pivoting.
 
-/// Solves `matrix · x = right`; None where the matrix is singular or not finite.
+/// Solves `matrix · x = right`; None if the matrix is singular or not finite.
 ///
-/// A pivot below 1e-10 of the largest entry counts as zero: what moment matrices of kernel sums leave
-/// there is rounding, and dividing by it would throw a particle across the domain. So scale the unknowns to be
-/// of one size (distances over h) before.
+/// A pivot below 1e-10 of the largest entry counts as zero: in moment matrices of kernel sums it is
+/// rounding error, and dividing by it would move a particle across the domain. The unknowns must
+/// therefore be of similar size, such as distances over h.
 pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
     const SINGULAR: f64 = 1e-10;
     let largest = matrix.iter().flatten().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
@@ -34,7 +34,7 @@ pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> 
     right.iter().all(|x| x.is_finite()).then_some(right)
 }
 
-/// The inverse of a matrix; None where it is singular, as for [`solve`].
+/// Returns the inverse of a matrix; None if it is singular as defined for [`solve`].
 pub fn invert<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     let mut inverse = [[0.0; N]; N];
     for column in 0..N {
@@ -47,8 +47,11 @@ pub fn invert<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     Some(inverse)
 }
 
-/// The inverse of a symmetric matrix of two or three rows by cofactors, for hot loops: without a branch, zero where its determinant
-/// is below 1e-10 of the cube (square) of its largest entry, or not finite.
+/// Returns the inverse of a symmetric matrix of two or three rows by cofactors, without branches
+/// for hot loops.
+///
+/// Zero if its determinant is not finite or below 1e-10 of the square (3D: cube) of its largest
+/// entry.
 #[inline(always)]
 pub fn invert_symmetric<const N: usize>(matrix: [[f64; N]; N]) -> [[f64; N]; N] {
     const SINGULAR: f64 = 1e-10;
@@ -103,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn singular_systems_are_reported() {
+    fn singular_systems_have_no_solution() {
         assert_eq!(solve([[1.0, 2.0], [2.0, 4.0]], [1.0, 2.0]), None);
         assert_eq!(solve([[0.0; 3]; 3], [0.0; 3]), None);
         assert_eq!(solve([[f64::NAN, 0.0], [0.0, 1.0]], [1.0, 1.0]), None);
@@ -111,13 +114,13 @@ mod tests {
     }
 
     #[test]
-    fn pivoting_survives_a_zero_on_the_diagonal() {
+    fn a_zero_on_the_diagonal_is_pivoted() {
         assert_eq!(solve([[0.0, 1.0], [1.0, 0.0]], [3.0, 5.0]), Some([5.0, 3.0]));
         assert_eq!(invert([[0.0, 2.0], [4.0, 0.0]]), Some([[0.0, 0.25], [0.5, 0.0]]));
     }
 
     #[test]
-    fn cofactors_give_the_inverse_that_elimination_gives() {
+    fn cofactors_agree_with_elimination() {
         let flat = [[-2.0, 0.3], [0.3, -1.0]];
         let deep = [[-2.0, 0.3, 0.1], [0.3, -1.0, -0.4], [0.1, -0.4, -3.0]];
         let (Some(a), b) = (invert(flat), invert_symmetric(flat)) else { panic!("regular") };

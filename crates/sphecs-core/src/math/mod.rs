@@ -1,4 +1,12 @@
-//! Floor 0: numbers. Vectors, lanes, kernels, the cell grid, named columns and small linear systems.
+//! Mathematics below the physics: it knows particles only as rows of numbers.
+//!
+//! - [`column`]: named columns of numbers, the form in which a state is saved
+//! - [`grid`]: the cell grid, its counting sort and the search for neighbours
+//! - [`kernel`]: smoothing kernels
+//! - [`lanes`]: SIMD vectors of every instruction set behind one trait
+//! - [`lattice`]: kernel sums on the initial lattice
+//! - [`linear`]: linear systems of up to four unknowns
+//! - [`real`]: the scalar type of the passes, `f64` or `f32`
 
 pub mod column;
 pub mod grid;

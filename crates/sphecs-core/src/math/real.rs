@@ -1,4 +1,4 @@
-//! The scalar of the pair passes: `f64` or `f32`, a scene choice.
+//! Scalar type of the pair passes: `f64` or `f32`, as the scene chooses.
 
 use std::fmt::{Debug, Display};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -6,7 +6,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use super::column::Element;
 use super::lanes::{InstructionSet, Vectorised};
 
-/// A floating-point scalar in which pair sums are taken.
+/// Floating-point scalar in which pair sums are computed.
 pub trait Real:
     Element
     + Copy
@@ -25,14 +25,14 @@ pub trait Real:
     + AddAssign
     + SubAssign
 {
-    /// The nearest value of this type.
+    /// Rounds to the nearest value of this type.
     fn from_f64(value: f64) -> Self;
-    /// The same value in double precision.
+    /// Converts to double precision without loss.
     fn to_f64(self) -> f64;
-    /// Magnitude.
+    /// Returns the absolute value.
     fn abs(self) -> Self;
-    /// Square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
-    /// Runs a task on the lanes that an instruction set has for this type.
+    /// Runs a task with the SIMD vectors of an instruction set for this type.
     fn dispatch<T: Vectorised<Self>>(set: InstructionSet, task: T) -> T::Output;
 }

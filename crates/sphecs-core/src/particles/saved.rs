@@ -4,7 +4,7 @@
 
 use super::arrays::ParticleArrays;
 use super::zone::Zone;
-use crate::math::column::{Columns, Element, Misfit};
+use crate::math::column::{ColumnMismatch, Columns, Element};
 use crate::math::real::Real;
 
 /// In which order rows are kept.
@@ -61,26 +61,28 @@ pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order
 /// The arrays of [`save`].
 ///
 /// # Errors
-/// [`Misfit`] when a column is missing, of another type or length, or holds no zone.
-pub fn restore<R: Real, const D: usize>(from: &mut Columns) -> Result<ParticleArrays<R, D>, Misfit> {
+/// [`ColumnMismatch`] when a column is missing, of another type or length, or holds no zone.
+pub fn restore<R: Real, const D: usize>(from: &mut Columns) -> Result<ParticleArrays<R, D>, ColumnMismatch> {
     let id = from.take::<u32>("arrays.id")?;
     let rows = id.len();
     let zones = from.take_exactly::<u8>("arrays.zone", rows)?;
-    let zone = zones.into_iter().map(moving_or_wall).collect::<Result<Vec<Zone>, Misfit>>()?;
+    let zone = zones.into_iter().map(moving_or_wall).collect::<Result<Vec<Zone>, ColumnMismatch>>()?;
     let wall_normal = vector::<R, D>("wall_normal", from)?;
     if wall_normal
         .iter()
         .any(|column| column.len() != wall_normal[0].len() || ![0, rows].contains(&column.len()))
     {
-        return Err(Misfit("its walls have normals for some rows only".to_owned()));
+        return Err(ColumnMismatch("its walls have normals for some rows only".to_owned()));
     }
     let whole = |columns: [Vec<R>; D], name: &str| match columns.iter().all(|column| column.len() == rows) {
         true => Ok(columns),
-        false => Err(Misfit(format!("its column `{name}` has not one value for each of {rows} rows"))),
+        false => {
+            Err(ColumnMismatch(format!("its column `{name}` has not one value for each of {rows} rows")))
+        }
     };
     let position = vector::<f64, D>("position", from)?;
     if position.iter().any(|column| column.len() != rows) {
-        return Err(Misfit(format!("its positions are not one for each of {rows} rows")));
+        return Err(ColumnMismatch(format!("its positions are not one for each of {rows} rows")));
     }
     let evolves_pressure = from.take_exactly::<u8>("arrays.evolves_pressure", 1)? == [1];
     let evolving = if evolves_pressure { rows } else { 0 };
@@ -88,7 +90,7 @@ pub fn restore<R: Real, const D: usize>(from: &mut Columns) -> Result<ParticleAr
     let drifting = if drifts { rows } else { 0 };
     let drift = vector::<R, D>("drift", from)?;
     if drift.iter().any(|column| column.len() != drifting) {
-        return Err(Misfit(format!("its drifts are not one for each of {drifting} rows")));
+        return Err(ColumnMismatch(format!("its drifts are not one for each of {drifting} rows")));
     }
     Ok(ParticleArrays {
         evolves_pressure,
@@ -110,12 +112,12 @@ pub fn restore<R: Real, const D: usize>(from: &mut Columns) -> Result<ParticleAr
     })
 }
 
-fn moving_or_wall(number: u8) -> Result<Zone, Misfit> {
+fn moving_or_wall(number: u8) -> Result<Zone, ColumnMismatch> {
     let zone = Zone::from_number(number).filter(|zone| *zone != Zone::Reservoir);
-    zone.ok_or_else(|| Misfit(format!("it has a row of zone `{number}`")))
+    zone.ok_or_else(|| ColumnMismatch(format!("it has a row of zone `{number}`")))
 }
 
-fn vector<T: Element, const D: usize>(name: &str, from: &mut Columns) -> Result<[Vec<T>; D], Misfit> {
+fn vector<T: Element, const D: usize>(name: &str, from: &mut Columns) -> Result<[Vec<T>; D], ColumnMismatch> {
     let mut columns = std::array::from_fn(|_| Vec::new());
     for (axis, column) in columns.iter_mut().enumerate() {
         *column = from.take(&format!("arrays.{name}.{axis}"))?;

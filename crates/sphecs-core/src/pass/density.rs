@@ -176,7 +176,7 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
 /// a row: in single precision, whose vectors are fewer and whose roots are cheap, about as much as it spares, or more.
 const fn of_near_alone<K: KernelShape, L: Lanes, const D: usize>() -> bool {
     let is_double = size_of::<L::Real>() == size_of::<f64>();
-    D < CULLED_DIMENSIONS && is_double && (L::DEAR_ROOTS || K::DEAR_VALUE)
+    D < CULLED_DIMENSIONS && is_double && (L::COSTLY_ROOTS || K::COSTLY_VALUE)
 }
 
 /// q² of the neighbours of a vector.

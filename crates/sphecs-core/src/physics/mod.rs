@@ -1,4 +1,12 @@
-//! Floor 1: one method, one room. Pure functions of a particle or of a pair of lanes.
+//! Physics, one method per file, as pure functions of a particle or of a vector of particle pairs.
+//!
+//! - [`density`], [`momentum`]: the pair terms of `Wcsph`
+//! - [`edac`]: the pair terms of `EdacTvf`
+//! - [`eos`]: the equation of state
+//! - [`inlet`], [`outlet`], [`wall`]: boundary conditions
+//! - [`integrator`], [`timestep`]: integration in time
+//! - [`shifting`]: particle shifting
+//! - [`sps`], [`viscosity`]: viscous and turbulent stresses
 
 pub mod density;
 pub mod edac;

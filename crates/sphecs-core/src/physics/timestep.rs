@@ -1,27 +1,31 @@
-//! The size of a time step.
+//! Size of a time step.
 //!
 //! ```text
 //! Δt = min( C min_a √(h/|dv_a/dt|),  C min_a h/(c_a + max_b |h x_ab·v_ab/(r² + η²)|),  C_ν h²/ν,  C_λ/max_a λ_a )
 //! λ_a = Σ 4 ν m_b/(ρ_a + ρ_b) |F| (1 + d_b/d_a)
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Eq. 18, with C = 0.3, or 0.5 under kick–drift–kick ([`Integrator`]). Their text announces a viscous limit that the equation
-//! lacks: C_ν is it, 0.125 as for any explicit scheme. The sum itself tells more: λ_a is the rate at which it damps a particle among
-//! neighbours at rest. The leapfrog damps by 1 − 2 λ Δt in two steps (`integrator/verlet.rs`): C_λ = ½ keeps that from turning round. Shear from
-//! particle to particle is damped by 1.06 to 1.36 λ (lattices in 2D and 3D, h from 1.33 to 2.2 Δ), for which the leapfrog is stable up to 0.7 with sound
-//! at C = 0.3 beside it.
+//! Alvarado-Rodríguez et al. (2017), Eq. 18, with C = 0.3, or 0.5 under kick–drift–kick
+//! ([`Integrator`]). Their text announces a viscous limit that the equation lacks: C_ν adds it,
+//! 0.125 as for any explicit scheme. λ_a is sharper: the rate at which the viscous sum damps a
+//! particle among neighbours at rest. The leapfrog damps by 1 − 2 λ Δt in two steps
+//! (`integrator/verlet.rs`), and C_λ = ½ keeps this positive. Shear that alternates from particle
+//! to particle is damped at 1.06 to 1.36 λ (lattices in 2D and 3D, h from 1.33 to 2.2 Δ), for which
+//! the leapfrog is stable up to λ Δt = 0.7 together with acoustic waves at C = 0.3.
 //!
-//! Under `Wcsph` the largest λ_a is that of particles with no wall in their support. The image velocities of a no-slip wall damp
-//! those next to it several times as fast; what of that a step cannot follow they take implicitly ([`friction`]).
+//! Under `Wcsph` the largest λ_a is that of particles with no wall in their support. The image
+//! velocities of a no-slip wall damp the particles next to it several times as fast; the part that
+//! a step does not resolve is treated implicitly ([`friction`]).
 //!
-//! Where the pressure evolves the signal is c_s + max |v|, C = 0.25 and the acceleration at least that of the body force, as in the
-//! scheme's description; λ_a is that of the pressure's damping where it is the larger, and of all particles, C_λ = 0.3: with ½ a start at C = 1 blows up
-//! (test `the_longest_steps_that_a_scene_may_have_pass_nothing_that_is_not_finite`).
+//! Under `EdacTvf` the signal velocity is c_s + max |v|, C = 0.25 and the acceleration at least
+//! that of the body force, as in the description of the scheme. λ_a is the larger of the damping
+//! rates of velocity and pressure, over all particles, with C_λ = 0.3: with ½ a start at C = 1
+//! diverges (test `the_longest_steps_that_a_scene_may_have_pass_nothing_that_is_not_finite`).
 //!
 //! [`friction`]: super::integrator::friction
 //! [`Integrator`]: super::integrator::Integrator
 
-/// What limits a step.
+/// Limits of a time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeStepLimits {
     /// Courant factor C.
@@ -37,8 +41,8 @@ pub struct TimeStepLimits {
 }
 
 impl TimeStepLimits {
-    /// Step size, s, for the largest |dv/dt| (m/s²), the largest signal velocity c_a + max_b … (m/s) and the largest damping
-    /// rate λ_a (1/s).
+    /// Returns the step size, s, for the largest |dv/dt|, m/s², the largest signal velocity c_a +
+    /// max_b …, m/s, and the largest damping rate λ_a, 1/s.
     pub fn time_step(&self, largest_acceleration: f64, largest_signal: f64, largest_damping: f64) -> f64 {
         let h = self.smoothing_length;
         let force = self.cfl * (h / largest_acceleration.max(f64::MIN_POSITIVE)).sqrt();

@@ -1,20 +1,18 @@
-//! The scheme of Negi et al. (2020) in the sets of a step: density, rates, kick; the evenness of outflow zones.
+//! Systems of the scheme `EdacTvf` of Negi et al. (2020): density, rates, kick, shifting in outflow
+//! zones.
 
 use std::ops::Range;
 
-use bevy_ecs::system::{Local, Res, ResMut};
-use glam::DVec3;
+use bevy_ecs::system::{Res, ResMut};
 
-use super::boundaries::motion::{move_inflow, move_outflow};
-use super::boundaries::outlets::OutletStates;
+use super::advance::{StepSettings, ZoneMotion, are_regular_fluid, largest_acceleration};
 use super::boundaries::rows::PatchRows;
-use super::clock::Clock;
-use super::integrate::{are_plain, largest_acceleration};
-use super::neighbours::Grid;
-use super::pair::Pair;
-use super::rates::{RatesFound, Sums};
-use super::setup::{Resolution, SceneInUse};
 use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::{RatesFound, Sums};
+use crate::resources::scene::{ActiveScene, Resolution};
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -24,10 +22,9 @@ use sphecs_core::pass::density;
 use sphecs_core::pass::edac;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::kick_drift::{self, KickDrift};
-use sphecs_core::physics::timestep::TimeStepLimits;
 use sphecs_scene::model::{BodyForce, Patch, Scene, Scheme};
 
-/// The terms of the scheme.
+/// Returns the terms of the scheme.
 fn terms(scene: &Scene) -> Option<&Edac> {
     match &scene.scheme {
         Scheme::EdacTvf(scheme) => Some(&scheme.terms),
@@ -35,12 +32,13 @@ fn terms(scene: &Scene) -> Option<&Edac> {
     }
 }
 
-/// Density of all that flows by summation.
+/// Computes the density of fluid, inflow and outflow particles by summation.
 ///
-/// The far end of a zone cuts the support, and with it the sum: particles there have the reference density, or the
-/// volumes of a zone would grow to twice their size and push the next into the fluid.
-pub fn sum_volumes<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+/// At the outer end of a zone the support is truncated, and the sum with it. Particles there get
+/// the reference density; otherwise their volumes would double and push their neighbours into the
+/// fluid.
+pub(crate) fn sum_volumes<R: Real, const D: usize>(
+    scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,
@@ -51,19 +49,20 @@ pub fn sum_volumes<R: Real, const D: usize>(
     let scene = &*scene.0;
     let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, -1.0)).zip(&rows.inflow);
     let outlets = scene.outlets.iter().map(|outlet| (&outlet.patch, 1.0)).zip(&rows.outflow);
-    let whole = |patch: &Patch| patch.depth - pair.0.support();
+    let full_support_until = |patch: &Patch| patch.depth - pair.0.support();
     for ((patch, outwards), rows) in inlets.chain(outlets) {
         for &row in rows {
-            if outwards * patch.along(arrays.position_of(row as usize)) > whole(patch) {
+            if outwards * patch.along(arrays.position_of(row as usize)) > full_support_until(patch) {
                 arrays.density[row as usize] = R::from_f64(scene.fluid.density);
             }
         }
     }
 }
 
-/// Pair forces, rate of pressure, acceleration by the background pressure, and the extremes that limit the step.
-pub fn sum_edac_rates<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+/// Computes pair forces, pressure rate and acceleration by the background pressure, and the
+/// extremes that limit the time step.
+pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
+    scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     mut arrays: ResMut<Arrays<R, D>>,
@@ -83,56 +82,30 @@ pub fn sum_edac_rates<R: Real, const D: usize>(
 }
 
 /// Chooses the time step and advances velocity, pressure and position.
-pub fn kick_and_drift<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
-    resolution: Res<Resolution>,
-    found: Res<RatesFound>,
-    (pair, rows): (Res<Pair>, Res<PatchRows>),
-    outlets: Res<OutletStates>,
-    sums: Res<Sums<R, D>>,
-    mut clock: ResMut<Clock>,
-    mut velocities: Local<Vec<DVec3>>,
+pub(crate) fn kick_and_drift<R: Real, const D: usize>(
+    (scene, settings): (Res<ActiveScene>, StepSettings),
+    (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
+    mut zones: ZoneMotion,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    let scene = &*scene.0;
-    let limits = TimeStepLimits {
-        cfl: scene.time.cfl,
-        viscous: scene.time.viscous,
-        damping: kick_drift::DAMPING,
-        smoothing_length: resolution.smoothing_length,
-        viscosity: found.largest_viscosity,
-    };
-    let gravity = match &scene.body_force {
+    let gravity = match &scene.0.body_force {
         BodyForce::Constant(force) => force.length(),
-        // It is in the accelerations.
+        // The accelerations already contain it.
         BodyForce::Expression(_) => 0.0,
     };
-    let arrays = &mut **arrays;
-    let time_step = limits.time_step(
-        largest_acceleration(arrays, pair.0.lanes).max(gravity),
+    let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
+    let found = &settings.found;
+    let time_step = settings.limits(kick_drift::DAMPING).time_step(
+        largest_acceleration(arrays, lanes).max(gravity),
         found.largest_signal,
         found.largest_damping,
     );
-    advance_fluid(
-        KickDrift { time_step, time_step_before: clock.time_step },
-        arrays,
-        &sums.0.shift,
-        &sums.0.pressure_rate,
-        pair.0.lanes,
-    );
-    for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
-        move_inflow(inlet, scene.fluid.viscosity, rows, clock.time, time_step, &mut velocities, arrays);
-    }
-    for (index, (outlet, rows)) in scene.outlets.iter().zip(&rows.outflow).enumerate() {
-        move_outflow(outlet, &outlets.0[index], rows, time_step, arrays);
-    }
-    arrays.fresh.fill(false);
-    clock.time += time_step;
-    clock.time_step = time_step;
-    clock.step += 1;
+    let scheme = KickDrift { time_step, previous_time_step: zones.clock.time_step };
+    advance_fluid(scheme, arrays, &sums.0.shift, &sums.0.pressure_rate, lanes);
+    zones.finish_step(time_step, arrays);
 }
 
-/// Velocity, pressure, drift and position of the fluid; what does not flow freely has no drift.
+/// Advances velocity, pressure, drift and position of the fluid; other rows have no drift.
 fn advance_fluid<R: Real, const D: usize>(
     scheme: KickDrift,
     arrays: &mut ParticleArrays<R, D>,
@@ -168,10 +141,11 @@ fn advance_fluid<R: Real, const D: usize>(
     for_each_part(0..zone.len(), columns, &work);
 }
 
-/// Positions; velocities, those half a step earlier and drifts; pressures and those half a step earlier, of a part's rows.
+/// Columns of some rows: positions; velocities, velocities half a step earlier, drifts; pressures,
+/// pressures half a step earlier.
 type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
 
-/// What the passes summed.
+/// Rates that the passes summed.
 #[derive(Clone, Copy)]
 struct Rates<'a, R, const D: usize> {
     acceleration: &'a [Vec<R>; D],
@@ -179,7 +153,9 @@ struct Rates<'a, R, const D: usize> {
     pressure: &'a [R],
 }
 
-/// A part of the rows: on lanes for their instructions alone, which its loops, of plain numbers, are compiled for.
+/// Kick and drift of some rows.
+///
+/// A vectorised task only to be compiled for the instruction set; its loops are scalar.
 struct DriftPart<'a, R, const D: usize> {
     scheme: KickDrift,
     zone: &'a [Zone],
@@ -202,7 +178,7 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
         for start in self.rows.clone().step_by(GROUP) {
             let group = start..self.rows.end.min(start + GROUP);
             let part = start - first..group.end - first;
-            if are_plain(&self.zone[group.clone()], &self.fresh[group.clone()]) {
+            if are_regular_fluid(&self.zone[group.clone()], &self.fresh[group.clone()]) {
                 self.advance(group, part, false);
                 continue;
             }
@@ -221,7 +197,8 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
 }
 
 impl<R: Real, const D: usize> DriftPart<'_, R, D> {
-    /// Advances rows of the fluid, `part` of the columns that are written, that are all `fresh` or none of them.
+    /// Advances fluid rows, which are `part` of the written columns and either all `fresh` or all
+    /// not.
     #[inline(always)]
     fn advance(&mut self, rows: Range<usize>, part: Range<usize>, fresh: bool) {
         let scheme = self.scheme;
@@ -234,7 +211,7 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
             let moved = self.position[axis][part.clone()].iter_mut().zip(&mut self.drift[axis][part.clone()]);
             for (((v, half), (x, drift)), (&rate, &background)) in velocities.zip(moved).zip(rates) {
                 *half = scheme.half(fresh, *v, *half, rate);
-                *v = scheme.guess(*half, rate);
+                *v = scheme.predict(*half, rate);
                 *drift = time_step * background;
                 *x = scheme.position(*x, half.to_f64(), drift.to_f64());
             }
@@ -243,15 +220,17 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
         let pressures = pressure[part.clone()].iter_mut().zip(&mut half[part]);
         for ((pressure, half), &rate) in pressures.zip(&self.rates.pressure[rows]) {
             *half = scheme.half(fresh, *pressure, *half, rate);
-            *pressure = scheme.guess(*half, rate);
+            *pressure = scheme.predict(*half, rate);
         }
     }
 }
 
-/// Keeps the outflow zones even as the background pressure does the fluid: δx = −2 Δt² (p_b/ρ0) ∇C, for
-/// Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0 where the particles are even.
-pub fn even_outlets<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+/// Shifts the particles of outflow zones as the background pressure shifts the fluid: δx = −2 Δt²
+/// (p_b/ρ0) ∇C.
+///
+/// For a uniform distribution, Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0.
+pub(crate) fn shift_outlets<R: Real, const D: usize>(
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     resolution: Res<Resolution>,
     rows: Res<PatchRows>,
@@ -261,7 +240,7 @@ pub fn even_outlets<R: Real, const D: usize>(
     let Some(terms) = terms(&scene.0) else { return };
     let sound = scene.0.fluid.sound_speed * clock.time_step;
     let strength = -2.0 * terms.background * sound * sound;
-    let longest = LONGEST * resolution.spacing;
+    let longest = LONGEST_SHIFT * resolution.spacing;
     for &row in rows.outflow.iter().flatten() {
         let row = row as usize;
         let concentration = sums.0.shift.each_ref().map(|column| column[row].to_f64());
@@ -273,5 +252,5 @@ pub fn even_outlets<R: Real, const D: usize>(
     }
 }
 
-/// Longest way in one step by which a zone is evened, over Δ.
-const LONGEST: f64 = 0.1;
+/// Largest displacement by the shifting of a zone in one step, over Δ.
+const LONGEST_SHIFT: f64 = 0.1;

@@ -1,4 +1,4 @@
-//! The body force, and forces that a user adds.
+//! Body force of the scene, and forces that a user adds.
 
 use std::ops::Range;
 
@@ -6,32 +6,33 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
 use glam::DVec3;
 
-use super::clock::Clock;
-use super::setup::SceneInUse;
 use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
 use sphecs_scene::model::BodyForce;
 
-/// Forces per mass that plugins add: each is called for every fluid particle in every stage.
+/// Forces per mass that plugins add; each is evaluated for every fluid particle in every stage.
 ///
 /// ```
 /// use glam::DVec3;
-/// use sphecs::systems::forces::{AddedForces, ParticleState};
+/// use sphecs_engine::systems::forces::{AddedForces, ParticleState};
 ///
 /// let mut forces = AddedForces::default();
-/// // A weak spring towards the plane y = 0.
+/// // A spring towards the plane y = 0 with a stiffness per mass of 2 1/s².
 /// forces.add(|particle: &ParticleState| DVec3::new(0.0, -2.0 * particle.position.y, 0.0));
 /// ```
 #[derive(Resource, Default)]
 pub struct AddedForces(Vec<Box<AddedForce>>);
 
-/// A force per mass, m/s², of a particle's state.
+/// Force per mass, m/s², as a function of the state of a particle.
 type AddedForce = dyn Fn(&ParticleState) -> DVec3 + Send + Sync;
 
-/// What an added force may depend on.
+/// State of a particle on which an added force may depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ParticleState {
     /// Number of the particle.
     pub id: u32,
@@ -48,14 +49,15 @@ pub struct ParticleState {
 }
 
 impl AddedForces {
-    /// Adds a force per mass, m/s².
+    /// Adds a force per mass, m/s². It must be a pure function of the particle's state: it is
+    /// called from several threads in no fixed order.
     pub fn add(&mut self, force: impl Fn(&ParticleState) -> DVec3 + Send + Sync + 'static) {
         self.0.push(Box::new(force));
     }
 }
 
-/// Body force per mass at a place and time, m/s².
-pub fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3 {
+/// Returns the body force per mass, m/s², at a position, m, and time, s.
+pub(crate) fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3 {
     match force {
         BodyForce::Constant(force) => *force,
         BodyForce::Expression(components) => {
@@ -65,12 +67,12 @@ pub fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3 {
     }
 }
 
-/// Adds body force and added forces to the accelerations of fluid and outflow particles.
+/// Adds the body force and the added forces to the accelerations of fluid and outflow particles.
 ///
-/// Outflow particles feel the body force too: without it the wave equation of an outlet loses the drive of
-/// the flow (40 % of a Poiseuille profile).
-pub fn add_forces<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+/// The body force acts on outflow particles too. Without it, the wave equation of an outlet loses
+/// 40 % of a Poiseuille profile that the body force drives.
+pub(crate) fn add_forces<R: Real, const D: usize>(
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     added: Res<AddedForces>,
     mut arrays: ResMut<Arrays<R, D>>,

@@ -1,4 +1,4 @@
-//! Integral figures of the flow, computed when a row is due.
+//! Integral quantities of the flow, computed when a monitor row is due.
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
@@ -6,13 +6,13 @@ use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
-use super::boundaries::hold::HeldAtWalls;
-use super::clock::Clock;
-use super::ledger::Ledger;
-use super::neighbours::Grid;
-use super::rates::RatesFound;
-use super::setup::{Resolution, SceneInUse};
 use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::ledger::Ledger;
+use crate::resources::pair_sums::RatesFound;
+use crate::resources::scene::{ActiveScene, Resolution};
+use crate::systems::boundaries::hold::HeldAtWalls;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -20,13 +20,13 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_scene::model::Scene;
 
-/// One row of `monitor.nc`.
+/// Row of `monitor.nc`: integral quantities of the flow at one time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MonitorRow {
     /// Time, s.
     pub time: f64,
-    /// Steps done.
+    /// Number of steps done.
     pub step: u64,
     /// Size of the last step, s.
     pub time_step: f64,
@@ -34,13 +34,15 @@ pub struct MonitorRow {
     pub count: [u64; 5],
     /// Mass by zone, kg (per metre of depth in 2D).
     pub mass: [f64; 5],
-    /// Mass flow into the domain through each inlet, kg/s (per metre of depth in 2D), mean since the previous row.
+    /// Mean mass flow into the domain through each inlet since the previous row, kg/s (per metre of
+    /// depth in 2D).
     pub inlet_mass_flow: Vec<f64>,
-    /// Mass flow out of the domain through each outlet, kg/s, mean since the previous row.
+    /// Mean mass flow out of the domain through each outlet since the previous row, kg/s (per metre
+    /// of depth in 2D).
     pub outlet_mass_flow: Vec<f64>,
     /// Kinetic energy of the fluid, J (per metre of depth in 2D).
     pub kinetic_energy: f64,
-    /// Momentum of the fluid, kg m/s.
+    /// Momentum of the fluid, kg m/s (per metre of depth in 2D).
     pub momentum: DVec3,
     /// Largest speed of the fluid, m/s.
     pub largest_speed: f64,
@@ -50,15 +52,15 @@ pub struct MonitorRow {
     pub largest_divergence: f64,
     /// Mean pressure of the fluid, Pa.
     pub mean_pressure: f64,
-    /// How often a fluid particle was set back onto a wall since the previous row.
+    /// Number of projections of fluid particles back from a wall since the previous row.
     pub held_at_walls: u64,
-    /// Fluid particles that stand behind a wall surface.
+    /// Number of fluid particles behind a wall surface.
     pub through_walls: u64,
-    /// Pairs of fluid particles nearer than half a spacing.
+    /// Number of pairs of fluid particles closer than half a spacing.
     pub close_pairs: u64,
 }
 
-/// Crossings and time at the previous row: mass flows are means since then.
+/// Counts and time at the previous row, since which the mass flows are averaged.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PreviousRow {
@@ -68,17 +70,20 @@ pub struct PreviousRow {
     left: Vec<i64>,
 }
 
-/// Two fluid particles nearer than this over the spacing are a clump.
+/// Distance, over the spacing, below which two fluid particles count as a close pair.
 const CLOSE: f64 = 0.5;
 
-/// A particle is behind a wall when its distance outside the container is more than this over the spacing.
+/// Distance outside the container, over the spacing, beyond which a particle counts as behind a
+/// wall.
 const BEHIND: f64 = 1e-6;
 
+/// Returns the net crossings of each patch.
 fn net(out: &[u64], back: &[u64]) -> Vec<i64> {
     out.iter().zip(back).map(|(&out, &back)| out as i64 - back as i64).collect()
 }
 
-fn flow(now: &[i64], before: &[i64], mass: f64, interval: f64) -> Vec<f64> {
+/// Returns the mean mass flow of each patch, kg/s, from its crossings and the interval, s.
+fn mean_flow(now: &[i64], before: &[i64], mass: f64, interval: f64) -> Vec<f64> {
     now.iter()
         .enumerate()
         .map(|(patch, &count)| {
@@ -88,8 +93,10 @@ fn flow(now: &[i64], before: &[i64], mass: f64, interval: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The row of the present state, whose arrays must be sorted and have their density; starts a new interval of the mean flows.
-pub fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
+/// Computes the row of the present state and starts a new interval of the mean flows.
+///
+/// The arrays must be sorted and have the density at the present positions.
+pub(crate) fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
     let clock = *world.resource::<Clock>();
     let ledger = world.resource::<Ledger>();
     let now = PreviousRow {
@@ -99,18 +106,18 @@ pub fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
         left: net(&ledger.left, &ledger.left_back),
     };
     let before = world.resource::<PreviousRow>().clone();
-    let row = figures::<R, D>(world, &clock, &now, &before);
+    let row = quantities::<R, D>(world, &clock, &now, &before);
     world.insert_resource(now);
     row
 }
 
-fn figures<R: Real, const D: usize>(
+fn quantities<R: Real, const D: usize>(
     world: &World,
     clock: &Clock,
     now: &PreviousRow,
     before: &PreviousRow,
 ) -> MonitorRow {
-    let scene = &world.resource::<SceneInUse>().0;
+    let scene = &world.resource::<ActiveScene>().0;
     let mass = world.resource::<Resolution>().mass;
     let ledger = world.resource::<Ledger>();
     let arrays = world.resource::<Arrays<R, D>>();
@@ -121,8 +128,8 @@ fn figures<R: Real, const D: usize>(
         time_step: clock.time_step,
         count: ledger.by_zone,
         mass: ledger.by_zone.map(|count| count as f64 * mass),
-        inlet_mass_flow: flow(&now.entered, &before.entered, mass, interval),
-        outlet_mass_flow: flow(&now.left, &before.left, mass, interval),
+        inlet_mass_flow: mean_flow(&now.entered, &before.entered, mass, interval),
+        outlet_mass_flow: mean_flow(&now.left, &before.left, mass, interval),
         held_at_walls: now.held - before.held,
         largest_divergence: world.resource::<RatesFound>().largest_divergence,
         ..MonitorRow::default()
@@ -138,7 +145,7 @@ fn figures<R: Real, const D: usize>(
     row
 }
 
-/// What a row sums over the fluid.
+/// Sums and extremes over the fluid.
 #[derive(Clone, Copy, Debug, Default)]
 struct FluidSums {
     count: u64,
@@ -169,7 +176,8 @@ impl FluidSums {
     }
 }
 
-/// Rows that are summed up together: the same on any number of threads, and so are the bits of the sums.
+/// Rows per partial sum: constant, so that the sums are bitwise independent of the number of
+/// threads.
 const CHUNK: usize = 4096;
 
 fn fluid_sums<R: Real, const D: usize>(
@@ -193,7 +201,8 @@ fn fluid_sums<R: Real, const D: usize>(
             sums.largest_density_deviation = sums.largest_density_deviation.max(deviation);
             sums.pressure += arrays.pressure[a].to_f64();
             let point = arrays.position_of(a);
-            // Only a particle next to a wall can be behind it; the signed distance of a scene is dear.
+            // The signed distance of a scene is costly, and only a particle next to a wall can be
+            // behind it.
             let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;
             if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
                 sums.through_walls += 1;

@@ -21,7 +21,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Checkpoint, Facts};
 use sphecs_core::math::column::{Column, Columns};
-use sphecs_engine::systems::checkpoint::{record, value};
+use sphecs_engine::saved_state::{decode_record, encode_record};
 
 /// Version of the file format and of the columns of a state, raised with every change of either.
 pub const VERSION: u32 = 4;
@@ -83,7 +83,7 @@ fn write_version(checkpoint: &Checkpoint, version: u32, to: impl Write) -> io::R
     let mut file = ChecksumWriter { to, whole: Sha256::new(), block: crc32fast::Hasher::new() };
     file.put(&MAGIC)?;
     file.put(&version.to_le_bytes())?;
-    let facts = record(&checkpoint.facts);
+    let facts = encode_record(&checkpoint.facts);
     file.put(&(facts.len() as u32).to_le_bytes())?;
     file.put(&facts)?;
     file.end_block()?;
@@ -183,8 +183,8 @@ fn blocks(reader: &mut Reader<'_>) -> Result<Checkpoint, Rejection> {
     let length = reader.number::<4>("its facts")?;
     let facts = reader.take(length as usize, "its facts")?;
     reader.end_block(start, "its facts")?;
-    let facts: Facts =
-        value(facts).map_err(|what| Rejection::Damaged(format!("its facts cannot be read: {what}")))?;
+    let facts: Facts = decode_record(facts)
+        .map_err(|what| Rejection::Damaged(format!("its facts cannot be read: {what}")))?;
     let mut state = Columns::default();
     for _ in 0..reader.number::<4>("its number of columns")? {
         let start = reader.at;

@@ -25,7 +25,7 @@ use super::netcdf::dataset::{Dataset, Variable};
 use super::paths::{FORCES_CSV, FORCES_NETCDF};
 use super::table::{Column, Table, TableWriter, number, safe_names};
 use sphecs_core::pass::body::BodySum;
-use sphecs_engine::systems::bodies::BodyForcesRow;
+use sphecs_engine::systems::body_forces::BodyForcesRow;
 
 /// Appends rows to `forces.csv`.
 #[derive(Debug)]

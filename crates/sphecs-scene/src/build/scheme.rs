@@ -72,10 +72,10 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
             let kernel = kernel.unwrap_or(Kernel::WendlandC2);
             let smoothing_ratio = ratio(smoothing_ratio.as_ref(), kernel, dimensions, check);
             if let Some(integrator) = integrator
-                && integrator.value == (Integrator::Verlet { plain_step_every: 0 })
+                && integrator.value == (Integrator::Verlet { corrective_step_every: 0 })
             {
                 check.report(Fault::new(
-                    "`plain_step_every` must be at least 1",
+                    "`corrective_step_every` must be at least 1",
                     integrator.span,
                     "is `0`".to_owned(),
                 ));

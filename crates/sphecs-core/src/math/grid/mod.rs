@@ -1,10 +1,11 @@
-//! The cell grid: a box of cells that is fixed by the scene, and the rows of particles in each cell.
+//! Cell grid over a box fixed by the scene, with the rows of the particles in each cell.
 //!
-//! Origin and cells never follow the particles, so the order of a sum does not depend on where the particles
-//! happen to be at the edges. Cells are numbered with x fastest: consecutive cells in x are one contiguous run
-//! of rows. In a periodic direction the cells divide the period exactly; neighbours are sought in *unwrapped*
-//! cell indices, each of which is a wrapped cell plus a shift by whole periods. So a period of one cell, or one
-//! shorter than the support, needs nothing special: the same cell is visited once per image.
+//! Origin and cells never follow the particles, so the order of a sum does not depend on the
+//! outermost particles. Cells are numbered with x fastest: consecutive cells in x are one
+//! contiguous run of rows. In a periodic direction the cells divide the period exactly. Neighbours
+//! are searched by *unwrapped* cell indices, each a wrapped cell plus a shift by whole periods. A
+//! period of one cell, or one shorter than the support, is therefore no special case: the same cell
+//! is visited once per image.
 
 mod runs;
 mod sort;
@@ -13,7 +14,7 @@ use std::ops::Range;
 
 use sort::SortBuffers;
 
-/// A uniform grid of cells in `D` dimensions and the counting sort of particles into it.
+/// Uniform grid of cells in `D` dimensions, and the counting sort of particles into it.
 #[derive(Debug)]
 pub struct CellGrid<const D: usize> {
     lower: [f64; D],
@@ -29,16 +30,19 @@ pub struct CellGrid<const D: usize> {
     buffers: SortBuffers,
 }
 
-/// Pairs farther apart than the support less this fraction of it may be left out: there both kernels are below
-/// 1e-30 of their peak, and a support of exactly one cell does not reach into a second one by rounding.
+/// Fraction of the support at its edge within which pairs may be omitted.
+///
+/// There both kernels are below 1e-30 of their peak, and rounding must not make a support of
+/// exactly one cell reach into a second one.
 const REACH_TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> CellGrid<D> {
-    /// A grid over the box from `lower` to `upper`, m, that finds all pairs within `support`, m, with cells of about
-    /// `cell_size`, m.
+    /// Creates a grid over the box from `lower` to `upper`, m, with cells of about `cell_size`, m,
+    /// that finds all pairs within `support`, m.
     ///
     /// # Panics
-    /// If the box is empty or not finite, or `support` or `cell_size` is not positive: a checked scene has neither.
+    /// If the box is empty or not finite, or `support` or `cell_size` is not positive. The checks
+    /// of a scene exclude both.
     pub fn new(lower: [f64; D], upper: [f64; D], periodic: [bool; D], support: f64, cell_size: f64) -> Self {
         assert!(support > 0.0 && cell_size > 0.0, "support and cell size must be positive");
         let mut cells = [1; D];
@@ -71,65 +75,67 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
-    /// Radius within which all pairs are found, m.
+    /// Returns the radius within which all pairs are found, m.
     pub fn support(&self) -> f64 {
         self.support
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Whether there is no cell: never.
+    /// Returns true if there is no cell, which never happens.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Number of cells along each axis.
+    /// Returns the number of cells along each axis.
     pub fn cells(&self) -> [usize; D] {
         self.cells
     }
 
-    /// Edges of a cell, m.
+    /// Returns the edge lengths of a cell, m.
     pub fn cell_size(&self) -> [f64; D] {
         self.cell_size
     }
 
-    /// Lower corner of the box, m.
+    /// Returns the lower corner of the box, m.
     pub fn lower(&self) -> [f64; D] {
         self.lower
     }
 
-    /// Upper corner of the box, m.
+    /// Returns the upper corner of the box, m.
     pub fn upper(&self) -> [f64; D] {
         self.upper
     }
 
-    /// Which directions are periodic.
+    /// Returns true for each periodic direction.
     pub fn periodic(&self) -> [bool; D] {
         self.periodic
     }
 
-    /// First row of each cell, and the number of rows at the end: cell `c` holds the rows `starts[c]..starts[c + 1]`
-    /// once the particles have been put into the order of the last [`Self::build`].
+    /// Returns the first row of each cell, followed by the number of rows.
+    ///
+    /// Cell `c` holds the rows `starts[c]..starts[c + 1]` once the particles are in the order of
+    /// the last [`Self::build`].
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
 
-    /// Rows of a cell.
+    /// Returns the rows of a cell.
     #[inline]
     pub fn rows(&self, cell: usize) -> Range<usize> {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
-    /// The point moved by whole periods into the box, m; only in the periodic directions.
+    /// Moves a point, m, by whole periods into the box, in the periodic directions.
     pub fn wrap(&self, mut point: [f64; D]) -> [f64; D] {
         for d in 0..D {
             if self.periodic[d] && !(self.lower[d]..self.upper[d]).contains(&point[d]) {
                 let length = self.upper[d] - self.lower[d];
                 point[d] -= length * ((point[d] - self.lower[d]) / length).floor();
-                // Rounding can leave a point a hair below the box on its upper bound.
+                // Rounding can move a point from just below the box onto its upper bound.
                 if !(self.lower[d]..self.upper[d]).contains(&point[d]) && point[d].is_finite() {
                     point[d] = self.lower[d];
                 }
@@ -138,7 +144,7 @@ impl<const D: usize> CellGrid<D> {
         point
     }
 
-    /// The nearest image of a separation, m, in the periodic directions.
+    /// Returns the nearest image of a separation, m, in the periodic directions.
     pub fn nearest_image(&self, mut separation: [f64; D]) -> [f64; D] {
         for d in 0..D {
             if self.periodic[d] {
@@ -149,7 +155,7 @@ impl<const D: usize> CellGrid<D> {
         separation
     }
 
-    /// The cell that holds a point, or None for a point outside the box or not finite.
+    /// Returns the cell of a point, m; None if the point is outside the box or not finite.
     #[inline]
     pub fn cell_of(&self, point: [f64; D]) -> Option<usize> {
         let mut cell = 0;
@@ -166,7 +172,7 @@ impl<const D: usize> CellGrid<D> {
         Some(cell)
     }
 
-    /// Indices of a cell along each axis.
+    /// Returns the indices of a cell along each axis.
     #[inline]
     pub fn index_of(&self, mut cell: usize) -> [i64; D] {
         std::array::from_fn(|d| {
@@ -176,7 +182,7 @@ impl<const D: usize> CellGrid<D> {
         })
     }
 
-    /// Unwrapped indices of the cell that a point, which may be anywhere, falls in.
+    /// Returns the unwrapped indices of the cell of a point, m, which may be outside the box.
     #[inline]
     pub fn unwrapped_index(&self, point: [f64; D]) -> [i64; D] {
         const FAR: f64 = 1e12;
@@ -185,7 +191,7 @@ impl<const D: usize> CellGrid<D> {
         })
     }
 
-    /// Lower corner of an unwrapped cell, m.
+    /// Returns the lower corner of an unwrapped cell, m.
     #[inline]
     pub fn corner(&self, index: [i64; D]) -> [f64; D] {
         std::array::from_fn(|d| self.lower[d] + index[d] as f64 * self.cell_size[d])
@@ -197,11 +203,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wrap_ends_inside_the_box() {
+    fn wrapped_point_is_inside_the_box() {
         let grid = CellGrid::new([-0.3, 0.0], [0.7, 1.0], [true, false], 0.2, 0.2);
         for x in [-0.3, 0.7, 0.7 - 1e-17, -0.3 - 1e-17, -0.3 - 1e-13, 12.4, -7.9] {
             let [wrapped, y] = grid.wrap([x, 3.0]);
-            assert!((-0.3..0.7).contains(&wrapped), "{x} went to {wrapped}");
+            assert!((-0.3..0.7).contains(&wrapped), "{x} is wrapped to {wrapped}");
             assert_eq!(y, 3.0);
             let [columns, _] = grid.cells();
             let cell = grid.cell_of([wrapped, 0.5]).expect("a cell");
@@ -219,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn points_outside_have_no_cell() {
+    fn point_outside_has_no_cell() {
         let grid = CellGrid::new([0.0; 2], [1.0; 2], [false, true], 0.3, 0.3);
         assert_eq!(
             grid.cell_of([1.0, 0.0]),

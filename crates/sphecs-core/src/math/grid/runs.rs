@@ -1,12 +1,14 @@
-//! Visits of the rows around a place: runs of rows of consecutive cells along x, each with the image that is meant.
+//! Search for neighbours: runs of rows of consecutive cells along x, each with its periodic shift.
 
 use std::ops::Range;
 
 use super::CellGrid;
 
 impl<const D: usize> CellGrid<D> {
-    /// Visits the rows of all cells that a point of the unwrapped cell `index` can reach: contiguous runs of rows,
-    /// each with the shift, m, that carries them to the image meant. The order is fixed.
+    /// Visits the rows of all cells within the support of a point of the unwrapped cell `index`.
+    ///
+    /// The rows come in contiguous runs, each with the shift, m, to its periodic image, in a fixed
+    /// order.
     #[inline(always)]
     pub fn for_each_run(&self, index: [i64; D], visit: impl FnMut(Range<usize>, [f64; D])) {
         let first = std::array::from_fn(|d| index[d] - self.reach[d]);
@@ -14,7 +16,8 @@ impl<const D: usize> CellGrid<D> {
         self.for_each_run_between(first, last, visit);
     }
 
-    /// The same for the unwrapped cells from `first` to `last`, both included.
+    /// Visits the rows of the unwrapped cells from `first` to `last`, both included, as
+    /// [`Self::for_each_run`] does.
     #[inline(always)]
     pub fn for_each_run_between(
         &self,
@@ -25,8 +28,8 @@ impl<const D: usize> CellGrid<D> {
         self.for_each_line(first, last, |_| true, visit);
     }
 
-    /// Visits the rows of all cells that reach within the support of the box from `lower` to `upper`, m, in the same manner: what is
-    /// left out is out of reach of every point of the box.
+    /// Visits the rows of all cells within the support of the box from `lower` to `upper`, m, as
+    /// [`Self::for_each_run`] does. Omitted rows are outside the support of every point of the box.
     #[inline(always)]
     pub fn for_each_run_near(
         &self,
@@ -48,7 +51,7 @@ impl<const D: usize> CellGrid<D> {
         self.for_each_line(first, last, near, visit);
     }
 
-    /// Visits the lines of cells along x between `first` and `last` that are `wanted`.
+    /// Visits the lines of cells along x between `first` and `last` for which `wanted` holds.
     #[inline(always)]
     fn for_each_line(
         &self,
@@ -66,7 +69,7 @@ impl<const D: usize> CellGrid<D> {
                 return;
             }
         }
-        // Most cells have all that they reach in the box: no images for them.
+        // Most cells have all their neighbours inside the box and need no periodic images.
         let inside = (0..D).all(|d| first[d] >= 0 && last[d] < self.cells[d] as i64);
         let mut at = first;
         loop {
@@ -98,7 +101,8 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
-    /// Visits the cells from `from` to `to` of the line along x that `at` is on: a run for each period.
+    /// Visits the cells from `from` to `last` of the line along x through `at`, with one run per
+    /// period.
     #[inline(always)]
     fn visit_line(
         &self,
@@ -130,7 +134,8 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
-    /// How many periods an unwrapped index is away from the box. Most cells are inside: no division for them.
+    /// Returns the number of periods from the box to an unwrapped index. Most cells are inside,
+    /// where the division is skipped.
     #[inline]
     fn image(&self, d: usize, index: i64) -> i64 {
         let cells = self.cells[d] as i64;
@@ -142,9 +147,10 @@ impl<const D: usize> CellGrid<D> {
 mod tests {
     use super::*;
 
-    /// Whatever a point of the box can reach is visited, once per image; whatever is visited is in a cell that reaches near.
+    /// Every row within the support of a point of the box is visited once per image, and few others
+    /// are.
     #[test]
-    fn runs_near_a_box_are_all_that_it_can_reach() {
+    fn runs_near_a_box_contain_all_its_neighbours() {
         let (lengths, support) = ([1.0, 0.35, 0.8], 0.2);
         for periodic in [[false; 3], [true, true, false], [true; 3]] {
             let mut grid = CellGrid::new([0.0; 3], lengths, periodic, support, 0.1);
@@ -185,7 +191,7 @@ mod tests {
                             let visit = (row, shift.map(|x| (x * 1e6) as i64));
                             if square < support * support {
                                 reached += 1;
-                                assert!(seen.binary_search(&visit).is_ok(), "{visit:?} was left out");
+                                assert!(seen.binary_search(&visit).is_ok(), "{visit:?} was not visited");
                             }
                         }
                     }

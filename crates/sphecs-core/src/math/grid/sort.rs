@@ -1,7 +1,9 @@
-//! Counting sort of particles into the cells, by cell, inside a cell by its parts along x, and inside a part by the particle's number.
+//! Counting sort of particles: by cell, inside a cell by its parts along x, inside a part by
+//! number.
 //!
-//! Parts make neighbours in the order neighbours in space: of the vectors of a neighbourhood fewer have something in a particle's
-//! support. In 3D, where neighbourhoods are culled, there is one part to a cell.
+//! With parts, particles that are adjacent in the order are adjacent in space, so that fewer SIMD
+//! vectors of a neighbourhood contain particles inside the support. In 3D, where neighbourhoods are
+//! culled, a cell has one part.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
@@ -12,44 +14,46 @@ use super::CellGrid;
 use crate::math::lanes::{InstructionSet, Lanes, Vectorised};
 use crate::math::real::Real;
 
-/// Rows that a thread takes at a time.
+/// Rows per task of a thread.
 const CHUNK: usize = 8192;
 
-/// Rows whose places are found together.
+/// Rows whose slots are computed together.
 const GROUP: usize = 64;
 
 /// Cells that one thread sorts without splitting further.
 const CELLS_PER_TASK: usize = 2048;
 
-/// Place of a row that is left out.
+/// Place of a row that is not sorted.
 const NO_PLACE: u32 = u32::MAX;
 
-/// Parts of a cell along x. On a lattice with cells of three spacings, columns of particles stay clear of the edges of three parts.
+/// Parts of a cell along x. On a lattice with cells of three spacings, no column of particles lies
+/// on the edge of one of three parts.
 const PARTS: u32 = 3;
 
-/// Bits for the part of a cell.
+/// Returns the number of bits for the part of a cell.
 const fn part_bits<const D: usize>() -> u32 {
     if D < 3 { PARTS.next_power_of_two().ilog2() } else { 0 }
 }
 
-/// Bits for a row in a slot, below those of the particle's number and of the part.
+/// Bits for the row in a slot, below those of the particle number and of the part.
 const ROW_BITS: u32 = 30;
 
-/// Buffers kept from sort to sort.
+/// Buffers reused from sort to sort.
 #[derive(Debug, Default)]
 pub(super) struct SortBuffers {
-    /// Rows counted per cell, then the next free slot of the cell.
+    /// Number of rows per cell, then the next free slot of the cell.
     cursor: Vec<AtomicU32>,
     /// Part of the cell, particle number and row, from the highest bit on.
     slots: Vec<AtomicU64>,
 }
 
 impl<const D: usize> CellGrid<D> {
-    /// Sorts the rows for which `keep` holds into the cells and returns the order: row indices by cell, inside a cell
-    /// by part and `id`, so that a sum over neighbours does not depend on how the particles came there.
+    /// Sorts the rows for which `keep` holds and returns the order: row indices by cell, inside a
+    /// cell by part and `id`. A sum over neighbours therefore does not depend on the previous
+    /// order.
     ///
     /// # Errors
-    /// The first kept row that is outside the box, or whose position is not finite.
+    /// The first kept row outside the box or with a position that is not finite.
     pub fn build(
         &mut self,
         position: &[Vec<f64>; D],
@@ -61,7 +65,7 @@ impl<const D: usize> CellGrid<D> {
         assert!(rows < 1 << ROW_BITS, "more than a billion particles");
         assert!(cells < (NO_PLACE >> part_bits::<D>()) as usize, "more cells than can be numbered");
         let mut buffers = std::mem::take(&mut self.buffers);
-        // The place of each row, in the memory of the order that will replace it.
+        // The memory of the order serves for the places of the rows until the new order is known.
         let mut place_of_row = std::mem::take(&mut self.order);
         place_of_row.resize(rows, NO_PLACE);
         buffers.cursor.resize_with(cells, AtomicU32::default);
@@ -108,7 +112,9 @@ impl<const D: usize> CellGrid<D> {
         Ok(&self.order)
     }
 
-    /// Finds the place of each row, its cell and the part of it, and counts rows per cell; returns the first row outside the box, or `usize::MAX`.
+    /// Finds the place of each row, which is its cell and part, and counts the rows per cell.
+    ///
+    /// Returns the first row outside the box, or `usize::MAX`.
     fn count(
         &self,
         position: &[Vec<f64>; D],
@@ -136,7 +142,8 @@ impl<const D: usize> CellGrid<D> {
                     }
                 }
             }
-            // Most rows are in order since the last sort: one atomic addition a run of rows, not one a row.
+            // Most rows are still in order: one atomic addition per run of rows is cheaper than one
+            // per row.
             for run in place_of.chunk_by(same_cell::<D>) {
                 if run[0] != NO_PLACE {
                     cursor[(run[0] >> part_bits::<D>()) as usize].fetch_add(run.len() as u32, Relaxed);
@@ -147,10 +154,12 @@ impl<const D: usize> CellGrid<D> {
     }
 }
 
-/// Finds the places of points, [`NO_PLACE`] outside the box: the cells that [`CellGrid::cell_of`] says, and their parts along x.
+/// Finds the places of points: the cells that [`CellGrid::cell_of`] gives and their parts along x,
+/// or [`NO_PLACE`] outside the box.
 ///
-/// All in floating point, since a conversion to integers that is right for all numbers is not one instruction. Over lanes: the loop over plain
-/// numbers became one over vectors with AVX2, but not with AVX-512.
+/// Computed in floating point, since a conversion to integers that is correct for all numbers takes
+/// more than one instruction. Written over lanes, since the compiler vectorised the scalar loop
+/// with AVX2 but not with AVX-512.
 struct FindPlaces<'a, const D: usize> {
     grid: &'a CellGrid<D>,
     position: [&'a [f64]; D],
@@ -183,12 +192,12 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
                     let (cells, last) = (grid.cells[d] as f64, (grid.cells[d] - 1) as f64);
                     let x = L::read(&self.position[d][group * GROUP + first..]);
                     let along = (x - lower) * L::constant(grid.inverse_cell_size[d]);
-                    let whole = floor(along);
+                    let whole = round_down(along);
                     let last = L::constant(last);
-                    // Not by `min`, which may forget that one of two is no number.
+                    // `min` is not used here: it may drop a NaN.
                     place = place * L::constant(cells) + L::select(last.less(whole), last, whole);
                     if d == 0 && part_bits::<D>() > 0 {
-                        let part = floor((along - whole) * parts).min(last_part);
+                        let part = round_down((along - whole) * parts).min(last_part);
                         place = place * numbered + part;
                     }
                     place = L::select(x.less(lower), outside, place);
@@ -197,7 +206,7 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
                 place.write(found);
             }
             for (place, &found) in places.iter_mut().zip(&found) {
-                // What is no number stays one.
+                // A NaN fails the comparison and gets no place.
                 let whole = (found + INTEGERS).to_bits() as u32;
                 *place = if found >= 0.0 { whole } else { NO_PLACE };
             }
@@ -205,24 +214,28 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
     }
 }
 
-/// Numbers from here to twice that have no digits behind the point: one added to it is rounded, and stands in the lowest bits.
+/// Lower end of an interval up to twice this number in which all `f64` are integers: a number added
+/// to it is rounded to an integer, which is in the lowest bits of the sum.
 const INTEGERS: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
-/// The largest integer that is not above a number from 0 to [`INTEGERS`]; of others any number.
+/// Returns the largest integer not above a number from 0 to [`INTEGERS`]; for other numbers the
+/// result is arbitrary.
 #[inline(always)]
-fn floor<L: Lanes>(x: L) -> L {
+fn round_down<L: Lanes>(x: L) -> L {
     let nearest = (x + L::constant(INTEGERS)) - L::constant(INTEGERS);
     L::select(x.less(nearest), nearest - L::constant(1.0), nearest)
 }
 
-/// Whether two places are in the same cell.
+/// Returns true if two places are in the same cell.
 #[inline]
 fn same_cell<const D: usize>(a: &u32, b: &u32) -> bool {
     a >> part_bits::<D>() == b >> part_bits::<D>()
 }
 
-/// Sorts the slots of each cell by part and particle number and writes their rows. `starts` are the bounds of the cells within
-/// the whole order; `slots` and `order` are the part that belongs to them.
+/// Sorts the slots of each cell by part and particle number and writes their rows.
+///
+/// `starts` are the bounds of these cells within the whole order; `slots` and `order` hold only the
+/// rows of these cells.
 fn sort_inside_cells(starts: &[u32], slots: &mut [AtomicU64], order: &mut [u32]) {
     let cells = starts.len() - 1;
     if cells > CELLS_PER_TASK {
@@ -251,7 +264,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn order_is_by_cell_then_by_number() {
+    fn rows_are_ordered_by_cell_then_by_number() {
         let mut grid = CellGrid::new([0.0; 2], [4.0, 2.0], [false; 2], 1.0, 1.0);
         let position = [vec![3.5, 0.5, 0.4, 0.6, 1.5], vec![1.5, 0.5, 0.5, 0.5, 0.5]];
         let order = grid.build(&position, &[7, 9, 3, 5, 1], |row| row != 3).expect("all inside");
@@ -260,9 +273,10 @@ mod tests {
     }
 
     #[test]
-    fn order_inside_a_cell_is_by_thirds_along_x_in_2d_alone() {
+    fn rows_of_a_cell_are_ordered_by_thirds_along_x_only_in_2d() {
         let mut grid = CellGrid::new([-1.0; 2], [1.0; 2], [false, true], 1.0, 1.0);
-        // Both cells of the lower row: thirds 2, 0, 0, 2 of the first, 0 and 0 of the second, whose edge is a particle's.
+        // Both cells of the lower row: thirds 2, 0, 0, 2 of the first, then 0 and 0 of the second,
+        // with one particle on its edge.
         let position = [vec![-0.1, -0.9, -0.99, -0.3, 0.3, 0.0], vec![-0.5; 6]];
         assert_eq!(grid.build(&position, &[1, 5, 4, 2, 3, 9], |_| true), Ok(&[2, 1, 0, 3, 4, 5][..]));
         let [x, y] = position;
@@ -272,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_the_cells_of_points_wherever_they_are() {
+    fn places_agree_with_cell_of_for_every_point() {
         for periodic in [[false; 2], [true; 2]] {
             let grid = CellGrid::new([-0.7, 0.1], [1.3, 0.9], periodic, 0.17, 0.17);
             let ends =
@@ -298,7 +312,7 @@ mod tests {
                         assert_eq!((place >> 2) as usize, cell, "{point:?}");
                         let along = (point[0] - grid.lower()[0]) / grid.cell_size()[0];
                         let part = f64::from(PARTS) * along.fract();
-                        // At an edge rounding decides.
+                        // On the edge of a part the result depends on rounding.
                         if (part - part.round()).abs() > 1e-9 {
                             assert_eq!(place & 3, part as u32, "{point:?}");
                         }
@@ -309,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn first_row_outside_is_named() {
+    fn first_row_outside_is_reported() {
         let mut grid = CellGrid::new([0.0; 2], [1.0; 2], [false; 2], 0.5, 0.5);
         let position = [vec![0.5, f64::NAN, 2.0, 0.1], vec![0.5; 4]];
         assert_eq!(grid.build(&position, &[0, 1, 2, 3], |_| true), Err(1));

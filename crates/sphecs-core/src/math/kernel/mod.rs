@@ -1,15 +1,15 @@
-//! Smoothing kernels: the door lists the rooms and holds the closed choice.
+//! Smoothing kernels and the choice among them.
 //!
 //! ```text
 //! W(r) = α_D/h^D w(q),   F(r) = (dW/dr)/r = α_D/h^(D+2) (dw/dq)/q ≤ 0,   q = r/h
 //! (dw/dq)/q = β f(q)
 //! ```
 //!
-//! F is finite at r = 0 for both kernels, so `∇W = F x_ab` needs no care for a particle and itself. The loops over pairs sum with
-//! f; its factor β comes once, at the end.
+//! F is finite at r = 0 for both kernels, so `∇W = F x_ab` needs no special case for a particle and
+//! itself. The pair loops sum with f; the factor β is applied once, to the sum.
 //!
-//! To add a kernel: a room with a unit type that is a [`KernelShape`]; a variant of [`Kernel`]; an arm in
-//! `with_shape`; the tests below take it from `ALL`.
+//! To add a kernel: a file with a unit type that implements [`KernelShape`], a variant of
+//! [`Kernel`] and its arms below. The tests take the kernels from `Kernel::ALL`.
 
 mod quintic;
 mod wendland;
@@ -21,7 +21,7 @@ pub use wendland::Wendland;
 
 use super::lanes::{Array, Lanes};
 
-/// The smoothing kernel W(r, h) of a scene.
+/// Smoothing kernel W(r, h) of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kernel {
     /// Wendland (1995) C2, support 2h, as in Alvarado-Rodríguez et al. (2017), Eq. 15.
@@ -30,38 +30,40 @@ pub enum Kernel {
     QuinticSpline,
 }
 
-/// The shape of a kernel over the dimensionless distance q = r/h, written over lanes.
+/// Shape of a kernel over the dimensionless distance q = r/h, written over lanes.
 pub trait KernelShape: Copy + Send + Sync + 'static {
     /// Radius of the compact support over h.
     const SUPPORT: f64;
 
-    /// The norm β < 0 of the slope: (dw/dq)/q = β f(q).
+    /// Norm β < 0 of the slope: (dw/dq)/q = β f(q).
     const SLOPE_NORM: f64;
 
-    /// Whether w(q) takes more operations than finding q.
-    const DEAR_VALUE: bool = false;
+    /// True if w(q) takes more operations than q itself.
+    const COSTLY_VALUE: bool = false;
 
-    /// The norm α_D: W = α_D/h^D w(q).
+    /// Returns the norm α_D: W = α_D/h^D w(q).
     fn norm(dimensions: usize) -> f64;
 
-    /// w(q); zero beyond the support.
+    /// Returns w(q), which is zero beyond the support.
     fn value<L: Lanes>(q: L) -> L;
 
-    /// `sum` + w(q), with the last multiplication in the addition where the shape allows it.
+    /// Returns `sum` + w(q), with the last multiplication fused into the addition where the shape
+    /// allows it.
     #[inline(always)]
     fn add_value<L: Lanes>(q: L, sum: L) -> L {
         sum + Self::value(q)
     }
 
-    /// f(q) ≥ 0; finite at q = 0, zero beyond the support. `inverse_q` is 1/q, any finite number where q = 0.
+    /// Returns f(q) ≥ 0, which is finite at q = 0 and zero beyond the support. `inverse_q` is 1/q,
+    /// or any finite number where q = 0.
     fn slope<L: Lanes>(q: L, inverse_q: L) -> L;
 }
 
-/// Something to do with the shape of a kernel.
+/// Task that is compiled for each kernel shape.
 pub trait WithShape {
-    /// What it returns.
+    /// Result of the task.
     type Output;
-    /// Does it.
+    /// Runs the task with the shape `K`.
     fn run<K: KernelShape>(self) -> Self::Output;
 }
 
@@ -69,7 +71,7 @@ impl Kernel {
     /// All kernels.
     pub const ALL: [Kernel; 2] = [Kernel::WendlandC2, Kernel::QuinticSpline];
 
-    /// Radius of the compact support over the smoothing length h.
+    /// Returns the radius of the compact support over the smoothing length h.
     pub fn support_ratio(self) -> f64 {
         match self {
             Kernel::WendlandC2 => Wendland::SUPPORT,
@@ -77,7 +79,7 @@ impl Kernel {
         }
     }
 
-    /// The norm α_D: W = α_D/h^D w(q).
+    /// Returns the norm α_D: W = α_D/h^D w(q).
     #[inline]
     pub fn norm(self, dimensions: usize) -> f64 {
         match self {
@@ -86,7 +88,7 @@ impl Kernel {
         }
     }
 
-    /// The norm β of the slope: (dw/dq)/q = β f(q).
+    /// Returns the norm β of the slope: (dw/dq)/q = β f(q).
     pub fn slope_norm(self) -> f64 {
         match self {
             Kernel::WendlandC2 => Wendland::SLOPE_NORM,
@@ -94,7 +96,7 @@ impl Kernel {
         }
     }
 
-    /// W(r), 1/m^D, for a smoothing length h, m.
+    /// Returns W(r), 1/m^D, for a smoothing length h, m.
     #[inline]
     pub fn value(self, dimensions: usize, h: f64, r: f64) -> f64 {
         let q = Array([r / h]);
@@ -105,7 +107,7 @@ impl Kernel {
         self.norm(dimensions) * w / power(h, dimensions)
     }
 
-    /// F(r) = (dW/dr)/r, 1/m^(D+2), for a smoothing length h, m.
+    /// Returns F(r) = (dW/dr)/r, 1/m^(D+2), for a smoothing length h, m.
     #[inline]
     pub fn slope(self, dimensions: usize, h: f64, r: f64) -> f64 {
         let q = Array([r / h]);
@@ -117,7 +119,8 @@ impl Kernel {
         self.norm(dimensions) * self.slope_norm() * slope / power(h, dimensions + 2)
     }
 
-    /// Matches the choice once and hands the task the shape as a type.
+    /// Runs a task with the shape of this kernel as a type, so that the kernel is matched once per
+    /// task.
     #[inline(always)]
     pub fn with_shape<T: WithShape>(self, task: T) -> T::Output {
         match self {
@@ -127,8 +130,8 @@ impl Kernel {
     }
 }
 
-/// h to a power, without the call and the loop of `powi`, which knows no small exponents at run time: sampling asks for
-/// it at every neighbour.
+/// Returns h to a power. Sampling needs it for every neighbour, and `powi` with an exponent known
+/// only at run time is a call with a loop.
 #[inline]
 fn power(h: f64, exponent: usize) -> f64 {
     let square = h * h;
@@ -179,7 +182,8 @@ mod tests {
                     let difference = kernel.value(dimensions, H, r + e) - kernel.value(dimensions, H, r - e);
                     let slope = difference / (2.0 * e * r);
                     let found = kernel.slope(dimensions, H, r);
-                    // Central differences: e² for the cut, 1e-16/e for rounding.
+                    // Central differences have an error of e² from truncation and 1e-16/e from
+                    // rounding.
                     assert!((found - slope).abs() < 1e-8 * scale, "{kernel:?} at {r}: {found}, not {slope}");
                     assert!(found <= 0.0);
                 }
@@ -188,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_added_is_that_value() {
+    fn add_value_adds_the_value() {
         struct Adding;
         impl WithShape for Adding {
             type Output = ();
@@ -206,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn slope_is_finite_and_smooth_at_zero() {
+    fn slope_is_finite_and_continuous_at_zero() {
         for kernel in Kernel::ALL {
             let at_zero = kernel.slope(2, H, 0.0);
             let near = kernel.slope(2, H, 1e-9 * H);
@@ -215,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_left_beyond_the_support() {
+    fn value_and_slope_vanish_beyond_the_support() {
         for kernel in Kernel::ALL {
             for q in [1.0, 1.0 + 1e-12, 1.5, 1e6] {
                 let r = q * kernel.support_ratio() * H;

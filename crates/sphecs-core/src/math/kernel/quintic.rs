@@ -1,4 +1,4 @@
-//! The quintic spline.
+//! Quintic spline.
 //!
 //! ```text
 //! w(q) = (3 − q)₊⁵ − 6 (2 − q)₊⁵ + 15 (1 − q)₊⁵
@@ -7,22 +7,23 @@
 //! α_2 = 7/(478π),   α_3 = 1/(120π)
 //! ```
 //!
-//! As in Negi et al. (2020), Eq. 5. Below q = 1 the three fourth powers are multiplied out: their sum vanishes at
-//! q = 0 like q, and dividing the rounded sum by q would lose all digits in single precision.
+//! As in Negi et al. (2020), Eq. 5. Below q = 1 the three fourth powers are multiplied out. Their
+//! sum is proportional to q at small q, and dividing the rounded sum by q would lose all digits in
+//! single precision.
 
 use std::f64::consts::PI;
 
 use super::KernelShape;
 use crate::math::lanes::Lanes;
 
-/// The shape of the quintic spline.
+/// Shape of the quintic spline.
 #[derive(Clone, Copy, Debug)]
 pub struct Quintic;
 
 impl KernelShape for Quintic {
     const SUPPORT: f64 = 3.0;
     const SLOPE_NORM: f64 = -5.0;
-    const DEAR_VALUE: bool = true;
+    const COSTLY_VALUE: bool = true;
 
     fn norm(dimensions: usize) -> f64 {
         if dimensions == 2 { 7.0 / (478.0 * PI) } else { 1.0 / (120.0 * PI) }

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use super::KernelShape;
 use crate::math::lanes::Lanes;
 
-/// The shape of Wendland's C2 kernel.
+/// Shape of Wendland's C2 kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct Wendland;
 
@@ -45,7 +45,7 @@ impl KernelShape for Wendland {
     }
 }
 
-/// 1 − q/2, zero beyond the support: this is all the cutting the kernel needs.
+/// Returns 1 − q/2, or zero beyond the support, which truncates value and slope alike.
 #[inline(always)]
 fn compact<L: Lanes>(q: L) -> L {
     q.mul_add(L::constant(-0.5), L::constant(1.0)).max(L::constant(0.0))

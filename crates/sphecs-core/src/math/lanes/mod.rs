@@ -1,32 +1,33 @@
-//! Lanes: the vectors of numbers that pair physics is written in, one neighbour per lane.
+//! SIMD vectors in which the pair terms are written, one neighbour per lane.
 //!
-//! A pair function takes `L: Lanes` and is the same text for f64 and f32 and for every instruction set. Which set
-//! runs is chosen once per task by [`Real::dispatch`]: it calls [`Vectorised::run`] inside a function compiled for
-//! that set. Everything between there and the arithmetic is `#[inline(always)]`, or the compiler would put the inner
-//! loop into a function without the instructions.
+//! A pair function is generic over `L: Lanes`: one source for f64 and f32 and for every instruction
+//! set. [`Real::dispatch`] chooses the set once per task: it calls [`Vectorised::run`] inside a
+//! function that is compiled for that set. Everything from there to the arithmetic is
+//! `#[inline(always)]`; otherwise the compiler could move the inner loop to a function compiled
+//! without these instructions.
 //!
-//! | set | f64 | f32 |
+//! | instruction set | lanes of f64 | lanes of f32 |
 //! |---|---|---|
 //! | AVX-512 | 8 | 16 |
 //! | AVX2 with FMA and BMI | 4 | 8 |
 //! | portable | 2 | 4 |
 
+mod instruction_set;
 mod portable;
-mod set;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+pub use instruction_set::InstructionSet;
 pub use portable::Array;
-pub use set::InstructionSet;
 
 use super::real::Real;
 
-/// The most lanes that a set has.
+/// Largest number of lanes of any instruction set.
 pub const MOST_LANES: usize = 16;
 
-/// Of each two of eight bits, whether one is set.
+/// For each byte, four bits that tell for each pair of its bits whether at least one is set.
 static PAIRS: [u8; 256] = {
     let mut pairs = [0; 256];
     let mut bits = 0;
@@ -43,51 +44,52 @@ static PAIRS: [u8; 256] = {
     pairs
 };
 
-/// As many numbers as one instruction works on.
+/// SIMD vector: the numbers that one instruction processes.
 pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// The number in one lane.
+    /// Number in one lane.
     type Real: Real;
-    /// One truth value per lane.
+    /// One boolean per lane.
     type Mask: Copy;
     /// Number of lanes.
     const COUNT: usize;
-    /// Whether [`roots`](Lanes::roots) are by instructions for which arithmetic would wait, were there one in every vector.
-    const DEAR_ROOTS: bool = false;
+    /// True if [`roots`](Lanes::roots) uses the instructions for square root and division, whose
+    /// latency would dominate a loop that has one in every vector.
+    const COSTLY_ROOTS: bool = false;
 
-    /// The same number in every lane.
+    /// Returns a vector with the same number in every lane.
     fn splat(value: Self::Real) -> Self;
 
-    /// Reads `COUNT` consecutive numbers.
+    /// Loads `COUNT` consecutive numbers.
     ///
     /// # Safety
     /// `from` must be valid for reading `COUNT` numbers.
     unsafe fn load(from: *const Self::Real) -> Self;
 
-    /// The first `COUNT` of the numbers.
+    /// Loads the first `COUNT` of the numbers.
     #[inline(always)]
     fn first_of(numbers: &[Self::Real; MOST_LANES]) -> Self {
         const { assert!(Self::COUNT <= MOST_LANES) };
-        // SAFETY: there are as many.
+        // SAFETY: the array has at least `COUNT` numbers.
         unsafe { Self::load(numbers.as_ptr()) }
     }
 
-    /// The lanes, followed by zeros.
+    /// Returns the lanes as an array, followed by zeros.
     #[inline(always)]
     fn to_array(self) -> [Self::Real; MOST_LANES] {
         const { assert!(Self::COUNT <= MOST_LANES) };
         let mut numbers = [Self::Real::default(); MOST_LANES];
-        // SAFETY: it has room for as many.
+        // SAFETY: the array has space for `COUNT` numbers.
         unsafe { self.store(numbers.as_mut_ptr()) };
         numbers
     }
 
-    /// The first `COUNT` of the numbers; where they are fewer, zeros follow them.
+    /// Loads the first `COUNT` of the numbers; if there are fewer, zeros follow them.
     #[inline(always)]
     fn read(numbers: &[Self::Real]) -> Self {
         if numbers.len() >= Self::COUNT {
-            // SAFETY: there are as many.
+            // SAFETY: the slice has at least `COUNT` numbers.
             return unsafe { Self::load(numbers.as_ptr()) };
         }
         let mut copy = [Self::Real::default(); MOST_LANES];
@@ -95,104 +97,110 @@ pub trait Lanes:
         Self::first_of(&copy)
     }
 
-    /// Writes the lanes over the first `COUNT` of the numbers.
+    /// Stores the lanes to the first `COUNT` of the numbers.
     ///
     /// # Panics
-    /// If they are fewer.
+    /// If there are fewer than `COUNT` numbers.
     #[inline(always)]
     fn write(self, numbers: &mut [Self::Real]) {
         assert!(numbers.len() >= Self::COUNT);
-        // SAFETY: there are as many.
+        // SAFETY: the slice has at least `COUNT` numbers.
         unsafe { self.store(numbers.as_mut_ptr()) }
     }
 
-    /// Reads `COUNT` consecutive positions relative to an origin: `(x − origin) · scale`, rounded once.
+    /// Loads `COUNT` consecutive positions relative to an origin, as `(x − origin) · scale`;
+    /// converted to the type of the lanes at the end.
     ///
     /// # Safety
     /// `from` must be valid for reading `COUNT` numbers.
     unsafe fn load_relative(from: *const f64, origin: f64, scale: f64) -> Self;
 
-    /// Writes `COUNT` consecutive numbers.
+    /// Stores `COUNT` consecutive numbers.
     ///
     /// # Safety
     /// `to` must be valid for writing `COUNT` numbers.
     unsafe fn store(self, to: *mut Self::Real);
 
-    /// Writes the lanes under the mask consecutively; what follows them, up to `COUNT`, is arbitrary.
+    /// Stores the lanes under the mask consecutively; the numbers behind them, up to `COUNT`, are
+    /// arbitrary.
     ///
     /// # Safety
     /// `to` must be valid for writing `COUNT` numbers.
     unsafe fn compress(self, mask: Self::Mask, to: *mut Self::Real);
 
-    /// `self · factor + term`, rounded once where the set has the instruction.
+    /// Returns `self · factor + term`, rounded once if the set has the instruction.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
-    /// The larger in each lane.
+    /// Returns the larger number of each lane.
     fn max(self, other: Self) -> Self;
 
-    /// The smaller in each lane.
+    /// Returns the smaller number of each lane.
     fn min(self, other: Self) -> Self;
 
-    /// Magnitude.
+    /// Returns the absolute values.
     fn abs(self) -> Self;
 
-    /// Square root.
+    /// Returns the square roots.
     fn sqrt(self) -> Self;
 
-    /// 1/x, to a few units in the last place, for normal x.
+    /// Returns 1/x to a few units in the last place, for normal x.
     fn inverse(self) -> Self;
 
-    /// √x and 1/√x, to a few units in the last place, for normal x > 0. Where only one is used, the other costs nothing.
+    /// Returns √x and 1/√x to a few units in the last place, for normal x > 0.
+    ///
+    /// The compiler drops the one that is not used.
     fn roots(self) -> (Self, Self);
 
-    /// Where `self < other`.
+    /// Returns the mask of the lanes in which `self < other`.
     fn less(self, other: Self) -> Self::Mask;
 
-    /// `yes` under the mask, `no` elsewhere.
+    /// Returns `yes` under the mask and `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// `value` under the mask, 0 elsewhere.
+    /// Returns `value` under the mask and 0 elsewhere.
     #[inline(always)]
     fn keep(mask: Self::Mask, value: Self) -> Self {
         Self::select(mask, value, Self::constant(0.0))
     }
 
-    /// The mask as bits, the first lane lowest.
+    /// Returns the mask as bits, with the first lane in the lowest bit.
     fn bits(mask: Self::Mask) -> u32;
 
-    /// A bit for each two lanes, the first two lowest: whether one of them is under the mask.
+    /// Returns one bit per pair of lanes, the first pair in the lowest bit: set if at least one of
+    /// the two is under the mask.
     #[inline(always)]
     fn pair_bits(mask: Self::Mask) -> u32 {
         let [lower, upper, ..] = Self::bits(mask).to_le_bytes();
         u32::from(PAIRS[usize::from(lower)]) | u32::from(PAIRS[usize::from(upper)]) << 4
     }
 
-    /// Sum over the lanes.
+    /// Returns the sum over the lanes.
     fn sum(self) -> Self::Real;
 
-    /// Sums over the lanes of the first `COUNT` vectors, that of each in the lane of its place: fewer than half the operations of
-    /// as many sums one by one.
+    /// Returns the sums over the lanes of the first `COUNT` vectors, the sum of vector i in lane i.
+    ///
+    /// Takes fewer than half the operations of `COUNT` calls of [`Lanes::sum`].
     fn sum_each(vectors: &[Self; MOST_LANES]) -> Self;
 
-    /// Largest lane.
+    /// Returns the largest number of all lanes.
     fn largest(self) -> Self::Real;
 
-    /// The same number, given in double precision, in every lane.
+    /// Returns a vector with a number, given in double precision, in every lane.
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Self::splat(Self::Real::from_f64(value))
     }
 }
 
-/// A task that runs on the lanes of an instruction set; `run` must be `#[inline(always)]`.
+/// Task that is compiled for each instruction set; `run` must be `#[inline(always)]`.
 pub trait Vectorised<R: Real> {
-    /// What the task returns.
+    /// Result of the task.
     type Output;
-    /// Does the task with lanes of type `L`.
+    /// Runs the task with vectors of type `L`.
     fn run<L: Lanes<Real = R>>(self) -> Self::Output;
 }
 
-/// Dot product of two vectors of lanes.
+/// Returns the dot product of two spatial vectors, one pair of vectors per lane.
 #[inline(always)]
 pub fn dot<L: Lanes, const D: usize>(a: [L; D], b: [L; D]) -> L {
     let mut sum = a[0] * b[0];
@@ -202,8 +210,10 @@ pub fn dot<L: Lanes, const D: usize>(a: [L; D], b: [L; D]) -> L {
     sum
 }
 
-/// The sum over the lanes of each of some vectors. To be taken for `map`, which the compiler may put into a function without the
-/// instructions of the set.
+/// Returns the sum over the lanes of each vector.
+///
+/// Replaces `map`, which the compiler may compile to a function without the instructions of the
+/// set.
 #[inline(always)]
 pub fn sums<L: Lanes, const N: usize>(vectors: [L; N]) -> [f64; N] {
     let mut sums = [0.0; N];
@@ -213,7 +223,7 @@ pub fn sums<L: Lanes, const N: usize>(vectors: [L; N]) -> [f64; N] {
     sums
 }
 
-/// Adds a multiple of a vector of lanes to a sum.
+/// Adds a multiple of a spatial vector to a sum, lane by lane.
 #[inline(always)]
 pub fn add_scaled<L: Lanes>(sum: &mut [L; 3], scale: L, vector: [L; 3]) {
     for (sum, component) in sum.iter_mut().zip(vector) {
@@ -221,7 +231,7 @@ pub fn add_scaled<L: Lanes>(sum: &mut [L; 3], scale: L, vector: [L; 3]) {
     }
 }
 
-/// Cross product of two vectors of lanes; in 2D along z alone.
+/// Returns the cross product of two spatial vectors, lane by lane; in 2D it has only a z component.
 #[inline(always)]
 pub fn cross<L: Lanes, const D: usize>(a: [L; D], b: [L; D]) -> [L; 3] {
     let component =
@@ -247,7 +257,7 @@ impl Real for f64 {
         f64::sqrt(self)
     }
     fn dispatch<T: Vectorised<Self>>(set: InstructionSet, task: T) -> T::Output {
-        set::run_f64(set, task)
+        instruction_set::run_f64(set, task)
     }
 }
 
@@ -269,7 +279,7 @@ impl Real for f32 {
         f32::sqrt(self)
     }
     fn dispatch<T: Vectorised<Self>>(set: InstructionSet, task: T) -> T::Output {
-        set::run_f32(set, task)
+        instruction_set::run_f32(set, task)
     }
 }
 
@@ -277,7 +287,7 @@ impl Real for f32 {
 mod tests {
     use super::*;
 
-    /// Every operation against the same in plain f64.
+    /// Compares every operation with its scalar counterpart in f64.
     struct Arithmetic;
 
     impl<R: Real> Vectorised<R> for Arithmetic {
@@ -342,7 +352,7 @@ mod tests {
             // SAFETY: it holds `COUNT` numbers.
             unsafe { a.compress(a.less(L::constant(0.5)), packed.as_mut_ptr()) };
             assert_eq!(packed[0], first[0]);
-            // SAFETY: as above.
+            // SAFETY: it holds `COUNT` numbers.
             unsafe { a.compress(L::constant(0.5).less(a), packed.as_mut_ptr()) };
             assert_eq!(packed[..L::COUNT - 1], first[1..]);
 
@@ -363,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn every_set_computes_what_scalars_do() {
+    fn every_instruction_set_agrees_with_scalar_arithmetic() {
         for set in InstructionSet::available() {
             f64::dispatch(set, Arithmetic);
             f32::dispatch(set, Arithmetic);

@@ -1,4 +1,4 @@
-//! Lanes as a plain array: for machines without a set of their own, and, with one lane, for scalars.
+//! SIMD vectors as plain arrays, for other machines and, with one lane, for scalars.
 
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::{Lanes, MOST_LANES};
 use crate::math::real::Real;
 
-/// `N` numbers in an array.
+/// Vector of `N` numbers in an array.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Array<R, const N: usize>(pub [R; N]);
 
@@ -32,7 +32,7 @@ impl<R: Real, const N: usize> Neg for Array<R, N> {
 }
 
 impl<R: Real, const N: usize> Array<R, N> {
-    /// A function of two numbers applied in each lane.
+    /// Applies a function of two numbers in each lane.
     #[inline(always)]
     fn zip(self, other: Self, function: impl Fn(R, R) -> R) -> Self {
         Self(from_fn(|i| function(self.0[i], other.0[i])))
@@ -50,32 +50,32 @@ impl<R: Real, const N: usize> Lanes for Array<R, N> {
     }
     #[inline(always)]
     unsafe fn load(from: *const R) -> Self {
-        // SAFETY: the caller vouches for `N` numbers; an array has the alignment of its element.
+        // SAFETY: the caller guarantees `N` numbers; an array has the alignment of its element.
         unsafe { Self(from.cast::<[R; N]>().read()) }
     }
     #[inline(always)]
     unsafe fn load_relative(from: *const f64, origin: f64, scale: f64) -> Self {
-        // SAFETY: the caller vouches for `N` numbers.
+        // SAFETY: the caller guarantees `N` numbers.
         let positions = unsafe { from.cast::<[f64; N]>().read() };
         Self(positions.map(|x| R::from_f64((x - origin) * scale)))
     }
     #[inline(always)]
     unsafe fn store(self, to: *mut R) {
-        // SAFETY: the caller vouches for `N` numbers.
+        // SAFETY: the caller guarantees `N` numbers.
         unsafe { to.cast::<[R; N]>().write(self.0) }
     }
     #[inline(always)]
     unsafe fn compress(self, mask: [bool; N], to: *mut R) {
         let mut next = 0;
         for i in 0..N {
-            // SAFETY: `next` never passes `i`, which is below the `N` that the caller vouches for.
+            // SAFETY: `next` never exceeds `i`, which is below the `N` that the caller guarantees.
             unsafe { to.add(next).write(self.0[i]) };
             next += usize::from(mask[i]);
         }
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
-        // Not `f64::mul_add`: without the instruction that is a call into the C library.
+        // `f64::mul_add` without the instruction would be a call into the C library.
         self * factor + term
     }
     #[inline(always)]

@@ -1,48 +1,51 @@
 //! Verlet's scheme with a corrective step.
 //!
 //! ```text
-//! leapfrog   v(n+1) = v(n−1) + (Δt(n−1) + Δt(n)) dv/dt(n)
-//! plain      v(n+1) = v(n) + Δt(n) dv/dt(n)
-//! position   x(n+1) = x(n) + Δt(n) v(n) + ½ Δt(n)² dv/dt(n)
+//! leapfrog     v(n+1) = v(n−1) + (Δt(n−1) + Δt(n)) dv/dt(n)
+//! corrective   v(n+1) = v(n) + Δt(n) dv/dt(n)
+//! position     x(n+1) = x(n) + Δt(n) v(n) + ½ Δt(n)² dv/dt(n)
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Eqs. 16 and 17. They write 2 Δt for a constant step; with a varying one
-//! the interval between n−1 and n+1 is Δt(n−1) + Δt(n), and 2 Δt(n) would accelerate a particle under a
-//! constant force wrongly (test `constant_force_is_exact_with_varying_steps`). The plain step replaces the
-//! leapfrog every so many steps, and for a particle whose role has just changed, whose v(n−1) means nothing.
+//! Alvarado-Rodríguez et al. (2017), Eqs. 16 and 17. They write 2 Δt for a constant step. With a
+//! varying step the interval between n−1 and n+1 is Δt(n−1) + Δt(n), and 2 Δt(n) would give a wrong
+//! velocity under a constant force (test `constant_force_is_exact_with_varying_steps`). The
+//! corrective (Euler) step replaces the leapfrog at regular intervals, and for a particle whose
+//! role has just changed, since its v(n−1) is not that of the fluid.
 //!
-//! The viscous terms of a leapfrog step take the velocities at n−1, those of a plain step the velocities at n. A leapfrog that
-//! damps with v(n) has a second solution that grows as exp(λ t) until the next plain step cuts it back: with a plain step
-//! every 50 steps it holds only below 0.0125 h²/ν, and not next to a wall, whose images damp faster
-//! than the fluid (a Poiseuille flow at h = 2.2 Δ blew up in 0.04 s). Damped with v(n−1) it decays for
-//! λ Δt < 1 (test `viscous_decay_is_stable_without_plain_steps`), at the same cost.
+//! The viscous terms use the velocities at n−1 in a leapfrog step and those at n in a corrective
+//! step. A leapfrog damped with v(n) has a second solution that grows as exp(λ t) until the next
+//! corrective step. With a corrective step every 50 steps it is stable only below 0.0125 h²/ν, and
+//! unstable next to a wall, whose images damp faster than the fluid (a Poiseuille flow at h = 2.2 Δ
+//! diverged within 0.04 s). Damped with v(n−1) it decays for λ Δt < 1 (test
+//! `viscous_decay_is_stable_without_corrective_steps`), at the same cost.
 
 use super::Advance;
 use crate::math::real::Real;
 
-/// Sizes of the present and the previous step, and whether all particles take a plain one.
+/// Verlet's scheme with the sizes of the present and the previous step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verlet {
     /// Size of the present step, s.
     pub time_step: f64,
     /// Size of the previous step, s.
-    pub time_step_before: f64,
-    /// Whether every particle takes a plain step.
-    pub plain: bool,
+    pub previous_time_step: f64,
+    /// True if every particle takes a corrective step.
+    pub is_corrective: bool,
 }
 
 impl Verlet {
-    /// Velocity at n+1, m/s, from that at n and n−1 and the acceleration at n, m/s².
+    /// Returns the velocity at n+1, m/s, from those at n and n−1, m/s, and the acceleration at n,
+    /// m/s².
     #[inline(always)]
-    pub fn velocity<R: Real>(&self, fresh: bool, velocity: R, velocity_before: R, acceleration: R) -> R {
-        if self.plain || fresh {
+    pub fn velocity<R: Real>(&self, fresh: bool, velocity: R, previous_velocity: R, acceleration: R) -> R {
+        if self.is_corrective || fresh {
             velocity + R::from_f64(self.time_step) * acceleration
         } else {
-            velocity_before + R::from_f64(self.time_step + self.time_step_before) * acceleration
+            previous_velocity + R::from_f64(self.time_step + self.previous_time_step) * acceleration
         }
     }
 
-    /// Position at n+1, m, from position and velocity at n and the acceleration at n, m/s².
+    /// Returns the position at n+1, m, from position, velocity and acceleration at n.
     #[inline(always)]
     pub fn position(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
         position + self.time_step * (velocity + 0.5 * self.time_step * acceleration)
@@ -55,7 +58,7 @@ impl Advance for Verlet {
     }
 
     fn friction_span(&self, fresh: bool) -> f64 {
-        if self.plain || fresh { self.time_step } else { self.time_step + self.time_step_before }
+        if self.is_corrective || fresh { self.time_step } else { self.time_step + self.previous_time_step }
     }
 
     #[inline(always)]
@@ -63,10 +66,10 @@ impl Advance for Verlet {
         &self,
         fresh: bool,
         position: f64,
-        [now, before]: [R; 2],
+        [now, previous]: [R; 2],
         acceleration: R,
     ) -> (f64, [R; 2]) {
-        let next = self.velocity(fresh, now, before, acceleration);
+        let next = self.velocity(fresh, now, previous, acceleration);
         (self.position(position, now.to_f64(), acceleration.to_f64()), [next, now])
     }
 }
@@ -75,15 +78,21 @@ impl Advance for Verlet {
 mod tests {
     use super::*;
 
-    /// Integrates dv/dt = f(x, v) from rest at x0 over one unit of time with steps from `sizes`, repeated.
-    fn integrate(x0: f64, sizes: &[f64], plain_every: usize, f: impl Fn(f64, f64) -> f64) -> (f64, f64, f64) {
+    /// Integrates dv/dt = f(x, v) from rest at x0 over one unit of time with steps from `sizes`,
+    /// repeated.
+    fn integrate(
+        x0: f64,
+        sizes: &[f64],
+        corrective_every: usize,
+        f: impl Fn(f64, f64) -> f64,
+    ) -> (f64, f64, f64) {
         let (mut x, mut v, mut before, mut time, mut last) = (x0, 0.0, 0.0, 0.0, 0.0);
         let mut step = 0;
         while time < 1.0 - 1e-12 {
             let scheme = Verlet {
                 time_step: sizes[step % sizes.len()],
-                time_step_before: last,
-                plain: step.is_multiple_of(plain_every),
+                previous_time_step: last,
+                is_corrective: step.is_multiple_of(corrective_every),
             };
             let a = f(x, v);
             let next = scheme.velocity(false, v, before, a);
@@ -114,9 +123,9 @@ mod tests {
     }
 
     #[test]
-    fn viscous_decay_is_stable_without_plain_steps() {
+    fn viscous_decay_is_stable_without_corrective_steps() {
         let (rate, time_step) = (100.0, 0.004);
-        let scheme = Verlet { time_step, time_step_before: time_step, plain: false };
+        let scheme = Verlet { time_step, previous_time_step: time_step, is_corrective: false };
         let (mut before, mut now) = (1.0, (-rate * time_step).exp());
         for step in 0..1000 {
             let next = scheme.velocity(false, now, before, -rate * before);
@@ -127,8 +136,8 @@ mod tests {
     }
 
     #[test]
-    fn a_fresh_particle_ignores_its_past() {
-        let scheme = Verlet { time_step: 0.1, time_step_before: 0.1, plain: false };
+    fn particle_that_needs_a_restart_ignores_its_previous_velocity() {
+        let scheme = Verlet { time_step: 0.1, previous_time_step: 0.1, is_corrective: false };
         assert_eq!(scheme.velocity(true, 2.0, 99.0, 1.0), 2.1);
     }
 }

@@ -15,8 +15,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::arrays::Arrays;
-use crate::systems::neighbours::Grid;
-use crate::systems::setup::SceneInUse;
+use crate::resources::grid::Grid;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
@@ -38,7 +38,7 @@ const IN_FRONT: f64 = 1e-6;
 
 /// Sets fluid particles that are behind a wall back onto its surface.
 pub fn hold_at_walls<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     grid: Res<Grid<D>>,
     mut held: ResMut<HeldAtWalls>,
     mut arrays: ResMut<Arrays<R, D>>,

@@ -22,12 +22,12 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use super::rows::PatchRows;
 use crate::arrays::Arrays;
-use crate::systems::clock::Clock;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
+use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
-use crate::systems::setup::SceneInUse;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::rows::set_real_vector;
 use sphecs_core::pass::fits::PointFit;
@@ -58,7 +58,7 @@ pub struct Prescribed {
 
 /// Sets velocity, pressure and density of inflow particles at the present time.
 pub fn apply_inlets<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,

@@ -14,11 +14,11 @@ use super::kept::{apply_characteristic, apply_do_nothing, apply_mirror, apply_mo
 use super::rows::PatchRows;
 use super::wave_zone::{ZoneMove, apply_wave};
 use crate::arrays::Arrays;
-use crate::systems::clock::Clock;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
-use crate::systems::setup::SceneInUse;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -168,7 +168,7 @@ fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
 
 /// Sets pressure, density and velocity of outflow particles and finds with which speed they move.
 pub fn apply_outlets<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,

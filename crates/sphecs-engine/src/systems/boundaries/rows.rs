@@ -70,7 +70,7 @@ impl PatchRows {
         }
         self.near.find(scene, grid);
         let (near, mut parts) = (&self.near, std::mem::take(&mut self.parts));
-        // Parts are joined in their order, so the lists do not depend on who collected them.
+        // PluginContext are joined in their order, so the lists do not depend on who collected them.
         let found = with_lists(near.count(), &mut parts, &|among, part: &mut Self| {
             part.clear(scene);
             for row in near.rows(among) {

@@ -6,12 +6,12 @@
 use std::ops::Range;
 
 use crate::arrays::Arrays;
-use crate::systems::clock::Clock;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
+use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::{StepsSincePlain, Sums, level};
-use crate::systems::setup::SceneInUse;
 use bevy_ecs::system::{Res, ResMut};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -27,11 +27,11 @@ use sphecs_scene::model::{BodyForce, Scene, WallPart};
 /// Sets the velocity of walls whose surface moves, and pressure and velocity of wall particles from the flow next to them, as
 /// the wall model asks.
 pub fn apply_walls<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
-    since_plain: Option<Res<StepsSincePlain>>,
+    since_correction: Option<Res<StepsSinceCorrection>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
@@ -80,7 +80,7 @@ pub fn apply_walls<R: Real, const D: usize>(
         WallPressure::Mirrored => find_body_force(scene, time, &arrays, &mut sums.0.body_force),
     }
     if scene.walls.model == WallModel::Dummy {
-        let level = since_plain.map_or(VelocityLevel::Present, |since| level(*since));
+        let level = since_correction.map_or(VelocityLevel::Present, |since| since.time_level());
         find_velocity_seen(&pair.0, &grid.0, &arrays, level, &mut sums.0);
     }
 }

@@ -1,7 +1,7 @@
 //! What an outlet does to the flow before it that it should not: said once, while the run goes on.
 //!
 //! Nothing here stops a run or changes it. A condition that has no anchor can let the stream run away, keep sound or let the level of the pressure
-//! wander for as long as one looks, without a particle that is impossible ([`check_state`](crate::systems::failure::check_state)).
+//! wander for as long as one looks, without a particle that is impossible ([`check_state`](crate::systems::divergence::check_state)).
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::absorb::settling_time;
 use super::outlets::OutletStates;
-use crate::systems::clock::Clock;
-use crate::systems::ledger::Ledger;
-use crate::systems::setup::SceneInUse;
+use crate::resources::clock::Clock;
+use crate::resources::ledger::Ledger;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::outlet::OutletCondition;
 use sphecs_scene::model::{Outlet, Scene};
@@ -145,7 +145,7 @@ fn row_of_inlets(scene: &Scene, inflow: u64) -> f64 {
 
 /// Looks at the outlets after the step.
 pub fn watch_outlets(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     clock: Res<Clock>,
     ledger: Res<Ledger>,
     states: Res<OutletStates>,

@@ -7,10 +7,10 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use super::outlets::{OutletStage, OutletState};
 use super::rows::PatchRows;
 use crate::arrays::Arrays;
-use crate::systems::neighbours::Grid;
-use crate::systems::pair::Pair;
-use crate::systems::rates::Sums;
-use crate::systems::setup::SceneInUse;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lattice::ETA_SQUARED;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -124,7 +124,7 @@ fn set_pressure<R: Real, const D: usize>(
 /// Rods that slide past each other bring particles close together, and a vortex carries such pairs back into the fluid, whose density sees them
 /// at once: so the zone of a wave equation is kept even by the same shifting as the fluid.
 pub fn outlet_rates<R: Real, const D: usize>(
-    scene: Res<SceneInUse>,
+    scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     rows: Res<PatchRows>,

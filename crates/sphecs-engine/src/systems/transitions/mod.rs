@@ -1,40 +1,44 @@
-//! Particles change zone: the only place where roles change during a run.
+//! Changes of zone: the only place where roles change during a run.
 //!
-//! - [`entry`]: a particle enters a zone
-//! - [`stock`]: where particles that leave go to, and where those that enter come from
+//! - [`injection`]: injection of a particle into a zone
+//! - [`reservoir`]: storage and creation of particles
 //!
 //! ```text
-//! Inflow → Fluid       across the inlet plane; a stored particle enters upstream (`boundaries/entrance.rs`)
+//! Inflow → Fluid       across the inlet plane; a stored particle is injected upstream
 //! Fluid → Inflow       back across the inlet plane
 //! Inflow → Reservoir   beyond the upstream end of the zone
 //! Fluid → Outflow      across the outlet plane
-//! Outflow → Fluid      back across the outlet plane; a stored particle enters at x + L n
+//! Outflow → Fluid      back across the outlet plane; a stored particle is injected at x + L n
 //! Outflow → Reservoir  beyond the downstream end of the zone, with zero velocity
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; backflow is not in their text. A particle that
-//! trembles on a plane would fill its zone anew at each return (test `trembling_on_a_plane_adds_nothing`), so for one
-//! that came back a stored one enters only where none stands within half a spacing, and at an inlet only if its zone
-//! has lost particles at its upstream end. For all others one enters always, whoever slides past: each refusal would
-//! leave a hole in its row for ever. A slantwise inlet keeps its rows as long as its zone, whatever crosses; at one that
-//! is filled once nothing enters, and the run stops when it is drained.
+//! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; they do not treat backflow. A particle that
+//! oscillates across a plane would inject a particle at each crossing (test
+//! `trembling_on_a_plane_adds_nothing`). For a particle that returned, an injection therefore needs
+//! a free position within half a spacing, and at an inlet also a zone that has lost particles at
+//! its upstream end. All other crossings inject always: an omitted injection would leave a
+//! permanent gap in the zone. An oblique inlet keeps its lines of particles as long as its zone. An
+//! inlet that is filled once injects nothing, and the run stops when it is drained.
 
-pub mod entry;
-pub mod stock;
+pub(crate) mod injection;
+pub(crate) mod reservoir;
 
 use bevy_ecs::change_detection::Mut;
+use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
 use super::boundaries::entrance::{InflowRow, is_drained, is_slantwise};
 use super::boundaries::rows::PatchRows;
-use super::failure::Failure;
-use super::ledger::Ledger;
-use super::setup::{SceneInUse, Seats};
+use super::divergence::Failure;
 use crate::arrays::Arrays;
 use crate::components::{Fluid, Inflow, Outflow, Returned};
-use entry::{Entry, enter};
+use crate::resources::entity_index::EntityIndex;
+use crate::resources::ledger::Ledger;
+use crate::resources::scene::ActiveScene;
+use injection::{Injection, inject};
+use reservoir::store;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
@@ -42,9 +46,8 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
 use sphecs_core::physics::inlet::Feed;
 use sphecs_scene::model::{Inlet, Patch, Scene};
-use stock::leave;
 
-/// A change of zone that a row is due for.
+/// Change of zone that a row has to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Change {
     row: usize,
@@ -52,39 +55,40 @@ struct Change {
     patch: u16,
 }
 
-/// The lists of a transition, kept from step to step.
+/// Lists of a transition, reused from step to step.
 #[derive(Resource, Debug, Default)]
 pub struct TransitionLists {
-    /// Changes due in each part of the rows.
+    /// Changes of each part of the rows.
     changes: Vec<Vec<Change>>,
-    entries: Vec<Entry>,
+    injections: Vec<Injection>,
 }
 
-/// Finds the rows that crossed a plane, and changes their roles in both homes of the state.
-pub fn transition<R: Real, const D: usize>(world: &mut World) {
-    let scene = world.resource::<SceneInUse>().0.clone();
+/// Finds the rows that crossed a plane, and changes their roles in components and arrays.
+pub(crate) fn transition<R: Real, const D: usize>(world: &mut World) {
+    let scene = world.resource::<ActiveScene>().0.clone();
     if scene.inlets.is_empty() && scene.outlets.is_empty() {
         wrap_periodic::<R, D>(world, &scene);
         return;
     }
     world.resource_scope(|world, mut arrays: Mut<Arrays<R, D>>| {
         world.resource_scope(|world, mut lists: Mut<TransitionLists>| {
-            let TransitionLists { changes, entries } = &mut *lists;
+            let TransitionLists { changes, injections } = &mut *lists;
             let near = &world.resource::<PatchRows>().near;
             let changes = with_lists(near.count(), changes, &|among, due| {
                 find_due(&scene, &arrays, near.rows(among), due);
             });
             for change in changes.iter().flatten() {
-                apply(world, &scene, &mut arrays, change, entries);
+                apply(world, &scene, &mut arrays, change, injections);
             }
-            for entry in entries.drain(..) {
-                enter(world, &scene, &mut arrays, &entry);
+            for injection in injections.drain(..) {
+                inject(world, &scene, &mut arrays, &injection);
             }
         });
     });
     wrap_periodic::<R, D>(world, &scene);
 }
 
+/// Moves rows that left the domain in a periodic direction by one period.
 fn wrap_periodic<R: Real, const D: usize>(world: &mut World, scene: &Scene) {
     let mut arrays = world.resource_mut::<Arrays<R, D>>();
     for axis in 0..D {
@@ -93,7 +97,7 @@ fn wrap_periodic<R: Real, const D: usize>(world: &mut World, scene: &Scene) {
         let column = arrays.position[axis].as_mut_slice();
         for_each_part(0..column.len(), column, &|_, column| {
             for group in column.chunks_mut(GROUP) {
-                // A glance without branches: nearly all are inside.
+                // Nearly all rows are inside, which this check finds without branches.
                 if group.iter().fold(true, |inside, x| inside & (*x >= lower) & (*x < upper)) {
                     continue;
                 }
@@ -109,12 +113,13 @@ fn wrap_periodic<R: Real, const D: usize>(world: &mut World, scene: &Scene) {
     }
 }
 
-/// Whether a point beyond a patch's plane went through the opening and stands in front of its zone or in it.
-fn through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
+/// Returns true if a point at the distance `beyond`, m, behind the plane of a patch is in its zone
+/// or in front of it.
+fn is_through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
     beyond < patch.depth && patch.covers(point, spacing)
 }
 
-/// Lists those of the rows that are due for a change, in their order.
+/// Lists the rows that have to change zone, in their order.
 fn find_due<R: Real, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
@@ -129,6 +134,7 @@ fn find_due<R: Real, const D: usize>(
     }
 }
 
+/// Returns the zone and the patch that a row has to change to.
 #[inline]
 fn due_change<R: Real, const D: usize>(
     scene: &Scene,
@@ -142,11 +148,11 @@ fn due_change<R: Real, const D: usize>(
         Zone::Fluid => {
             let back = scene.inlets.iter().position(|inlet| {
                 let along = inlet.patch.along(point);
-                along < 0.0 && through(&inlet.patch, point, scene.spacing, -along)
+                along < 0.0 && is_through(&inlet.patch, point, scene.spacing, -along)
             });
             let out = scene.outlets.iter().position(|outlet| {
                 let along = outlet.patch.along(point);
-                along >= 0.0 && through(&outlet.patch, point, scene.spacing, along)
+                along >= 0.0 && is_through(&outlet.patch, point, scene.spacing, along)
             });
             match (back, out) {
                 (Some(inlet), _) => Some((Zone::Inflow, inlet as u16)),
@@ -179,77 +185,125 @@ fn due_change<R: Real, const D: usize>(
     }
 }
 
+/// Changes the zone of a row in the particle counts, the arrays and the components.
 fn apply<R: Real, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
     change: &Change,
-    entries: &mut Vec<Entry>,
+    injections: &mut Vec<Injection>,
 ) {
     let row = change.row;
     let (from, id) = (arrays.zone[row], arrays.id[row]);
     let point = arrays.position_of(row);
-    let patch = usize::from(change.patch);
-    let seat = world.resource::<Seats>().0[id as usize];
-    let returned = world.entity(seat).contains::<Returned>();
-    let mut ledger = world.resource_mut::<Ledger>();
-    ledger.by_zone[from as usize] -= 1;
-    ledger.by_zone[change.zone as usize] += 1;
+    let entity = world.resource::<EntityIndex>().0[id as usize];
+    count_crossing(&mut world.resource_mut::<Ledger>(), from, change);
     match (from, change.zone) {
         (Zone::Inflow, Zone::Fluid) => {
-            ledger.entered[patch] += 1;
-            let Inlet { patch: inlet, feed, .. } = &scene.inlets[patch];
-            let (velocity, zone, patch) = (arrays.velocity_of(row), Zone::Inflow, change.patch);
-            if *feed == Feed::Once {
-                let places = world.resource::<PatchRows>().inflow_places(arrays, patch);
-                if is_drained(inlet, scene, point, places.filter(|at| *at != point)) {
-                    world.resource_mut::<Failure>().drained = Some(patch);
-                }
-            } else if is_slantwise(inlet) {
-                // The row that crossed is no longer in its zone.
-                arrays.zone[row] = Zone::Fluid;
-                let behind = InflowRow::of(inlet, point, scene.spacing);
-                let last = last_of_row(world, arrays, entries, patch, |at| {
-                    behind.holds(inlet, at).then(|| inlet.along(at))
-                });
-                let last = last.unwrap_or(inlet.along(point));
-                let places = behind.vacancies(inlet, last);
-                entries.extend(places.map(|place| Entry {
-                    place,
-                    zone,
-                    patch,
-                    velocity,
-                    pressure: 0.0,
-                    again: false,
-                }));
-            } else {
-                let place = point - inlet.towards * inlet.depth;
-                entries.push(Entry { place, zone, patch, velocity, pressure: 0.0, again: returned });
-            }
+            let returned = world.entity(entity).contains::<Returned>();
+            follow_inflow(world, scene, arrays, change, returned, injections);
         }
-        (Zone::Outflow, Zone::Fluid) => {
-            ledger.left_back[patch] += 1;
-            let outlet = &scene.outlets[patch].patch;
-            entries.push(Entry {
-                place: point + outlet.towards * outlet.depth,
-                zone: Zone::Outflow,
-                patch: change.patch,
-                velocity: arrays.velocity_of(row),
-                pressure: arrays.pressure[row].to_f64(),
-                again: true,
-            });
-        }
+        (Zone::Outflow, Zone::Fluid) => injections.push(follow_backflow(scene, arrays, change)),
+        _ => {}
+    }
+    set_zone(arrays, change);
+    change_role(world, entity, from, change);
+    if matches!(change.zone, Zone::Wall | Zone::Reservoir) {
+        set_real_vector(&mut arrays.velocity, row, DVec3::ZERO);
+        store(world, scene, id, point);
+    }
+}
+
+/// Counts a change of zone.
+fn count_crossing(ledger: &mut Ledger, from: Zone, change: &Change) {
+    ledger.by_zone[from as usize] -= 1;
+    ledger.by_zone[change.zone as usize] += 1;
+    let patch = usize::from(change.patch);
+    match (from, change.zone) {
+        (Zone::Inflow, Zone::Fluid) => ledger.entered[patch] += 1,
+        (Zone::Outflow, Zone::Fluid) => ledger.left_back[patch] += 1,
         (_, Zone::Inflow) => ledger.entered_back[patch] += 1,
         (_, Zone::Outflow) => ledger.left[patch] += 1,
         _ => {}
     }
+}
+
+/// Lists the injections upstream of an inlet after one of its particles entered the fluid.
+///
+/// At an inlet that is filled once, records instead whether it is drained.
+fn follow_inflow<R: Real, const D: usize>(
+    world: &mut World,
+    scene: &Scene,
+    arrays: &mut ParticleArrays<R, D>,
+    change: &Change,
+    returned: bool,
+    injections: &mut Vec<Injection>,
+) {
+    let patch = change.patch;
+    let point = arrays.position_of(change.row);
+    let Inlet { patch: inlet, feed, .. } = &scene.inlets[usize::from(patch)];
+    if *feed == Feed::Once {
+        let places = world.resource::<PatchRows>().inflow_places(arrays, patch);
+        if is_drained(inlet, scene, point, places.filter(|at| *at != point)) {
+            world.resource_mut::<Failure>().drained = Some(patch);
+        }
+        return;
+    }
+    let velocity = arrays.velocity_of(change.row);
+    let injection = |place: DVec3, returned: bool| Injection {
+        place,
+        zone: Zone::Inflow,
+        patch,
+        velocity,
+        pressure: 0.0,
+        returned,
+    };
+    if is_slantwise(inlet) {
+        // The particle that crossed no longer counts in its line.
+        arrays.zone[change.row] = Zone::Fluid;
+        let line = InflowRow::of(inlet, point, scene.spacing);
+        let last = last_upstream(world, arrays, injections, patch, |at| {
+            line.holds(inlet, at).then(|| inlet.along(at))
+        });
+        let last = last.unwrap_or(inlet.along(point));
+        injections.extend(line.vacancies(inlet, last).map(|place| injection(place, false)));
+    } else {
+        injections.push(injection(point - inlet.towards * inlet.depth, returned));
+    }
+}
+
+/// Returns the injection at the downstream end of an outflow zone after one of its particles
+/// entered the fluid.
+fn follow_backflow<R: Real, const D: usize>(
+    scene: &Scene,
+    arrays: &ParticleArrays<R, D>,
+    change: &Change,
+) -> Injection {
+    let outlet = &scene.outlets[usize::from(change.patch)].patch;
+    Injection {
+        place: arrays.position_of(change.row) + outlet.towards * outlet.depth,
+        zone: Zone::Outflow,
+        patch: change.patch,
+        velocity: arrays.velocity_of(change.row),
+        pressure: arrays.pressure[change.row].to_f64(),
+        returned: true,
+    }
+}
+
+/// Changes the zone of a row in the arrays.
+fn set_zone<R: Real, const D: usize>(arrays: &mut ParticleArrays<R, D>, change: &Change) {
+    let row = change.row;
     arrays.zone[row] = change.zone;
     arrays.patch[row] = if change.zone == Zone::Fluid { 0 } else { change.patch };
     arrays.fresh[row] = true;
     if change.zone == Zone::Fluid {
         arrays.wall_distance[row] = R::from_f64(f64::INFINITY);
     }
-    let mut entity = world.entity_mut(seat);
+}
+
+/// Changes the role of a particle in its components, except for the role of a stored particle.
+fn change_role(world: &mut World, entity: Entity, from: Zone, change: &Change) {
+    let mut entity = world.entity_mut(entity);
     match from {
         Zone::Fluid => entity.remove::<Fluid>(),
         Zone::Inflow => entity.remove::<(Inflow, Returned)>(),
@@ -257,32 +311,23 @@ fn apply<R: Real, const D: usize>(
         Zone::Wall | Zone::Reservoir => &mut entity,
     };
     match change.zone {
-        Zone::Fluid => {
-            entity.insert(Fluid);
-        }
-        Zone::Inflow => {
-            entity.insert((Inflow { inlet: change.patch }, Returned));
-        }
-        Zone::Outflow => {
-            entity.insert(Outflow { outlet: change.patch });
-        }
-        Zone::Wall | Zone::Reservoir => {
-            set_real_vector(&mut arrays.velocity, row, DVec3::ZERO);
-            leave(world, scene, id, point);
-        }
-    }
+        Zone::Fluid => entity.insert(Fluid),
+        Zone::Inflow => entity.insert((Inflow { inlet: change.patch }, Returned)),
+        Zone::Outflow => entity.insert(Outflow { outlet: change.patch }),
+        Zone::Wall | Zone::Reservoir => &mut entity,
+    };
 }
 
-/// The least of `along` over the inflow particles of an inlet, those among the entries to come included.
-fn last_of_row<R: Real, const D: usize>(
+/// Returns the smallest `along` of the inflow particles of an inlet, pending injections included.
+fn last_upstream<R: Real, const D: usize>(
     world: &World,
     arrays: &ParticleArrays<R, D>,
-    entries: &[Entry],
+    injections: &[Injection],
     inlet: u16,
     along: impl Fn(DVec3) -> Option<f64>,
 ) -> Option<f64> {
-    let coming = entries.iter().filter(|entry| entry.zone == Zone::Inflow && entry.patch == inlet);
+    let pending = injections.iter().filter(|entry| entry.zone == Zone::Inflow && entry.patch == inlet);
     let places =
-        world.resource::<PatchRows>().inflow_places(arrays, inlet).chain(coming.map(|entry| entry.place));
+        world.resource::<PatchRows>().inflow_places(arrays, inlet).chain(pending.map(|entry| entry.place));
     places.filter_map(along).min_by(f64::total_cmp)
 }

@@ -41,9 +41,9 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
         assert!(report.contains("allowed: `kernel`, `smoothing_ratio`, `alpha`, `background`"), "{report}");
     }
     check(wcsph, "Wcsph(alpha: 0.5)", "unknown field `alpha`", "alpha");
-    let never = "Verlet(plain_step_every: 0)";
+    let never = "Verlet(corrective_step_every: 0)";
     let set = format!("Wcsph(integrator: {never})");
-    check(wcsph, &set, "`plain_step_every` must be at least 1", never);
+    check(wcsph, &set, "`corrective_step_every` must be at least 1", never);
     check(wcsph, "EdacTvf(alpha: -0.5)", "`alpha` of the scheme is out of bounds", "-0.5");
     check(wcsph, "EdacTvf(background: 11)", "`background` of the scheme is out of bounds", "11");
     check(wcsph, "EdacTvf(relaxation: 2)", "`relaxation` of the scheme is out of bounds", "2");

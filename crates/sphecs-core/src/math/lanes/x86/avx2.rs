@@ -1,4 +1,4 @@
-//! Lanes over the vectors of AVX2 with FMA.
+//! SIMD vectors of AVX2 with FMA.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -12,14 +12,14 @@ lanes! {
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd,
     _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_fmadd_pd, _mm256_max_pd, _mm256_min_pd, _mm256_sqrt_pd,
-    DEAR_ROOTS = true,
+    COSTLY_ROOTS = true,
     {
         unsafe fn load_relative(from: *const f64, origin: f64, scale: f64) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { (Self::load(from) - Self::splat(origin)) * Self::splat(scale) }
         }
         unsafe fn compress(self, mask: __m256d, to: *mut f64) {
-            // SAFETY: as said above; a lane moves as two halves of 32 bits.
+            // SAFETY: as above. A lane is moved as two halves of 32 bits.
             unsafe {
                 let lanes = &COMPRESS_4[_mm256_movemask_pd(mask) as usize];
                 let lanes = _mm256_loadu_si256(lanes.as_ptr().cast());
@@ -28,7 +28,7 @@ lanes! {
             }
         }
         fn abs(self) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
         }
         fn inverse(self) -> Self {
@@ -39,23 +39,23 @@ lanes! {
             (root, Self::splat(1.0) / root)
         }
         fn less(self, other: Self) -> __m256d {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
         }
         fn select(mask: __m256d, yes: Self, no: Self) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(_mm256_blendv_pd(no.0, yes.0, mask)) }
         }
         fn keep(mask: __m256d, value: Self) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(_mm256_and_pd(mask, value.0)) }
         }
         fn bits(mask: __m256d) -> u32 {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { _mm256_movemask_pd(mask) as u32 }
         }
         fn sum(self) -> f64 {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe {
                 let pair = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
                 _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)))
@@ -63,11 +63,11 @@ lanes! {
         }
         fn sum_each(vectors: &[Self; MOST_LANES]) -> Self {
             let [a, b, c, d, ..] = vectors;
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(four_pd([a.0, b.0, c.0, d.0])) }
         }
         fn largest(self) -> f64 {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe {
                 let pair = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
                 _mm_cvtsd_f64(_mm_max_sd(pair, _mm_unpackhi_pd(pair, pair)))
@@ -84,7 +84,7 @@ lanes! {
     _mm256_fmadd_ps, _mm256_max_ps, _mm256_min_ps, _mm256_sqrt_ps,
     {
         unsafe fn load_relative(from: *const f64, origin: f64, scale: f64) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe {
                 let low = F64x4::load_relative(from, origin, scale);
                 let high = F64x4::load_relative(from.add(4), origin, scale);
@@ -92,7 +92,7 @@ lanes! {
             }
         }
         unsafe fn compress(self, mask: __m256, to: *mut f32) {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe {
                 let lanes = &COMPRESS_8[_mm256_movemask_ps(mask) as usize];
                 let lanes = _mm256_loadu_si256(lanes.as_ptr().cast());
@@ -100,38 +100,39 @@ lanes! {
             }
         }
         fn abs(self) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)) }
         }
         fn inverse(self) -> Self {
             Self::splat(1.0) / self
         }
         fn roots(self) -> (Self, Self) {
-            // The root by its own instruction, which is a fourth of the density's pass faster than 1/√x by its series times x.
-            // SAFETY: as said above. The 12 bits of this estimate leave 2⁻²³ after one term.
+            // √x by its own instruction: the density pass is a quarter faster than with x times the
+            // series of 1/√x. SAFETY: as above. From the 12 bits of this estimate, one term leaves
+            // an error of 2⁻²³.
             let y = unsafe { Self(_mm256_rsqrt_ps(self.0)) };
             let e = (-(self * y)).mul_add(y, Self::splat(1.0));
             let series = e.mul_add(Self::splat(0.375), Self::splat(0.5));
             (self.sqrt(), (y * e).mul_add(series, y))
         }
         fn less(self, other: Self) -> __m256 {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) }
         }
         fn select(mask: __m256, yes: Self, no: Self) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(_mm256_blendv_ps(no.0, yes.0, mask)) }
         }
         fn keep(mask: __m256, value: Self) -> Self {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(_mm256_and_ps(mask, value.0)) }
         }
         fn bits(mask: __m256) -> u32 {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { _mm256_movemask_ps(mask) as u32 }
         }
         fn sum(self) -> f32 {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe {
                 let four = _mm_add_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
                 let two = _mm_add_ps(four, _mm_movehl_ps(four, four));
@@ -140,11 +141,11 @@ lanes! {
         }
         fn sum_each(vectors: &[Self; MOST_LANES]) -> Self {
             let [a, b, c, d, e, f, g, h, ..] = vectors;
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe { Self(eight_ps([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0])) }
         }
         fn largest(self) -> f32 {
-            // SAFETY: as said above.
+            // SAFETY: as above.
             unsafe {
                 let four = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
                 let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
@@ -154,13 +155,13 @@ lanes! {
     }
 }
 
-/// The sums over the lanes of four vectors.
+/// Returns the sums over the lanes of four vectors.
 ///
 /// # Safety
-/// The machine must have AVX2.
+/// The machine must support AVX2.
 #[inline(always)]
 pub(super) unsafe fn four_pd(v: [__m256d; 4]) -> __m256d {
-    // SAFETY: as said above. No closures here: they would not be compiled for the set.
+    // SAFETY: as above. Closures are avoided: they would not be compiled for the instruction set.
     unsafe {
         let a = _mm256_add_pd(_mm256_unpacklo_pd(v[0], v[1]), _mm256_unpackhi_pd(v[0], v[1]));
         let b = _mm256_add_pd(_mm256_unpacklo_pd(v[2], v[3]), _mm256_unpackhi_pd(v[2], v[3]));
@@ -168,13 +169,13 @@ pub(super) unsafe fn four_pd(v: [__m256d; 4]) -> __m256d {
     }
 }
 
-/// The sums over the lanes of eight vectors.
+/// Returns the sums over the lanes of eight vectors.
 ///
 /// # Safety
-/// The machine must have AVX2.
+/// The machine must support AVX2.
 #[inline(always)]
 pub(super) unsafe fn eight_ps(v: [__m256; 8]) -> __m256 {
-    // SAFETY: as said above.
+    // SAFETY: as above.
     unsafe {
         let a = halves_ps([v[0], v[1], v[2], v[3]]);
         let b = halves_ps([v[4], v[5], v[6], v[7]]);
@@ -182,13 +183,13 @@ pub(super) unsafe fn eight_ps(v: [__m256; 8]) -> __m256 {
     }
 }
 
-/// The sums over the lower and over the upper lanes of four vectors.
+/// Returns the sums over the lower and over the upper lanes of four vectors.
 ///
 /// # Safety
-/// The machine must have AVX2.
+/// The machine must support AVX2.
 #[inline(always)]
 unsafe fn halves_ps(v: [__m256; 4]) -> __m256 {
-    // SAFETY: as said above.
+    // SAFETY: as above.
     unsafe {
         let a = _mm256_add_ps(_mm256_unpacklo_ps(v[0], v[1]), _mm256_unpackhi_ps(v[0], v[1]));
         let b = _mm256_add_ps(_mm256_unpacklo_ps(v[2], v[3]), _mm256_unpackhi_ps(v[2], v[3]));
@@ -197,13 +198,13 @@ unsafe fn halves_ps(v: [__m256; 4]) -> __m256 {
     }
 }
 
-/// For each mask of eight lanes, the lanes under it, in order.
+/// Lanes under each mask of eight lanes, in order.
 static COMPRESS_8: [[i32; 8]; 256] = compress_table::<8, 256>(1);
 
-/// For each mask of four lanes of two halves, the halves under it, in order.
+/// Halves under each mask of four lanes of two halves, in order.
 static COMPRESS_4: [[i32; 8]; 16] = compress_table::<4, 16>(2);
 
-/// Lanes of `width` units of 32 bits under each mask.
+/// Returns the lanes, of `width` units of 32 bits, under each mask.
 const fn compress_table<const LANES: usize, const MASKS: usize>(width: usize) -> [[i32; 8]; MASKS] {
     let mut table = [[0; 8]; MASKS];
     let mut mask = 0;

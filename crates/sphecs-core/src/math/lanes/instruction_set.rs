@@ -1,0 +1,134 @@
+//! Choice of the instruction set: the widest of the machine, or the one that the user names.
+
+use std::sync::OnceLock;
+
+use super::Vectorised;
+use super::portable::Array;
+
+/// Instruction set that this machine supports. A value for an unsupported set cannot be
+/// constructed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstructionSet(Kind);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl InstructionSet {
+    /// Plain Rust, for every machine.
+    pub const PORTABLE: InstructionSet = InstructionSet(Kind::Portable);
+
+    /// Returns the sets that this machine supports, the widest last.
+    pub fn available() -> Vec<InstructionSet> {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let mut sets = vec![Self::PORTABLE];
+            let has_bits = is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            if has_bits && is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                sets.push(Self(Kind::Avx2));
+                if is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512vl")
+                {
+                    sets.push(Self(Kind::Avx512));
+                }
+            }
+            sets
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        vec![Self::PORTABLE]
+    }
+
+    /// Returns the widest set of this machine, or the one that the environment variable
+    /// `SPHECS_LANES` names (`portable`, `avx2` or `avx512`) if the machine supports it.
+    ///
+    /// The variable is read once per process.
+    pub fn best() -> InstructionSet {
+        static BEST: OnceLock<InstructionSet> = OnceLock::new();
+        *BEST.get_or_init(|| {
+            let available = Self::available();
+            let wanted = std::env::var("SPHECS_LANES").unwrap_or_default();
+            let found = available.iter().find(|set| set.name() == wanted);
+            found.or(available.last()).copied().unwrap_or(Self::PORTABLE)
+        })
+    }
+
+    /// Returns the lower-case name, as in `SPHECS_LANES`.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Kind::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => "avx512",
+        }
+    }
+}
+
+/// Runs a task with the f64 vectors of a set.
+pub(super) fn run_f64<T: Vectorised<f64>>(set: InstructionSet, task: T) -> T::Output {
+    match set.0 {
+        Kind::Portable => task.run::<Array<f64, 2>>(),
+        // SAFETY: an `InstructionSet` exists only for sets that were detected.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx2 => unsafe { with_avx2::<super::x86::F64x4, T>(task) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 => unsafe { with_avx512::<super::x86::F64x8, T>(task) },
+    }
+}
+
+/// Runs a task with the f32 vectors of a set.
+pub(super) fn run_f32<T: Vectorised<f32>>(set: InstructionSet, task: T) -> T::Output {
+    match set.0 {
+        Kind::Portable => task.run::<Array<f32, 4>>(),
+        // SAFETY: an `InstructionSet` exists only for sets that were detected.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx2 => unsafe { with_avx2::<super::x86::F32x8, T>(task) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 => unsafe { with_avx512::<super::x86::F32x16, T>(task) },
+    }
+}
+
+/// Runs a task compiled for AVX2.
+///
+/// # Safety
+/// The machine must support AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+unsafe fn with_avx2<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
+    let line = CacheLine::default();
+    std::hint::black_box(&line);
+    task.run::<L>()
+}
+
+/// Runs a task compiled for AVX-512.
+///
+/// # Safety
+/// The machine must support AVX-512 F, DQ, BW and VL and everything that [`with_avx2`] needs.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+unsafe fn with_avx512<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
+    let line = CacheLine::default();
+    std::hint::black_box(&line);
+    task.run::<L>()
+}
+
+/// Local variable that aligns the stack frame of its function to a cache line.
+///
+/// Vectors that the compiler spills to the stack then lie in one cache line each. Without it they
+/// start at any multiple of 16 B: half of the AVX2 vectors and nearly all AVX-512 vectors straddle
+/// two lines, which delays the reload of a spilled sum by many cycles.
+#[derive(Default)]
+#[repr(align(64))]
+struct CacheLine(#[expect(dead_code, reason = "only the alignment matters")] u8);

@@ -1,0 +1,188 @@
+//! Builder of a simulation: scene, initial state and plugins.
+
+use std::sync::Arc;
+
+use bevy_ecs::schedule::{Schedule, Schedules};
+use bevy_ecs::world::World;
+
+use super::{Simulation, TypedFunctions};
+use crate::plugins::builtin::add_builtin;
+use crate::plugins::{Plugin, PluginContext};
+use crate::resources::entity_index::{EntityIndex, FreeParticles};
+use crate::resources::grid::{Grid, scene_grid};
+use crate::resources::ledger::{InflowCapacity, Ledger};
+use crate::resources::pair::{Pair, pair_settings};
+use crate::resources::scene::{ActiveScene, Resolution};
+use crate::saved_state::{SavedResources, particles};
+use crate::schedule::{stage_schedule, step_schedule};
+use crate::spawn::spawn_particles;
+use sphecs_core::math::column::{ColumnMismatch, Columns};
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::real::Real;
+use sphecs_scene::model::{ParticleSeed, Precision, Scene};
+
+/// Builder of a [`Simulation`], from [`Simulation::builder`].
+#[must_use = "a builder does nothing until `build` is called"]
+pub struct SimulationBuilder {
+    scene: Scene,
+    start: Start,
+    plugins: Vec<Box<dyn Plugin>>,
+}
+
+/// Initial state of a simulation.
+enum Start {
+    /// Particles that the scene fills in.
+    Scene,
+    /// Particles of the caller.
+    Particles(Vec<ParticleSeed>),
+    /// State of another simulation of the same scene.
+    State(Columns),
+}
+
+/// Reason for which a simulation cannot be built.
+#[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The initial state does not fit the scene and the plugins.
+    #[error(transparent)]
+    State(#[from] ColumnMismatch),
+    /// Two resources are saved under one name, or one resource under two names.
+    #[error(
+        "plugins: `{name}` and `{other}` are saved as one resource; each resource needs one name of its own"
+    )]
+    SavedTwice {
+        /// Name that a plugin saves a resource under.
+        name: &'static str,
+        /// Name under which a plugin before it saves a resource.
+        other: &'static str,
+    },
+    /// The systems cannot be ordered.
+    #[error("plugins: the systems cannot be ordered; order them with `before` or `after`: {0}")]
+    Schedule(String),
+}
+
+impl SimulationBuilder {
+    pub(super) fn new(scene: Scene) -> Self {
+        Self { scene, start: Start::Scene, plugins: Vec::new() }
+    }
+
+    /// Adds a plugin, which is built after those of the engine and those added before.
+    pub fn plugin(mut self, plugin: impl Plugin + 'static) -> Self {
+        self.plugins.push(Box::new(plugin));
+        self
+    }
+
+    /// Starts from these particles in place of those that the scene fills in.
+    ///
+    /// They are the particles of [`sphecs_scene::seeds`](sphecs_scene::spawn::seeds), displaced or
+    /// with other velocities.
+    pub fn particles(mut self, particles: Vec<ParticleSeed>) -> Self {
+        self.start = Start::Particles(particles);
+        self
+    }
+
+    /// Starts from a state that [`Simulation::state`] returned for the same scene with the same
+    /// plugins.
+    ///
+    /// The results are bitwise identical to those of an uninterrupted run, with any number of
+    /// threads.
+    pub fn state(mut self, state: Columns) -> Self {
+        self.start = Start::State(state);
+        self
+    }
+
+    /// Builds the simulation, ready for its first step.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a state does not fit the scene, or if plugins contradict each other.
+    pub fn build(self) -> Result<Simulation, BuildError> {
+        match (self.scene.precision, self.scene.dimensions) {
+            (Precision::F64, 2) => self.build_typed::<f64, 2>(),
+            (Precision::F64, _) => self.build_typed::<f64, 3>(),
+            (Precision::F32, 2) => self.build_typed::<f32, 2>(),
+            (Precision::F32, _) => self.build_typed::<f32, 3>(),
+        }
+    }
+
+    fn build_typed<R: Real, const D: usize>(self) -> Result<Simulation, BuildError> {
+        let Self { scene, start, plugins } = self;
+        let mut contents = match start {
+            Start::Scene => Contents::Particles(sphecs_scene::spawn::seeds(&scene)),
+            Start::Particles(particles) => Contents::Particles(particles),
+            Start::State(state) => Contents::State(state),
+        };
+        let scene = Arc::new(scene);
+        let mut world = World::new();
+        world.insert_resource(ActiveScene(scene.clone()));
+        world.insert_resource(Resolution::of(&scene));
+        let pair = Pair(pair_settings(&scene));
+        world.insert_resource(Grid::<D>(contents.grid(&scene, &pair)?));
+        world.insert_resource(pair);
+        let schedules = build_plugins::<R, D>(&scene, &plugins, &mut world)?;
+        add_schedules(&mut world, schedules)?;
+        // The particles come last: bevy keeps each resource in a table whose size is the index of
+        // its entity, 4 B per particle for each resource inserted after the particles.
+        match contents {
+            Contents::Particles(particles) => spawn_particles(&mut world, &scene, &particles),
+            Contents::State(mut state) => {
+                particles::restore::<R, D>(&mut world, &mut state)?;
+                SavedResources::restore(&mut world, &mut state)?;
+                particles::check_ledger(&mut world)?;
+            }
+        }
+        let functions = TypedFunctions::new::<R, D>(&scene);
+        Ok(Simulation { world, scene, functions, is_refreshed: false })
+    }
+}
+
+/// Particles of a new world.
+enum Contents {
+    /// Initial particles.
+    Particles(Vec<ParticleSeed>),
+    /// Saved state.
+    State(Columns),
+}
+
+impl Contents {
+    fn grid<const D: usize>(&mut self, scene: &Scene, pair: &Pair) -> Result<CellGrid<D>, ColumnMismatch> {
+        match self {
+            Self::Particles(particles) => Ok(scene_grid(scene, &pair.0, particles)),
+            Self::State(state) => particles::restore_grid(scene, pair, state),
+        }
+    }
+}
+
+/// Builds the plugins of the engine and of the caller; returns both schedules.
+fn build_plugins<R: Real, const D: usize>(
+    scene: &Scene,
+    plugins: &[Box<dyn Plugin>],
+    world: &mut World,
+) -> Result<[Schedule; 2], BuildError> {
+    let (mut step, mut stage) = (step_schedule(), stage_schedule());
+    let mut context = PluginContext { world, step: &mut step, stage: &mut stage };
+    add_builtin::<R, D>(scene, &mut context);
+    for plugin in plugins {
+        plugin.build(&mut context);
+    }
+    context.world.init_resource::<EntityIndex>();
+    context.world.init_resource::<FreeParticles>();
+    context.save_resource::<InflowCapacity>("inflow_capacity");
+    context.save_resource::<Ledger>("ledger");
+    match context.world.resource::<SavedResources>().collision() {
+        Some([name, other]) => Err(BuildError::SavedTwice { name, other }),
+        None => Ok([step, stage]),
+    }
+}
+
+/// Orders the systems of the schedules and adds them to the world.
+fn add_schedules(world: &mut World, schedules: [Schedule; 2]) -> Result<(), BuildError> {
+    let mut added = Schedules::default();
+    for mut schedule in schedules {
+        schedule
+            .initialize(world)
+            .map_err(|error| BuildError::Schedule(error.to_string(schedule.graph(), world)))?;
+        added.insert(schedule);
+    }
+    world.insert_resource(added);
+    Ok(())
+}

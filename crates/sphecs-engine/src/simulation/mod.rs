@@ -1,0 +1,234 @@
+//! Simulation: a world with its particles, and the schedules of a step.
+//!
+//! - [`builder`]: scene, initial state and plugins
+//! - [`stop`]: reasons for which a simulation cannot continue
+
+mod builder;
+mod stop;
+
+use std::sync::Arc;
+
+use bevy_ecs::world::World;
+use glam::DVec3;
+
+pub use builder::{BuildError, SimulationBuilder};
+pub use stop::Stop;
+
+use crate::resources::clock::Clock;
+use crate::resources::ledger::Ledger;
+use crate::resources::state_location::{self, StateLocation};
+use crate::resources::stopwatch::Stopwatch;
+use crate::saved_state::{SavedResources, particles};
+use crate::schedule::Step;
+use crate::systems::body_forces::{Bodies, BodyForcesRow};
+use crate::systems::boundaries::watch::OutletWatch;
+use crate::systems::divergence::{DivergedParticle, Failure};
+use crate::systems::monitor::{self, MonitorRow};
+use crate::systems::sampling;
+use sphecs_core::math::column::Columns;
+use sphecs_core::math::real::Real;
+pub use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::section::Section;
+use sphecs_scene::model::{ProbeSight, Scene, Scheme};
+
+/// Simulation of a scene.
+pub struct Simulation {
+    world: World,
+    scene: Arc<Scene>,
+    functions: TypedFunctions,
+    /// True if the arrays are sorted and have the density at the present positions, so that monitor
+    /// rows, samples and frames of one time share one sort.
+    is_refreshed: bool,
+}
+
+/// Functions compiled for the precision and the dimensions of the scene.
+#[derive(Clone, Copy)]
+struct TypedFunctions {
+    scatter: fn(&mut World),
+    save: fn(&mut World, &mut Columns),
+    refresh: fn(&mut World),
+    monitor_row: fn(&mut World) -> MonitorRow,
+    gather: fn(&mut World),
+    sample: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>>,
+    mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
+}
+
+impl TypedFunctions {
+    fn new<R: Real, const D: usize>(scene: &Scene) -> Self {
+        Self {
+            scatter: state_location::scatter::<R, D>,
+            save: particles::save::<R, D>,
+            refresh: match scene.scheme {
+                Scheme::Wcsph(_) => sampling::refresh::<R, D>,
+                Scheme::EdacTvf(_) => sampling::refresh_volumes::<R, D>,
+            },
+            monitor_row: monitor::monitor_row::<R, D>,
+            gather: state_location::gather::<R, D>,
+            sample: sampling::sample::<R, D>,
+            mass_flows: sampling::mass_flows::<R, D>,
+        }
+    }
+}
+
+impl Simulation {
+    /// Returns a builder of a simulation of this scene.
+    ///
+    /// ```no_run
+    /// # use sphecs_engine::simulation::{BuildError, Simulation};
+    /// # fn build(scene: sphecs_scene::model::Scene) -> Result<Simulation, BuildError> {
+    /// let simulation = Simulation::builder(scene).build()?;
+    /// # Ok(simulation)
+    /// # }
+    /// ```
+    pub fn builder(scene: Scene) -> SimulationBuilder {
+        SimulationBuilder::new(scene)
+    }
+
+    /// Returns everything that the next steps and their output depend on: the contents of a
+    /// checkpoint.
+    ///
+    /// Later steps are bitwise identical whether it is called or not.
+    pub fn state(&mut self) -> Columns {
+        let mut state = Columns::default();
+        (self.functions.save)(&mut self.world, &mut state);
+        SavedResources::save(&self.world, &mut state);
+        state
+    }
+
+    /// Advances by one time step.
+    ///
+    /// # Errors
+    /// [`Stop`] if the flow diverged or an inlet found no particle. The world keeps the state of
+    /// that step.
+    pub fn step(&mut self) -> Result<(), Stop> {
+        self.world.resource_mut::<Stopwatch>().start();
+        self.is_refreshed = false;
+        let world = &mut self.world;
+        // On a thread of the pool: from any other thread, each parallel loop would wake the pool
+        // and wait for it.
+        rayon::scope(|_| world.run_schedule(Step));
+        // Otherwise bevy's list of removed components and resources grows with every step.
+        self.world.clear_trackers();
+        self.stop_reason().map_or(Ok(()), Err)
+    }
+
+    /// Returns the reason to stop that the last step found.
+    fn stop_reason(&self) -> Option<Stop> {
+        let Clock { step, time, .. } = self.clock();
+        let failure = self.world.resource::<Failure>();
+        if let Some(particle) = &failure.diverged {
+            return Some(Stop::Diverged { step, time, found: particle.describe(), advice: particle.advice });
+        }
+        if let Some(inlet) = failure.drained {
+            let inlet = self.scene.inlets[usize::from(inlet)].patch.name.clone();
+            return Some(Stop::Drained { step, time, inlet });
+        }
+        failure.reservoir_empty.then_some(Stop::ReservoirEmpty { step, time })
+    }
+
+    /// Advances until the first time at or after `time`, s.
+    ///
+    /// # Errors
+    /// [`Stop`] as for [`Self::step`].
+    pub fn run_until(&mut self, time: f64) -> Result<(), Stop> {
+        while self.clock().time < time {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// Returns the scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Returns the world with up-to-date components, density and pressure at the present positions
+    /// included.
+    pub fn world(&mut self) -> &World {
+        self.update_components();
+        &self.world
+    }
+
+    /// Returns the world with up-to-date components; the next step starts from the components that
+    /// the caller leaves in it.
+    pub fn world_mut(&mut self) -> &mut World {
+        self.update_components();
+        self.is_refreshed = false;
+        self.world.insert_resource(StateLocation::Components);
+        &mut self.world
+    }
+
+    fn update_components(&mut self) {
+        self.refresh();
+        (self.functions.scatter)(&mut self.world);
+    }
+
+    fn refresh(&mut self) {
+        if !self.is_refreshed {
+            (self.functions.refresh)(&mut self.world);
+            self.is_refreshed = true;
+        }
+    }
+
+    /// Returns time, step and step size.
+    pub fn clock(&self) -> Clock {
+        *self.world.resource::<Clock>()
+    }
+
+    /// Returns the particle with an impossible value that stopped the flow, with the particles
+    /// around it.
+    pub fn diverged_particle(&self) -> Option<&DivergedParticle> {
+        self.world.resource::<Failure>().diverged.as_ref()
+    }
+
+    /// Returns the notes on outlets that do not behave as intended, in the order of their
+    /// detection.
+    pub fn notes(&self) -> &[String] {
+        &self.world.resource::<OutletWatch>().notes
+    }
+
+    /// Returns the particle counts.
+    pub fn ledger(&self) -> &Ledger {
+        self.world.resource::<Ledger>()
+    }
+
+    /// Returns the integral quantities at the present time; the mass flows are means since the
+    /// previous call.
+    pub fn monitor_row(&mut self) -> MonitorRow {
+        self.refresh();
+        (self.functions.monitor_row)(&mut self.world)
+    }
+
+    /// Returns force and torque of the fluid on the bodies of the scene at the beginning of the
+    /// last step.
+    pub fn body_forces(&self) -> &BodyForcesRow {
+        &self.world.resource::<Bodies>().row
+    }
+
+    /// Returns velocity (m/s), pressure (Pa) and density (kg/m³) of the fluid at points, m, by
+    /// corrected kernel sums; None at a point without fluid nearby.
+    pub fn sample(&mut self, points: &[DVec3]) -> Vec<Option<Sample>> {
+        let fluid: Vec<_> = points.iter().map(|&point| (point, ProbeSight::Fluid)).collect();
+        self.sample_seeing(&fluid)
+    }
+
+    /// Samples as [`Self::sample`] does, with a choice of the particles that count at each point.
+    pub fn sample_seeing(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
+        self.refresh();
+        (self.functions.sample)(&self.world, points)
+    }
+
+    /// Returns the mass flow through sections along their normals, kg/s (per metre of depth in 2D).
+    ///
+    /// It includes the displacement by shifting if the scene has a section among its probes.
+    /// Otherwise `Wcsph` does not store that displacement, and the flow is that of the velocities.
+    pub fn mass_flows(&mut self, sections: &[&Section]) -> Vec<f64> {
+        (self.functions.gather)(&mut self.world);
+        (self.functions.mass_flows)(&self.world, sections)
+    }
+
+    /// Returns name and wall-clock seconds of each set, in the order of the step.
+    pub fn stage_times(&self) -> Vec<(&'static str, f64)> {
+        self.world.resource::<Stopwatch>().table()
+    }
+}

@@ -1,0 +1,141 @@
+//! Particles of a scene or of a saved state, spawned as entities.
+
+use bevy_ecs::bundle::{Bundle, NoBundleEffect};
+use bevy_ecs::entity::Entity;
+use bevy_ecs::world::World;
+
+use crate::components::{
+    Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, Returned, SpsStress,
+    Thermodynamics, Tracer, Velocity, Wall, WallSurface,
+};
+use crate::resources::entity_index::{EntityIndex, FreeParticles};
+use crate::resources::ledger::{InflowCapacity, Ledger};
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::eos::Tait;
+use sphecs_scene::model::{ParticleSeed, Scene};
+
+/// Spawns the initial particles, and fills the entity index, the reservoir and the particle counts.
+pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
+    let turbulent = scene.scheme.has_stress();
+    let tait = scene.fluid.tait();
+    let mut index = EntityIndex(Vec::with_capacity(seeds.len()));
+    let mut free = FreeParticles::default();
+    let mut capacity = InflowCapacity(vec![0; scene.inlets.len()]);
+    let mut ledger = Ledger {
+        initial: seeds.len() as u64,
+        entered: vec![0; scene.inlets.len()],
+        entered_back: vec![0; scene.inlets.len()],
+        left: vec![0; scene.outlets.len()],
+        left_back: vec![0; scene.outlets.len()],
+        ..Ledger::default()
+    };
+    for group in seeds.chunk_by(|a, b| a.zone == b.zone) {
+        let first = index.0.len() as u32;
+        let state = (first..).zip(group).map(|(id, seed)| (seed_bundle(tait, id, seed), seed));
+        let mut spawn = Spawn { world, turbulent, entities: &mut index.0 };
+        match group[0].zone {
+            Zone::Fluid => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
+            Zone::Wall => spawn.all(state.map(|(bundle, seed)| {
+                let surface = WallSurface { distance: seed.wall_distance, normal: seed.wall_normal };
+                (bundle, (Wall { part: seed.patch }, surface))
+            })),
+            Zone::Inflow => spawn.all(state.map(|(bundle, seed)| (bundle, Inflow { inlet: seed.patch }))),
+            Zone::Outflow => spawn.all(state.map(|(bundle, seed)| (bundle, Outflow { outlet: seed.patch }))),
+            Zone::Reservoir => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
+        }
+        match group[0].zone {
+            Zone::Reservoir => free.0.extend(first..index.0.len() as u32),
+            Zone::Inflow => group.iter().for_each(|seed| capacity.0[usize::from(seed.patch)] += 1),
+            Zone::Fluid | Zone::Wall | Zone::Outflow => {}
+        }
+        ledger.by_zone[group[0].zone as usize] += group.len() as u64;
+    }
+    world.insert_resource(index);
+    world.insert_resource(free);
+    world.insert_resource(capacity);
+    world.insert_resource(ledger);
+}
+
+fn seed_bundle(tait: Tait, id: u32, seed: &ParticleSeed) -> ParticleBundle {
+    ParticleBundle {
+        id: ParticleId(id),
+        position: Position(seed.position),
+        velocity: Velocity(seed.velocity),
+        thermodynamics: Thermodynamics { density: tait.density(seed.pressure), pressure: seed.pressure },
+        tracer: Tracer { tag: seed.tag as f32, passages: 0 },
+    }
+}
+
+/// Particle of a saved state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SavedParticle {
+    /// Components that every particle has.
+    pub bundle: ParticleBundle,
+    /// Zone.
+    pub zone: Zone,
+    /// Index of inlet, outlet or wall part.
+    pub patch: u16,
+    /// True if it returned from the fluid through its inlet.
+    pub returned: bool,
+    /// Position relative to the wall surface, for a wall particle.
+    pub surface: WallSurface,
+}
+
+/// Spawns the particles of a saved state, in the order of their numbers, and fills the entity
+/// index; a free number has no particle.
+pub(crate) fn spawn_saved(world: &mut World, scene: &Scene, particles: &[Option<SavedParticle>]) {
+    let turbulent = scene.scheme.has_stress();
+    let mut index = vec![Entity::PLACEHOLDER; particles.len()];
+    let mut spawned = Vec::new();
+    for (zone, returned) in Zone::ALL.into_iter().flat_map(|zone| [(zone, false), (zone, true)]) {
+        let is_in = |particle: &&SavedParticle| particle.zone == zone && particle.returned == returned;
+        let group: Vec<&SavedParticle> = particles.iter().flatten().filter(is_in).collect();
+        let state = group.iter().map(|particle| (particle.bundle, **particle));
+        let mut spawn = Spawn { world, turbulent, entities: &mut spawned };
+        match (zone, returned) {
+            (Zone::Fluid, _) => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
+            (Zone::Wall, _) => {
+                spawn.all(state.map(|(bundle, wall)| (bundle, (Wall { part: wall.patch }, wall.surface))))
+            }
+            (Zone::Inflow, false) => {
+                spawn.all(state.map(|(bundle, inflow)| (bundle, Inflow { inlet: inflow.patch })));
+            }
+            (Zone::Inflow, true) => {
+                spawn.all(state.map(|(bundle, inflow)| (bundle, (Inflow { inlet: inflow.patch }, Returned))));
+            }
+            (Zone::Outflow, _) => {
+                spawn.all(state.map(|(bundle, outflow)| (bundle, Outflow { outlet: outflow.patch })));
+            }
+            (Zone::Reservoir, _) => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
+        }
+        for (particle, entity) in group.iter().zip(spawned.drain(..)) {
+            index[particle.bundle.id.0 as usize] = entity;
+        }
+    }
+    world.insert_resource(EntityIndex(index));
+}
+
+/// Spawns the particles of one role in one batch, so that their table is allocated in the exact
+/// size.
+struct Spawn<'a> {
+    world: &'a mut World,
+    /// True if the particles carry a sub-particle stress.
+    turbulent: bool,
+    /// Entities spawned so far.
+    entities: &'a mut Vec<Entity>,
+}
+
+impl Spawn<'_> {
+    /// Spawns particles with their roles.
+    fn all<B: Bundle<Effect: NoBundleEffect>>(
+        &mut self,
+        particles: impl Iterator<Item = (ParticleBundle, B)>,
+    ) {
+        if self.turbulent {
+            let particles = particles.map(|particle| (particle, SpsStress::default()));
+            self.entities.extend(self.world.spawn_batch(particles));
+        } else {
+            self.entities.extend(self.world.spawn_batch(particles));
+        }
+    }
+}

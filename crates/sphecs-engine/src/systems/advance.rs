@@ -1,0 +1,134 @@
+//! Parts of a step that the schemes share: largest acceleration, motion of the zones, end of the
+//! step.
+
+use std::ops::Range;
+
+use bevy_ecs::system::{Local, Res, ResMut, SystemParam};
+use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+
+use super::boundaries::motion::{move_inflow, move_outflow};
+use super::boundaries::outlets::OutletStates;
+use super::boundaries::rows::PatchRows;
+use crate::resources::clock::Clock;
+use crate::resources::pair_sums::RatesFound;
+use crate::resources::scene::{ActiveScene, Resolution};
+use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::join_parts;
+use sphecs_core::physics::timestep::TimeStepLimits;
+
+/// Rows per task of a thread.
+const CHUNK: usize = 4096;
+
+/// Scene and extremes that limit the time step.
+#[derive(SystemParam)]
+pub(crate) struct StepSettings<'w> {
+    scene: Res<'w, ActiveScene>,
+    resolution: Res<'w, Resolution>,
+    /// Extremes that the pair pass found.
+    pub found: Res<'w, RatesFound>,
+}
+
+impl StepSettings<'_> {
+    /// Returns the limits of the time step, with the damping factor C_λ of the integrator.
+    pub(crate) fn limits(&self, damping: f64) -> TimeStepLimits {
+        TimeStepLimits {
+            cfl: self.scene.0.time.cfl,
+            viscous: self.scene.0.time.viscous,
+            damping,
+            smoothing_length: self.resolution.smoothing_length,
+            viscosity: self.found.largest_viscosity,
+        }
+    }
+}
+
+/// Clock, inflow and outflow zones: everything that a step advances besides the fluid.
+#[derive(SystemParam)]
+pub(crate) struct ZoneMotion<'w, 's> {
+    scene: Res<'w, ActiveScene>,
+    rows: Res<'w, PatchRows>,
+    outlets: Res<'w, OutletStates>,
+    /// Time at the beginning of the step, and size of the previous step.
+    pub clock: ResMut<'w, Clock>,
+    velocities: Local<'s, Vec<DVec3>>,
+}
+
+impl ZoneMotion<'_, '_> {
+    /// Moves inflow and outflow particles over a time step, s, and advances the clock.
+    pub(crate) fn finish_step<R: Real, const D: usize>(
+        &mut self,
+        time_step: f64,
+        arrays: &mut ParticleArrays<R, D>,
+    ) {
+        let (scene, clock) = (&*self.scene.0, &mut *self.clock);
+        let (time, viscosity) = (clock.time, scene.fluid.viscosity);
+        for (inlet, rows) in scene.inlets.iter().zip(&self.rows.inflow) {
+            move_inflow(inlet, viscosity, rows, time, time_step, &mut self.velocities, arrays);
+        }
+        for (index, (outlet, rows)) in scene.outlets.iter().zip(&self.rows.outflow).enumerate() {
+            move_outflow(outlet, &self.outlets.0[index], rows, time_step, arrays);
+        }
+        arrays.fresh.par_iter_mut().with_min_len(CHUNK).for_each(|fresh| *fresh = false);
+        clock.time += time_step;
+        clock.time_step = time_step;
+        clock.step += 1;
+    }
+}
+
+/// Returns true if all rows are fluid that needs no restart: a loop over them has no branches.
+#[inline(always)]
+pub(crate) fn are_regular_fluid(zone: &[Zone], fresh: &[bool]) -> bool {
+    zone.iter().zip(fresh).fold(true, |all, (zone, fresh)| all & (*zone == Zone::Fluid) & !fresh)
+}
+
+/// Returns the largest |dv/dt| of fluid particles, m/s².
+///
+/// It is not found by the pair pass, since body forces, walls and plugins add to the accelerations
+/// afterwards. A maximum does not depend on the order of its operands.
+pub(crate) fn largest_acceleration<R: Real, const D: usize>(
+    arrays: &ParticleArrays<R, D>,
+    lanes: InstructionSet,
+) -> f64 {
+    let (zone, acceleration) = (&*arrays.zone, &arrays.acceleration);
+    let largest = |rows: Range<usize>| R::dispatch(lanes, LargestSquare { zone, acceleration, rows });
+    let squared: f64 = join_parts(0..zone.len(), &largest, &f64::max);
+    squared.sqrt()
+}
+
+/// Finds the largest |dv/dt|² of some rows.
+///
+/// A vectorised task only to be compiled for the instruction set; its loops are scalar.
+struct LargestSquare<'a, R, const D: usize> {
+    zone: &'a [Zone],
+    acceleration: &'a [Vec<R>; D],
+    rows: Range<usize>,
+}
+
+/// Number of independent maxima: a single one would be a chain of dependent comparisons.
+const MAXIMA: usize = 16;
+
+impl<R: Real, const D: usize> Vectorised<R> for LargestSquare<'_, R, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = R>>(self) -> f64 {
+        let mut largest = [0.0_f64; MAXIMA];
+        for start in self.rows.clone().step_by(MAXIMA) {
+            let group = start..self.rows.end.min(start + MAXIMA);
+            let mut squared = [0.0_f64; MAXIMA];
+            for column in self.acceleration {
+                for (squared, a) in squared.iter_mut().zip(&column[group.clone()]) {
+                    *squared += a.to_f64() * a.to_f64();
+                }
+            }
+            for ((largest, squared), &zone) in largest.iter_mut().zip(squared).zip(&self.zone[group]) {
+                let squared = if zone == Zone::Fluid { squared } else { 0.0 };
+                *largest = if squared > *largest { squared } else { *largest };
+            }
+        }
+        largest.into_iter().fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,115 @@
+//! Force and torque of the fluid on the bodies of a scene, summed in every step after the rates.
+//!
+//! - [`surface_shear`]: shear on a rotating or deforming surface that the pair sums omit
+
+mod surface_shear;
+
+use bevy_ecs::resource::Resource;
+use bevy_ecs::system::{Res, ResMut};
+use bevy_ecs::world::{FromWorld, World};
+
+use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
+use crate::resources::scene::ActiveScene;
+use sphecs_core::math::real::Real;
+use sphecs_core::pass::body::{Body, BodySum};
+use sphecs_core::pass::edac::body::sum_body_force as sum_edac_body_force;
+use sphecs_core::pass::rates::body::sum_body_force;
+use sphecs_core::pass::settings::{PairSettings, PressureLaw};
+use sphecs_core::pass::wall_friction::add_friction_on;
+use sphecs_core::physics::edac::Edac;
+use sphecs_scene::model::Scene;
+use surface_shear::SurfaceShear;
+
+/// Forces on all bodies at the beginning of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyForcesRow {
+    /// Time, s.
+    pub time: f64,
+    /// Number of steps done before.
+    pub step: u64,
+    /// Force and torque of each body, in the order of the scene.
+    pub forces: Vec<BodySum>,
+}
+
+/// Bodies of the scene, with the settings of the sums over them.
+#[derive(Resource)]
+pub struct Bodies {
+    /// Forces at the beginning of the last step.
+    pub row: BodyForcesRow,
+    bodies: Vec<Body>,
+    /// Surface shear of each body.
+    shear: Vec<SurfaceShear>,
+    pair: PairSettings,
+    edac: Edac,
+}
+
+impl FromWorld for Bodies {
+    fn from_world(world: &mut World) -> Self {
+        let scene = &world.resource::<ActiveScene>().0;
+        let pair = &world.resource::<Pair>().0;
+        let edac = match pair.pressure {
+            PressureLaw::Evolved(edac) => edac,
+            PressureLaw::Tait => Edac::default(),
+        };
+        Self {
+            row: BodyForcesRow::default(),
+            bodies: scene.bodies.iter().map(|body| Body::new(body.part, body.about)).collect(),
+            shear: scene.bodies.iter().map(|body| SurfaceShear::new(scene, body.part, body.about)).collect(),
+            // `pass/body.rs` gives the reason for switching these two off.
+            pair: PairSettings { tensile_control: false, ..pair.clone() },
+            edac: Edac { average_pressure: false, ..edac },
+        }
+    }
+}
+
+/// Sums the forces on all bodies by the terms of `Wcsph`.
+pub(crate) fn sum_body_forces<R: Real, const D: usize>(
+    (scene, clock): (Res<ActiveScene>, Res<Clock>),
+    grid: Res<Grid<D>>,
+    since_correction: Res<StepsSinceCorrection>,
+    arrays: Res<Arrays<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut bodies: ResMut<Bodies>,
+) {
+    let Bodies { row, bodies, shear, pair, .. } = &mut *bodies;
+    (row.time, row.step) = (clock.time, clock.step);
+    row.forces.clear();
+    row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
+        let mut sum =
+            sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
+        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        add_shear(&scene.0, clock.time, shear, body, &mut sum);
+        sum
+    }));
+}
+
+/// Sums the forces on all bodies by the terms of `EdacTvf`.
+pub(crate) fn sum_edac_body_forces<R: Real, const D: usize>(
+    (scene, clock): (Res<ActiveScene>, Res<Clock>),
+    grid: Res<Grid<D>>,
+    arrays: Res<Arrays<R, D>>,
+    mut sums: ResMut<Sums<R, D>>,
+    mut bodies: ResMut<Bodies>,
+) {
+    let Bodies { row, bodies, shear, pair, edac } = &mut *bodies;
+    (row.time, row.step) = (clock.time, clock.step);
+    row.forces.clear();
+    row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
+        let mut sum = sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
+        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        add_shear(&scene.0, clock.time, shear, body, &mut sum);
+        sum
+    }));
+}
+
+/// Adds the shear on a rotating or deforming surface that the pair sums omit.
+fn add_shear(scene: &Scene, time: f64, shear: &SurfaceShear, body: &Body, sum: &mut BodySum) {
+    let wall = &scene.walls.parts[usize::from(body.part)];
+    let surface = shear.at(scene, wall, body.about, time);
+    sum.viscous_force += surface.viscous_force;
+    sum.viscous_torque += surface.viscous_torque;
+}

@@ -1,0 +1,71 @@
+//! Evaluation of a world between two steps: density at the present positions, fields at points,
+//! mass flows.
+
+use bevy_ecs::world::World;
+use glam::DVec3;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
+use crate::arrays::Arrays;
+use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
+use crate::resources::state_location;
+use crate::systems::edac::sum_volumes;
+use crate::systems::neighbours::sort_particles;
+use crate::systems::wcsph::rates::{sum_density, sum_gradients};
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::sampling::Sampler;
+use sphecs_core::pass::section::{self, Section};
+use sphecs_scene::model::ProbeSight;
+
+/// Sorts the particles at their present positions and sums their density, so that all values belong
+/// to one time.
+///
+/// The next step repeats this from the same positions, so that results are bitwise independent of
+/// reads.
+pub(crate) fn refresh<R: Real, const D: usize>(world: &mut World) {
+    state_location::gather::<R, D>(world);
+    for run in [
+        |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
+        |world: &mut World| world.run_system_cached(sum_density::<R, D>),
+        |world: &mut World| world.run_system_cached(sum_gradients::<R, D>),
+    ] {
+        // A system fails to run only if a resource is missing, and the builder inserts all of them.
+        run(world).expect("all resources are in the world");
+    }
+}
+
+/// Sorts the particles and sums their density as [`refresh`] does, under `EdacTvf`. The pressure is
+/// that of the last step.
+pub(crate) fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
+    state_location::gather::<R, D>(world);
+    for run in [
+        |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
+        |world: &mut World| world.run_system_cached(sum_volumes::<R, D>),
+    ] {
+        // As in `refresh`.
+        run(world).expect("all resources are in the world");
+    }
+}
+
+/// Returns the fields at each point, from the particles that its [`ProbeSight`] selects; None at a
+/// point without such particles nearby.
+pub(crate) fn sample<R: Real, const D: usize>(
+    world: &World,
+    points: &[(DVec3, ProbeSight)],
+) -> Vec<Option<Sample>> {
+    let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<Arrays<R, D>>());
+    let pair = &world.resource::<Pair>().0;
+    let fluid = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Fluid.sees(zone));
+    let flow = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Flow.sees(zone));
+    let of = |&(point, sight): &(DVec3, ProbeSight)| match sight {
+        ProbeSight::Fluid => fluid.sample(point),
+        ProbeSight::Flow => flow.sample(point),
+    };
+    points.par_iter().map(of).collect()
+}
+
+/// Returns the mass flows through sections along their normals, kg/s (per metre of depth in 2D).
+pub(crate) fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
+    section::mass_flows(world.resource::<Arrays<R, D>>(), world.resource::<Pair>().0.mass, sections)
+}

@@ -1,0 +1,132 @@
+//! Injection of a particle into a zone.
+
+use bevy_ecs::query::Without;
+use bevy_ecs::world::World;
+use glam::DVec3;
+
+use super::reservoir::take_particle;
+use crate::components::{Inflow, Outflow, Position, Reservoir, Returned, Tracer, Velocity};
+use crate::resources::clock::Clock;
+use crate::resources::entity_index::EntityIndex;
+use crate::resources::grid::Grid;
+use crate::resources::ledger::{InflowCapacity, Ledger};
+use crate::systems::boundaries::inlets::inlet_velocity;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::particles::rows::Row;
+use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_scene::model::Scene;
+
+/// Smallest distance, over the spacing, from an injected particle to the others: closer pairs would
+/// clump.
+const MIN_DISTANCE: f64 = 0.5;
+
+/// Injection of a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Injection {
+    /// Position, m.
+    pub place: DVec3,
+    /// Zone.
+    pub zone: Zone,
+    /// Index of the inlet or outlet.
+    pub patch: u16,
+    /// Velocity of the particle that crossed the plane, m/s.
+    pub velocity: DVec3,
+    /// Pressure of the particle that crossed the plane, Pa.
+    pub pressure: f64,
+    /// True if the particle that crossed had returned from the fluid, so that one may have been
+    /// injected here before.
+    pub returned: bool,
+}
+
+/// Injects a particle if its place is free and the reservoir has a particle.
+pub(super) fn inject<R: Real, const D: usize>(
+    world: &mut World,
+    scene: &Scene,
+    arrays: &mut ParticleArrays<R, D>,
+    injection: &Injection,
+) {
+    if injection.returned && !is_possible(world, scene, arrays, injection) {
+        return;
+    }
+    let Some(id) = take_particle(world, scene) else { return };
+    let &Injection { place, zone, patch, pressure, .. } = injection;
+    let time = world.resource::<Clock>().time;
+    let velocity = match zone {
+        Zone::Inflow => inlet_velocity(&scene.inlets[usize::from(patch)], scene.fluid.viscosity, place, time),
+        // The velocity of the particle at the plane: the particles between the two move with it.
+        _ => injection.velocity,
+    };
+    arrays.push(&Row {
+        id,
+        zone,
+        patch,
+        fresh: true,
+        position: place,
+        velocity,
+        velocity_before: velocity,
+        density: scene.fluid.tait().density(pressure),
+        pressure,
+        ..Row::default()
+    });
+    let mut ledger = world.resource_mut::<Ledger>();
+    ledger.by_zone[Zone::Reservoir as usize] -= 1;
+    ledger.by_zone[zone as usize] += 1;
+    let tag = scene.initial.tag.value(place.x, place.y, place.z, time);
+    let entity = world.resource::<EntityIndex>().0[id as usize];
+    let mut entity = world.entity_mut(entity);
+    if let Some(mut tracer) = entity.get_mut::<Tracer>() {
+        *tracer = Tracer { tag: tag as f32, passages: tracer.passages + 1 };
+    }
+    entity.remove::<Reservoir>();
+    entity.insert((Position(place), Velocity(velocity)));
+    if zone == Zone::Inflow {
+        entity.insert(Inflow { inlet: patch });
+    } else {
+        entity.insert(Outflow { outlet: patch });
+    }
+}
+
+/// Returns true if the zone of an injection has lost particles, for an inlet, and its place is
+/// free.
+fn is_possible<R: Real, const D: usize>(
+    world: &mut World,
+    scene: &Scene,
+    arrays: &ParticleArrays<R, D>,
+    injection: &Injection,
+) -> bool {
+    if injection.zone == Zone::Inflow && is_full(world, injection.patch) {
+        return false;
+    }
+    let sorted = world.resource::<Grid<D>>().0.starts().last().map_or(0, |&end| end as usize);
+    is_free(world, arrays, sorted, injection.place, MIN_DISTANCE * scene.spacing)
+}
+
+/// Returns true if no particle is within `distance`, m, of a place.
+///
+/// Rows from `sorted` on were added after the last sort.
+fn is_free<R: Real, const D: usize>(
+    world: &World,
+    arrays: &ParticleArrays<R, D>,
+    sorted: usize,
+    place: DVec3,
+    distance: f64,
+) -> bool {
+    let mut free = true;
+    // Since the sort, positions changed by less than the difference of the support and `distance`.
+    let neighbours = Neighbours::new(&world.resource::<Grid<D>>().0, arrays);
+    neighbours.for_each(std::array::from_fn(|axis| place[axis]), |row, _, r_squared| {
+        free &= arrays.zone[row] == Zone::Reservoir || r_squared > distance * distance;
+    });
+    free && (sorted..arrays.len())
+        .all(|row| arrays.position_of(row).distance_squared(place) > distance * distance)
+}
+
+/// Returns true if an inflow zone has all its particles, not counting those that returned from the
+/// fluid.
+fn is_full(world: &mut World, inlet: u16) -> bool {
+    let mut inflow = world.query_filtered::<&Inflow, Without<Returned>>();
+    let present = inflow.iter(world).filter(|inflow| inflow.inlet == inlet).count() as u64;
+    present >= world.resource::<InflowCapacity>().0[usize::from(inlet)]
+}
