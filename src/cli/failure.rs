@@ -8,7 +8,7 @@ use miette::{Diagnostic, MietteHandlerOpts, Report};
 use sphecs_bench::BenchError;
 use sphecs_output::error::OutputError;
 use sphecs_run::error::RunError;
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 use sphecs_validate::ValidateError;
 
 /// Exit code of a completed command.
@@ -35,7 +35,7 @@ pub enum Failure {
     /// The scene has faults.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// A run was stopped by an error.
     #[error(transparent)]
     #[diagnostic(transparent)]

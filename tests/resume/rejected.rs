@@ -40,7 +40,7 @@ fn foreign_checkpoint_is_not_used() {
     let [last, before] = [0, 1].map(|at| checkpoints(&pieces)[at].clone());
     let intact = fs::read(&last).expect("read");
 
-    let ours = format!("version {}", sphecs::output::checkpoint::container::VERSION);
+    let ours = format!("version {}", sphecs_output::checkpoint::container::VERSION);
     // Intact with another version of the format: the versions are named, and nothing is changed.
     let mut other = intact.clone();
     other[8..12].copy_from_slice(&9_u32.to_le_bytes());
@@ -54,7 +54,7 @@ fn foreign_checkpoint_is_not_used() {
     // Other lanes are used only on request. A machine may have the portable ones only.
     let mut portable = resume(&pieces, &["--steps", "150"]);
     portable.env("SPHECS_LANES", "portable");
-    let lanes = sphecs::math::lanes::InstructionSet::best().name();
+    let lanes = sphecs_core::math::lanes::InstructionSet::best().name();
     if lanes != "portable" {
         refused(portable, &[lanes, "portable", "--allow-other-isa"]);
         let copy = folder.path().join("copy");

@@ -6,7 +6,8 @@
 //! have the quintic spline at h = 1.2 Δ instead (some 40 and 190 neighbours), boxes named `edac`
 //! also the scheme `EdacTvf`. The particle disorder comes from [`tile`](super::tile).
 
-use sphecs_scene::faults::SceneFaults;
+use sphecs_run::memory;
+use sphecs_scene::faults::SceneErrors;
 use sphecs_scene::model::{Precision, Scene};
 
 /// Shipped channel scene, part of the program.
@@ -155,12 +156,12 @@ impl BenchCase {
     ///
     /// # Errors
     /// Faults of the scene, such as more particles than fit into the memory.
-    pub fn scene(self) -> Result<Scene, SceneFaults> {
+    pub fn scene(self) -> Result<Scene, SceneErrors> {
         match self {
             BenchCase::Box(periodic_box) => periodic_box.scene(),
-            BenchCase::Channel => sphecs_scene::load_str("constricted_r2", CHANNEL, &[]),
-            BenchCase::Cylinder => sphecs_scene::load_str("channel_cylinder", CYLINDER, &[]),
-            BenchCase::Duct => sphecs_scene::load_str("duct", DUCT, &[]),
+            BenchCase::Channel => load_shipped("constricted_r2", CHANNEL),
+            BenchCase::Cylinder => load_shipped("channel_cylinder", CYLINDER),
+            BenchCase::Duct => load_shipped("duct", DUCT),
         }
     }
 }
@@ -171,7 +172,7 @@ impl PeriodicBox {
     ///
     /// # Errors
     /// Faults of the scene, such as more particles than fit into the memory.
-    pub fn scene(self) -> Result<Scene, SceneFaults> {
+    pub fn scene(self) -> Result<Scene, SceneErrors> {
         let edge = self.count as f64 * 0.01;
         let (dimensions, precision) = (self.dimensions, self.precision);
         let (zeros, edges, axes, velocity, ratio) = if dimensions == 2 {
@@ -202,8 +203,13 @@ impl PeriodicBox {
             time: (end: 1.0), output: (every: 1.0),
         )"#
         );
-        sphecs_scene::load_str("periodic_box_box", &text, &[])
+        load_shipped("periodic_box", &text)
     }
+}
+
+/// Loads a scene from its text, within the available memory.
+fn load_shipped(name: &str, text: &str) -> Result<Scene, SceneErrors> {
+    Scene::from_text(name, text).memory(memory::available()).load()
 }
 
 #[cfg(test)]

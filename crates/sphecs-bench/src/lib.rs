@@ -33,7 +33,7 @@ use tile::{Tile, TileError};
 
 use sphecs_engine::simulation::Stop;
 use sphecs_run::console::Console;
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 
 /// Options of a bench.
 #[derive(Clone, Debug)]
@@ -52,7 +52,7 @@ pub enum BenchError {
     /// The scene of a case has faults, usually too little memory.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// The flow of a case diverged.
     #[error("{case}: {stop}")]
     #[diagnostic(help("the cases are stable on any machine: please report this with the lines above"))]

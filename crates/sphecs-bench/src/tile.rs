@@ -10,7 +10,7 @@ use glam::{DVec3, IVec3};
 use super::cases::{BoxTerms, PeriodicBox};
 use sphecs_engine::components::{ParticleId, Position, Velocity};
 use sphecs_engine::simulation::{Simulation, Stop};
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 use sphecs_scene::model::{ParticleSeed, Precision};
 
 /// Edges of a tile, in spacings; the largest that divides the box is used.
@@ -24,7 +24,7 @@ const STEPS: usize = 100;
 pub enum TileError {
     /// The scene has faults.
     #[error(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// The flow diverged.
     #[error(transparent)]
     Flow(#[from] Stop),

@@ -2,6 +2,7 @@
 //!
 //! Knows no ECS, no files and no clock.
 
+pub mod discretisation;
 pub mod format;
 pub mod math;
 pub mod particles;

@@ -4,7 +4,7 @@ use super::RunOptions;
 use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk::free_space;
 use sphecs_output::error::OutputError;
-use sphecs_scene::demand::Demand;
+use sphecs_scene::disk_estimate::Demand;
 use sphecs_scene::model::Scene;
 
 /// Compares the size of the results with the free disk space.

@@ -7,11 +7,13 @@
 //! - [`report`]: summaries at the start and at the end, and the report on a flow that stopped
 //! - [`progress`]: speed, time left and their display
 //! - [`disk_check`]: free disk space before the start
+//! - [`memory`]: memory of the machine
 //! - [`console`], [`signals`], [`threads`], [`error`]: the process that a run lives in
 
 pub mod console;
 pub mod disk_check;
 pub mod error;
+pub mod memory;
 pub mod output_schedule;
 pub mod progress;
 mod progress_bar;

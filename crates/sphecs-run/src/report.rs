@@ -83,7 +83,7 @@ fn counts(by_zone: [u64; 5]) -> String {
 
 /// Returns spacing, smoothing length and kernel.
 fn resolution(scene: &Scene) -> String {
-    let h = scene.scheme.smoothing_ratio() * scene.spacing;
+    let h = scene.discretisation.smoothing_length;
     format!("Δ = {} m, h = {} m ({:?})", significant(scene.spacing), significant(h), scene.scheme.kernel())
 }
 
@@ -256,7 +256,7 @@ pub fn failure_report(
 ///
 /// Near means in the zone of the outlet or within two kernel supports upstream of it.
 fn near_outlet(scene: &Scene, diverged: &DivergedParticle) -> Option<String> {
-    let reach = 2.0 * scene.scheme.support(scene.spacing);
+    let reach = 2.0 * scene.discretisation.support;
     let near = |patch: &Patch| {
         let along = patch.along(diverged.position);
         along > -reach && along < patch.depth + reach && patch.covers(diverged.position, reach)

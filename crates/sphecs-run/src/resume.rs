@@ -7,6 +7,7 @@
 use std::path::PathBuf;
 
 use super::error::RunError;
+use super::memory;
 use super::run_loop::RunLoop;
 use super::run_state::{self, RunState};
 use super::signals::Signals;
@@ -133,7 +134,11 @@ fn changed_scene(
         )));
     }
     let changes = [header.changes.clone(), options.sets.clone()].concat();
-    let scene = sphecs_scene::load_kept(&header.scene, &header.text, &header.tables, &changes)?;
+    let scene = Scene::from_text(&header.scene, &header.text)
+        .tables(header.tables.clone())
+        .sets(&changes)
+        .memory(memory::available())
+        .load()?;
     Ok((scene, changes))
 }
 

@@ -8,9 +8,10 @@ use miette::Diagnostic;
 
 use super::check;
 use super::schema::{CaseFile, RunFile, Tier};
+use sphecs_run::memory;
 use sphecs_scene::constants;
 use sphecs_scene::expression::Constants;
-use sphecs_scene::faults::{Fault, SceneFaults, advice};
+use sphecs_scene::faults::{Fault, SceneErrors, advice};
 use sphecs_scene::model::Scene;
 use sphecs_scene::notation::{reader, typed};
 
@@ -36,11 +37,11 @@ pub struct Case {
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error(transparent)]
 #[diagnostic(transparent)]
-pub struct CaseFaults(SceneFaults);
+pub struct CaseFaults(SceneErrors);
 
 impl CaseFaults {
     fn new(name: &str, text: &str, faults: Vec<Fault>) -> Self {
-        Self(SceneFaults::new(name, text, faults))
+        Self(SceneErrors::new(name, text, faults))
     }
 
     /// Returns the faults in the order of the text.
@@ -104,7 +105,7 @@ impl Case {
     ///
     /// # Errors
     /// All faults of the scene.
-    pub fn scene(&self, run: &RunFile) -> Result<Scene, SceneFaults> {
+    pub fn scene(&self, run: &RunFile) -> Result<Scene, SceneErrors> {
         self.member_scene(run, &run.members(Tier::Quick)[0])
     }
 
@@ -112,19 +113,19 @@ impl Case {
     ///
     /// # Errors
     /// All faults of the scene.
-    pub fn member_scene(&self, run: &RunFile, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    pub fn member_scene(&self, run: &RunFile, sets: &[(String, String)]) -> Result<Scene, SceneErrors> {
         let name = &run.scene.value;
         if let Some(folder) = self.folder.as_ref().filter(|_| name.ends_with(".ron")) {
-            return sphecs_scene::load(&folder.join(name), sets);
+            return Scene::from_file(folder.join(name)).sets(sets).memory(memory::available()).load();
         }
         let file = SCENES.get_file(format!("{name}.ron"));
         match file.and_then(|file| file.contents_utf8()) {
-            Some(text) => sphecs_scene::load_str(name, text, sets),
+            Some(text) => Scene::from_text(name, text).sets(sets).memory(memory::available()).load(),
             None => {
                 let known = SCENES.files().filter_map(|file| file.path().file_stem()?.to_str());
                 let fault = Fault::placeless(format!("there is no scene `{name}`"))
                     .help(advice(name, known.collect::<Vec<_>>()));
-                Err(SceneFaults::new(name, "", vec![fault]))
+                Err(SceneErrors::new(name, "", vec![fault]))
             }
         }
     }

@@ -44,7 +44,7 @@ use sphecs_output::error::OutputError;
 use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
 use sphecs_run::signals::Signal;
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 
 /// Options of a validation.
 #[derive(Clone, Debug)]
@@ -85,7 +85,7 @@ pub enum ValidateError {
     /// The scene of a run has faults.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// A run could not start.
     #[error(transparent)]
     #[diagnostic(transparent)]

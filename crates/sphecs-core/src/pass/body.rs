@@ -12,7 +12,7 @@
 //! Two terms of the schemes take a particle's own mean pressure out of all its pairs, p̄_a of Negi et al. (2020), Eq. 7, and the
 //! tensile control of p_a < 0. Over a whole support they add up to nearly nothing, but the share of the pairs that cross a
 //! surface is the very force that the pressure has on it: with them a submerged cylinder has no buoyancy (test
-//! `a_submerged_cylinder_is_lifted_by_what_it_displaces`). So the settings that are handed in have neither.
+//! `submerged_cylinder_is_lifted_by_the_displaced_weight`). So the settings that are handed in have neither.
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
