@@ -1,4 +1,5 @@
-//! What a checkpoint of a million particles costs: what the step waits for, and what the thread that writes does meanwhile.
+//! What a checkpoint of a million particles costs: what the step waits for, and what the thread
+//! that writes does meanwhile.
 //!
 //! `cargo bench --bench checkpoint`. Divan's bytes are those of the file.
 

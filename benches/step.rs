@@ -1,11 +1,13 @@
-//! Whole steps on one thread: particle-steps per second, ordered pairs per second, and where the time goes.
+//! Whole steps on one thread: particle-steps per second, ordered pairs per second, and where the
+//! time goes.
 //!
-//! `cargo bench --bench step`. The cases of `sphecs bench`: stirred periodic boxes (2D: h = 1.33 Δ; 3D: h = 2.02 Δ, with a
-//! quarter of a million and a million particles), and channels and a duct with walls, inlet and outlet; and `scenes/step.ron`
-//! with each outlet condition under both schemes. Divan's
-//! items are particle-steps, reservoir excluded. The table below divan's is made of the fastest run of each set of systems,
-//! because a shared machine is slow for reasons of its own; `pairs` are ordered pairs of fluid particles with anything in
-//! their support, all passes of a step together counted as one.
+//! `cargo bench --bench step`. The cases of `sphecs bench`: periodic boxes of disordered particles
+//! (2D: h = 1.33 Δ; 3D: h = 2.02 Δ, with a quarter of a million and a million particles), and
+//! channels and a duct with walls, inlet and outlet; and `scenes/step.ron` with each outlet
+//! condition under both schemes. Divan's items are particle-steps, reservoir excluded. The table
+//! below divan's is made of the fastest run of each set of systems, because a shared machine is
+//! slow for reasons of its own; `pairs` are ordered pairs of fluid particles with anything in their
+//! support, all passes of a step together counted as one.
 
 use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -87,7 +89,7 @@ impl Report {
 /// Times steps of a case after its warm-up.
 fn time(bencher: Bencher, name: &str) {
     let case = BenchCase::named(name).expect("a case of the engine");
-    let tile = case.periodic_box().map(|stirred| Tile::of(stirred).expect("a tame flow"));
+    let tile = case.periodic_box().map(|periodic_box| Tile::of(periodic_box).expect("a stable flow"));
     time_flow(bencher, name.to_owned(), case.scene(), tile, case.plan().warm_up);
 }
 
