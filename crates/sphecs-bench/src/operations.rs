@@ -9,7 +9,7 @@
 //! The tests run the passes over numbers that count their operations, and obtain these counts.
 
 use sphecs_core::math::kernel::Kernel;
-use sphecs_core::physics::sps::components;
+use sphecs_core::math::symmetric::components;
 use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 use sphecs_scene::model::{Scene, Scheme};
 
@@ -162,8 +162,8 @@ mod tests {
     use sphecs_core::pass::sums::PairSums;
     use sphecs_core::physics::edac::Edac;
     use sphecs_core::physics::eos::Tait;
-    use sphecs_core::physics::shifting::{Drift, Shifting};
-    use sphecs_core::physics::viscosity::Viscosity;
+    use sphecs_core::physics::shifting::{DriftCorrection, Local, Shifting};
+    use sphecs_core::physics::viscosity::{Sps, Viscosity};
 
     thread_local! {
         static OPERATIONS: Cell<usize> = const { Cell::new(0) };
@@ -314,7 +314,7 @@ mod tests {
         let discretisation = Discretisation::new(Kernel::WendlandC2, D, 0.01, 2.0, tait.reference_density);
         let plain = PairSettings::new(&discretisation, tait);
         let damped = PairSettings { noise_damping: 0.4, ..plain.clone() };
-        let sps = ron::from_str::<Viscosity>("Sps()").expect("the default constants");
+        let sps = Viscosity::Sps(Sps::default());
         let stressed = PairSettings { viscous_term: sps, ..plain.clone() };
         let walled = |pair: &PairSettings| PairSettings {
             wall_parts: vec![WallPartSettings::default()],
@@ -351,7 +351,7 @@ mod tests {
             sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
         });
         assert_eq!(of_strain, density_and_strain(D) + finding(D), "density with strain in {D}D");
-        let shifting = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
+        let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction: DriftCorrection::On });
         let net = walled(&PairSettings { shifting, ..damped.clone() });
         assert_eq!(rates_of(&net), rates(D) + damping(D) + WALLS + NET_SHIFT, "net rates in {D}D");
         let with_concentration_gradient = of_pair::<D>(&net, |pair, grid, arrays, sums| {

@@ -81,11 +81,11 @@ impl Scheme {
 
     /// Whether particles carry a sub-particle stress.
     pub fn has_stress(&self) -> bool {
-        self.wcsph().is_some_and(|scheme| matches!(scheme.viscosity, Viscosity::Sps { .. }))
+        self.wcsph().is_some_and(|scheme| scheme.viscosity.needs().stress)
     }
 
     /// Whether the fluid's kinematic viscosity ν acts; an artificial viscosity takes its place.
     pub fn is_viscous(&self) -> bool {
-        !self.wcsph().is_some_and(|scheme| matches!(scheme.viscosity, Viscosity::Artificial { .. }))
+        self.wcsph().is_none_or(|scheme| scheme.viscosity.needs().fluid_viscosity)
     }
 }

@@ -7,6 +7,7 @@
 //! - [`lattice`]: kernel sums on the initial lattice
 //! - [`linear`]: linear systems of up to four unknowns
 //! - [`real`]: the scalar type of the passes, `f64` or `f32`
+//! - [`symmetric`]: symmetric tensors by component
 
 pub mod column;
 pub mod grid;
@@ -15,3 +16,4 @@ pub mod lanes;
 pub mod lattice;
 pub mod linear;
 pub mod real;
+pub mod symmetric;

@@ -4,30 +4,35 @@
 //! F = −Σ_a m Σ_b f_ab,   T = −Σ_a m Σ_b (x_b − c) × f_ab,   (x_b − c) × f_ab = (x_a − c) × f_ab − x_ab × f_ab
 //! ```
 //!
-//! Over fluid particles a and the body's particles b; m f_ab is the force that the momentum sum of the scheme has for the pair, so
-//! that the body gets what the fluid loses: Negi et al. (2020), Eqs. 37 and 38, from the fluid's side. The loops are those of the
-//! rates over a pack that holds the body alone. The pressure's part is along x_ab; all else that the sum has,
-//! viscous and turbulent stress and that of the transport velocity, is the viscous part.
+//! Over fluid particles a and the body's particles b; m f_ab is the force of the pair in the
+//! momentum sum of the scheme, so that the body gains what the fluid loses: Negi et al. (2020),
+//! Eqs. 37 and 38, from the fluid's side. The loop is the fused one ([`fused`](super::fused)) over
+//! a pack that holds the body alone. The part along x_ab due to pressure is the pressure part; all
+//! other terms, viscous and turbulent stress and that of the transport velocity, are the viscous
+//! part.
 //!
-//! Two terms of the schemes take a particle's own mean pressure out of all its pairs, p̄_a of Negi et al. (2020), Eq. 7, and the
-//! tensile control of p_a < 0. Over a whole support they add up to nearly nothing, but the share of the pairs that cross a
-//! surface is the very force that the pressure has on it: with them a submerged cylinder has no buoyancy (test
-//! `submerged_cylinder_is_lifted_by_the_displaced_weight`). So the settings that are handed in have neither.
+//! Two terms of the schemes take a particle's own mean pressure out of all its pairs, p̄_a of Negi
+//! et al. (2020), Eq. 7, and the tensile control of p_a < 0. Over a whole support they nearly
+//! cancel, but the share of the pairs that cross a surface is the very force of the pressure on it:
+//! with them a submerged cylinder has no buoyancy (test
+//! `submerged_cylinder_is_lifted_by_the_displaced_weight`). So the settings for these sums have
+//! neither.
+
+use std::marker::PhantomData;
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use super::pack::{Only, Pack, Source};
-use super::settings::PairSettings;
-use super::sums::PairSums;
+use super::fused::{FluidRow, FusedInputs, FusedScheme};
+use super::pack::{Near, Only, Pack, PackPool, Source};
 use crate::math::grid::CellGrid;
-use crate::math::kernel::KernelShape;
+use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use glam::DVec3;
 
-/// Force and torque, parts of pressure and viscosity: per metre of depth in 2D.
+/// Force and torque, split into the parts of pressure and viscosity; per metre of depth in 2D.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodySum {
     /// Force of the pressure, N (N/m in 2D).
@@ -58,19 +63,24 @@ pub struct Body {
     pub part: u16,
     /// Point that torques are about, m.
     pub about: DVec3,
-    /// Cells from which its particles can be felt; they never move. Empty until they are looked for.
+    /// Cells whose particles have the body in their support: the body never leaves them. Empty
+    /// until they are found.
     cells: Vec<u32>,
     sums: Vec<BodySum>,
 }
 
 impl Body {
-    /// The body of a part of the wall.
+    /// Returns the body of a part of the wall, with torques about a point, m.
     pub fn new(part: u16, about: DVec3) -> Self {
         Self { part, about, ..Self::default() }
     }
 
-    /// Finds the cells around it, unless they are known.
-    fn find_cells<R: Real, const D: usize>(&mut self, grid: &CellGrid<D>, particles: &ParticleArrays<R, D>) {
+    /// Finds the cells around the body, unless they are known.
+    pub(super) fn find_cells<R: Real, const D: usize>(
+        &mut self,
+        grid: &CellGrid<D>,
+        particles: &ParticleArrays<R, D>,
+    ) {
         if !self.cells.is_empty() {
             return;
         }
@@ -85,101 +95,80 @@ impl Body {
     }
 }
 
-/// What the pair loop of a scheme gives a row.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowForce<const D: usize> {
-    /// Acceleration, m/s².
-    pub acceleration: [f64; D],
-    /// Its part of pressure, m/s².
-    pub pressure: [f64; D],
-    /// Σ x_ab × (acceleration by the pair), m²/s².
-    pub moment: [f64; 3],
+/// Sums force and torque on a body by the pair loop of a scheme.
+pub(super) struct BodyPass<'a, S, R: Real, const D: usize> {
+    pub scheme: &'a S,
+    pub inputs: FusedInputs<'a, R, D>,
+    /// 1 for the particles of the body, 0 for all others.
+    pub of_body: &'a [R],
+    pub packs: &'a PackPool<R>,
+    pub body: &'a mut Body,
 }
 
-/// The pair loop of a scheme.
-pub(super) trait RowLoop<R: Real, const D: usize>: Sync {
-    /// Sums over a pack for a row at `point`; must be `#[inline(always)]`.
-    fn sum<K: KernelShape, L: Lanes<Real = R>>(
-        &self,
-        pack: &Pack<R>,
-        source: &Source<'_, R, D>,
-        point: [R; D],
-        row: usize,
-    ) -> RowForce<D>;
-}
+impl<S: FusedScheme<R, D>, R: Real, const D: usize> WithShape for BodyPass<'_, S, R, D> {
+    type Output = BodySum;
 
-/// Sums force and torque on a body by the pair loop of a scheme over these columns.
-pub(super) fn sum_body<K: KernelShape, R: Real, const D: usize>(
-    pair: &PairSettings,
-    grid: &CellGrid<D>,
-    particles: &ParticleArrays<R, D>,
-    columns: &[&[R]],
-    sums: &PairSums<R, D>,
-    row_loop: &impl RowLoop<R, D>,
-    body: &mut Body,
-) -> BodySum {
-    body.find_cells(grid, particles);
-    let source = Source {
-        grid,
-        position: &particles.position,
-        columns,
-        inverse_h: 1.0 / pair.smoothing_length,
-        support_ratio: K::SUPPORT,
-        only: Only::Positive(&sums.columns.body, &[]),
-    };
-    let Body { about, cells, sums: of_cells, .. } = body;
-    let of_cell = |&cell: &u32| {
-        let block = BodyCell::<K, R, D, _> {
-            pair,
-            source: &source,
-            particles,
-            about: *about,
-            cell: cell as usize,
-            row_loop,
-            pack: &mut sums.packs.of_this_thread(),
-            shape: std::marker::PhantomData,
+    fn run<K: KernelShape>(self) -> BodySum {
+        let Self { scheme, inputs, of_body, packs, body } = self;
+        let source = inputs.source(K::SUPPORT, Only::Positive(of_body, &[]));
+        let Body { about, cells, sums: of_cells, .. } = body;
+        let of_cell = |&cell: &u32| {
+            let block = BodyCell::<K, S, R, D> {
+                scheme,
+                inputs: &inputs,
+                source: &source,
+                about: *about,
+                cell: cell as usize,
+                pack: &mut packs.of_this_thread(),
+                kernel: PhantomData,
+            };
+            R::dispatch(inputs.pair.lanes, block)
         };
-        R::dispatch(pair.lanes, block)
-    };
-    // Cell by cell and then in their order: the same bits for any number of threads.
-    cells.par_iter().map(of_cell).collect_into_vec(of_cells);
-    of_cells.iter().fold(BodySum::default(), |sum, cell| sum.plus(*cell))
+        // Cell by cell and then in their order: bitwise identical for any number of threads.
+        cells.par_iter().map(of_cell).collect_into_vec(of_cells);
+        of_cells.iter().fold(BodySum::default(), |sum, cell| sum.plus(*cell))
+    }
 }
 
-struct BodyCell<'a, K, R: Real, const D: usize, W> {
-    pair: &'a PairSettings,
+/// One cell around a body.
+struct BodyCell<'a, K, S, R: Real, const D: usize> {
+    scheme: &'a S,
+    inputs: &'a FusedInputs<'a, R, D>,
     source: &'a Source<'a, R, D>,
-    particles: &'a ParticleArrays<R, D>,
     about: DVec3,
     cell: usize,
-    row_loop: &'a W,
     pack: &'a mut Pack<R>,
-    shape: std::marker::PhantomData<K>,
+    kernel: PhantomData<K>,
 }
 
-impl<K: KernelShape, R: Real, const D: usize, W: RowLoop<R, D>> Vectorised<R> for BodyCell<'_, K, R, D, W> {
+impl<K: KernelShape, S: FusedScheme<R, D>, R: Real, const D: usize> Vectorised<R>
+    for BodyCell<'_, K, S, R, D>
+{
     type Output = BodySum;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> BodySum {
-        let grid = self.source.grid;
-        let rows = grid.rows(self.cell);
+        let FusedInputs { grid, zone, position, wall_distance, pair, .. } = *self.inputs;
         let mut sum = BodySum::default();
-        if !self.pack.fill::<L, D>(self.source, self.cell, |row| self.particles.zone[row] == Zone::Fluid) {
+        if !self.pack.fill::<L, D>(self.source, self.cell, |row| zone[row] == Zone::Fluid) {
             return sum;
         }
-        for row in rows {
-            if self.particles.zone[row] != Zone::Fluid {
+        for row in grid.rows(self.cell) {
+            if zone[row] != Zone::Fluid {
                 continue;
             }
-            let point = self.pack.relative(self.source, row);
-            let force = self.row_loop.sum::<K, L>(self.pack, self.source, point, row);
-            // Over a period the nearer image counts.
-            let arm =
-                grid.nearest_image(std::array::from_fn(|d| self.particles.position[d][row] - self.about[d]));
-            let (arm, whole) = (vector(arm), vector(force.acceleration) * -self.pair.mass);
-            let pressure = vector(force.pressure) * -self.pair.mass;
-            let torque = arm.cross(whole) + DVec3::from(force.moment) * self.pair.mass;
+            let fluid = FluidRow {
+                row,
+                point: self.pack.relative(self.source, row),
+                wall_distance: wall_distance[row].to_f64(),
+                mask: Near::ALL,
+            };
+            let force = self.scheme.row_force::<K, L>(self.inputs, self.source, self.pack, &fluid);
+            // In a periodic box the nearest image of the particle counts.
+            let arm = grid.nearest_image(std::array::from_fn(|d| position[d][row] - self.about[d]));
+            let (arm, whole) = (vector(arm), vector(force.acceleration) * -pair.mass);
+            let pressure = vector(force.pressure) * -pair.mass;
+            let torque = arm.cross(whole) + DVec3::from(force.moment) * pair.mass;
             let of_pressure = arm.cross(pressure);
             sum = sum.plus(BodySum {
                 pressure_force: pressure,

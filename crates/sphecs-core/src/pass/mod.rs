@@ -25,6 +25,7 @@ pub mod body;
 pub mod density;
 pub mod edac;
 pub mod fits;
+pub(crate) mod fused;
 pub mod gradients;
 pub mod neighbours;
 pub mod pack;

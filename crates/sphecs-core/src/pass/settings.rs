@@ -134,21 +134,12 @@ impl PairSettings {
         if let PressureLaw::Evolved(edac) = self.pressure {
             return self.viscosity / self.edac_coefficient(&edac);
         }
-        match self.viscous_term {
-            Viscosity::Laminar { lattice_normalised: true, printed } => {
-                let coefficient =
-                    if printed { self.lattice.viscosity_printed } else { self.lattice.viscosity };
-                self.viscosity / coefficient
-            }
-            Viscosity::Sps { lattice_normalised: true, .. } => self.viscosity / self.lattice.viscosity,
-            Viscosity::Artificial { .. } => 0.0,
-            Viscosity::Laminar { .. } | Viscosity::Sps { .. } => self.viscosity,
-        }
+        self.viscous_term.pair_viscosity(self.viscosity, &self.lattice)
     }
 
     /// What the viscous sums of an evolved pressure are divided by, dimensionless.
     pub fn edac_coefficient(&self, edac: &Edac) -> f64 {
-        match (edac.lattice_normalised, edac.printed) {
+        match (edac.lattice_normalised, edac.as_published) {
             (true, true) => self.lattice.viscosity_printed,
             (true, false) => self.lattice.viscosity,
             (false, _) => 1.0,

@@ -17,10 +17,10 @@ use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
+use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::sps::{Sps, components};
-use crate::physics::viscosity::Viscosity;
+use crate::physics::viscosity::Sps;
 
 /// Sets stress and eddy viscosity from the velocity gradient in `sums`. Does nothing unless the viscous term is `Sps`.
 pub fn find_stress<R: Real, const D: usize>(
@@ -29,17 +29,16 @@ pub fn find_stress<R: Real, const D: usize>(
     particles: &ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
 ) {
-    let Viscosity::Sps { smagorinsky, isotropic, .. } = pair.viscous_term else {
+    let Some(model) = pair.viscous_term.stress_model() else {
         return;
     };
-    let model = Sps { smagorinsky, isotropic, spacing: pair.spacing };
     sums.packs.prepare();
     let has_walls = sums.columns.find_walls(pair, particles) > 0;
     sums.eddy_viscosity.resize(particles.len(), R::default());
     for column in sums.stress.iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());
     }
-    find_flow_stress(&model, grid, particles, sums);
+    find_flow_stress(pair, &model, grid, particles, sums);
     if has_walls {
         extrapolate_stress(pair, grid, particles, sums);
     }
@@ -50,6 +49,7 @@ type FlowStress<'a, R> = ([&'a mut [R]; 6], [&'a mut [R]; 1]);
 
 /// Sets stress and eddy viscosity of the flow, and zero for walls.
 fn find_flow_stress<R: Real, const D: usize>(
+    pair: &PairSettings,
     model: &Sps,
     grid: &CellGrid<D>,
     particles: &ParticleArrays<R, D>,
@@ -63,7 +63,7 @@ fn find_flow_stress<R: Real, const D: usize>(
                 ([0.0; 6], 0.0)
             } else {
                 let gradient = std::array::from_fn(|i| std::array::from_fn(|j| gradient[i][j][row].to_f64()));
-                model.stress::<D>(gradient, particles.density[row].to_f64())
+                model.stress::<D>(gradient, particles.density[row].to_f64(), pair.spacing)
             };
             for (column, component) in stress.iter_mut().zip(tensor).take(components(D)) {
                 column[row - first] = R::from_f64(component);
@@ -160,13 +160,14 @@ mod tests {
     use crate::pass::gradients::sum_gradients;
     use crate::pass::rates::VelocityLevel;
     use crate::pass::samples::{SPACING, Sample, settings};
+    use crate::physics::viscosity::{Sps, Viscosity};
 
     const SHEAR: f64 = 7.0;
 
     /// Plane shear over a wall, periodic in no direction.
     fn sheared<const D: usize>(counts: [usize; D]) -> Sample<f64, D> {
         let pair = PairSettings {
-            viscous_term: Viscosity::Sps { smagorinsky: 0.12, isotropic: 0.0066, lattice_normalised: true },
+            viscous_term: Viscosity::Sps(Sps::default()),
             ..settings(Kernel::WendlandC2, D, 1.3)
         };
         let mut sample = Sample::<f64, D>::lattice(pair, counts, false);
@@ -195,7 +196,7 @@ mod tests {
         let eddy = (0.12 * SPACING).powi(2) * SHEAR;
         let shear_stress = eddy * SHEAR / 1000.0;
         let normal_stress = -2.0 / 3.0 * 0.0066 * (SPACING * SHEAR).powi(2) / 1000.0;
-        let shear = crate::physics::sps::component::<D>(0, 1);
+        let shear = crate::math::symmetric::component::<D>(0, 1);
         for row in 0..sample.particles.len() {
             let depth = -(sample.particles.position[1][row] + 0.3 - 4.0 * SPACING);
             if depth > 2.0 * SPACING {

@@ -47,7 +47,8 @@ pub struct Edac {
     /// Rate r at which the pressure goes to that of the summed density, over c_s/h, dimensionless; 0 as printed.
     pub relaxation: f64,
     /// Whether the viscous sums have the printed η² = 0.01 h² in the denominator.
-    pub printed: bool,
+    #[serde(rename = "printed")]
+    pub as_published: bool,
 }
 
 impl Default for Edac {
@@ -58,7 +59,7 @@ impl Default for Edac {
             average_pressure: true,
             lattice_normalised: true,
             relaxation: 0.0,
-            printed: false,
+            as_published: false,
         }
     }
 }

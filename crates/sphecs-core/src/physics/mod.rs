@@ -5,8 +5,10 @@
 //! - [`eos`]: the equation of state
 //! - [`inlet`], [`outlet`], [`wall`]: boundary conditions
 //! - [`integrator`], [`timestep`]: integration in time
+//! - [`pair`]: a particle and a vector of its neighbours, as the pair terms take them
+//! - [`parameters`]: parameters that are out of bounds
 //! - [`shifting`]: particle shifting
-//! - [`sps`], [`viscosity`]: viscous and turbulent stresses
+//! - [`viscosity`]: viscous and turbulent stresses
 
 pub mod density;
 pub mod edac;
@@ -15,8 +17,9 @@ pub mod inlet;
 pub mod integrator;
 pub mod momentum;
 pub mod outlet;
+pub mod pair;
+pub mod parameters;
 pub mod shifting;
-pub mod sps;
 pub mod timestep;
 pub mod viscosity;
 pub mod wall;

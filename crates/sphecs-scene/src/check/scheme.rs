@@ -3,12 +3,12 @@
 use super::checker::Checker;
 use crate::faults::Fault;
 use crate::model::{EdacTvf, Scheme, Wcsph};
+use crate::notation::tree::Span;
 use crate::schema::{Number, SchemeFile};
 use sphecs_core::math::kernel::Kernel;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::Integrator;
-use sphecs_core::physics::shifting::Shifting;
-use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
+use sphecs_core::physics::parameters::ParameterFault;
 
 /// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
 fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
@@ -57,6 +57,20 @@ fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut
     }
 }
 
+/// Reports the parameters of a method that are out of bounds.
+fn report_faults(faults: Vec<ParameterFault>, span: Span, check: &mut Checker<'_>) {
+    for fault in faults {
+        let (least, most) = fault.allowed.into_inner();
+        let bounds = if most == f64::MAX {
+            format!("at least `{least}`")
+        } else {
+            format!("from `{least}` to `{most}`")
+        };
+        let label = format!("is `{}`, must be {bounds}", fault.value);
+        check.report(Fault::new(fault.message, span, label).help(fault.usual));
+    }
+}
+
 /// The scheme, defaults put in.
 pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> Scheme {
     match file {
@@ -80,37 +94,14 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
                     "is `0`".to_owned(),
                 ));
             }
-            if let Some(shifting) = shifting
-                && !(0.0..=Shifting::LARGEST_STRENGTH).contains(&shifting.value.strength())
-            {
-                check.report(
-                    Fault::new(
-                        "the strength of the shifting is out of bounds",
-                        shifting.span,
-                        format!(
-                            "is `{}`, must be from `0` to `{}`",
-                            shifting.value.strength(),
-                            Shifting::LARGEST_STRENGTH
-                        ),
-                    )
-                    .help("`Fickian(coefficient: 4)`, `Local(coefficient: 32)` and `Vacondio(beta: 0.04)` are usual"),
-                );
+            if let Some(viscosity) = viscosity {
+                report_faults(viscosity.value.faults(), viscosity.span, check);
             }
-            if let Some(damping) = noise_damping
-                && !(0.0..=NoiseDamping::LARGEST_ALPHA).contains(&damping.value.alpha())
-            {
-                check.report(
-                    Fault::new(
-                        "`alpha` of the noise damping is out of bounds",
-                        damping.span,
-                        format!(
-                            "is `{}`, must be from `0` to `{}`",
-                            damping.value.alpha(),
-                            NoiseDamping::LARGEST_ALPHA
-                        ),
-                    )
-                    .help("`0.05` to `0.3` is usual"),
-                );
+            if let Some(shifting) = shifting {
+                report_faults(shifting.value.faults(), shifting.span, check);
+            }
+            if let Some(damping) = noise_damping {
+                report_faults(damping.value.faults(), damping.span, check);
             }
             Scheme::Wcsph(Wcsph {
                 kernel,
@@ -153,7 +144,7 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
                     "relaxation",
                     check,
                 ),
-                printed: printed.unwrap_or(usual.printed),
+                as_published: printed.unwrap_or(usual.as_published),
             };
             Scheme::EdacTvf(EdacTvf { kernel, smoothing_ratio, terms })
         }

@@ -1,46 +1,50 @@
-//! Rates of the fluid where the pressure evolves: one fused pair loop for everything that the step needs.
+//! Rates of the fluid under `EdacTvf`, where the pressure evolves.
 //!
-//! The equations stand in `physics/edac.rs`: Negi et al. (2020), Eqs. 6–11. The body force is the integrator's.
-//! Lengths in the loop are in units of h, volumes in units of that of the lattice, the kernel without its norm: the
-//! dimensions come back once per row.
+//! The equations are in `physics/edac.rs`: Negi et al. (2020), Eqs. 6–11. The integrator adds the
+//! body force. The pair loop is that of [`fused`](super::fused); `edac_terms.rs` calls the terms.
+//! Volumes in the loop are in units of that of the lattice.
 
-pub mod body;
-mod row;
+mod edac_columns;
+mod edac_sums;
+mod edac_terms;
 #[cfg(test)]
 mod tests;
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
-use row::{Layout, PairLoop};
+use edac_columns::{EdacColumns, columns};
+use edac_terms::EdacSettings;
 
-use super::blocks::for_each_block;
-use super::pack::{Near, Only, Pack, Source};
+use super::body::{Body, BodyPass, BodySum};
+use super::fused::{
+    BlockLoop, FluidRow, FusedBlock, FusedInputs, FusedPass, FusedScheme, General, GeneralWithMoments,
+    LoopShape, OutputColumns, Plain, PlainWithWalls, RateColumns, RowForce, Summary, sum_pairs,
+};
+use super::pack::{Pack, Source};
 use super::rates::larger;
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
 use crate::physics::edac::Edac;
 
-/// The largest of what the time step and the monitor ask for, over all fluid rows. A value that is not a number shows
-/// as such.
+/// Largest values over all fluid rows, for the time step and the monitor. A rate that is NaN makes
+/// its largest value NaN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdacSummary {
     /// Largest |v|, m/s.
     pub speed: f64,
     /// Largest |∇·v|, 1/s.
     pub divergence: f64,
-    /// Largest rate at which a dissipative term damps a particle's velocity or pressure among neighbours that keep theirs, 1/s.
+    /// Largest rate at which a dissipative term damps a particle's velocity or pressure among
+    /// neighbours that keep theirs, 1/s.
     pub damping: f64,
 }
 
-impl EdacSummary {
-    /// The larger of each, whatever the order.
+impl Summary for EdacSummary {
     fn join(self, other: Self) -> Self {
         Self {
             speed: larger(self.speed, other.speed),
@@ -50,8 +54,8 @@ impl EdacSummary {
     }
 }
 
-/// Sums acceleration, rate of pressure, acceleration by the background pressure and divergence of the fluid rows over
-/// all rows.
+/// Sums acceleration, rate of pressure, acceleration by the background pressure and divergence of
+/// the fluid rows over all rows.
 pub fn sum_rates<R: Real, const D: usize>(
     pair: &PairSettings,
     edac: &Edac,
@@ -64,169 +68,135 @@ pub fn sum_rates<R: Real, const D: usize>(
     for column in sums.shift.iter_mut().chain([&mut sums.divergence, &mut sums.pressure_rate]) {
         column.resize(particles.len(), R::default());
     }
-    let layout = Layout::new::<D>(pair, has_walls);
-    pair.kernel.with_shape(EdacPass { pair, edac, layout, grid, particles, sums })
+    let mut outputs = RateColumns {
+        acceleration: std::mem::replace(&mut particles.acceleration, [const { Vec::new() }; D]),
+        shift: std::mem::replace(&mut sums.shift, [const { Vec::new() }; D]),
+        scalars: [std::mem::take(&mut sums.pressure_rate), std::mem::take(&mut sums.divergence)],
+    };
+    let (places, list) = columns(pair, particles, sums, has_walls);
+    let summary = pair.kernel.with_shape(FusedPass {
+        scheme: &EdacTvf { edac, columns: places },
+        inputs: FusedInputs::new(pair, grid, particles, sums, list.as_slice()),
+        packs: &sums.packs,
+        outputs: outputs.as_outputs(),
+    });
+    particles.acceleration = outputs.acceleration;
+    sums.shift = outputs.shift;
+    [sums.pressure_rate, sums.divergence] = outputs.scalars;
+    summary
 }
 
-struct EdacPass<'a, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    edac: &'a Edac,
-    layout: Layout,
-    grid: &'a CellGrid<D>,
-    particles: &'a mut ParticleArrays<R, D>,
-    sums: &'a mut PairSums<R, D>,
-}
-
-impl<R: Real, const D: usize> WithShape for EdacPass<'_, R, D> {
-    type Output = EdacSummary;
-
-    fn run<K: KernelShape>(self) -> EdacSummary {
-        let ParticleArrays {
-            zone,
-            position,
-            velocity,
-            drift,
-            acceleration,
-            density,
-            pressure,
-            wall_distance,
-            wall_normal,
-            ..
-        } = self.particles;
-        let PairSums {
-            shift,
-            divergence,
-            pressure_rate,
-            velocity_seen,
-            body_force,
-            near,
-            columns,
-            packs,
-            ..
-        } = self.sums;
-        let (body_force, near) = (&*body_force, &*near);
-        let layout = self.layout;
-        let images = &columns.image_distance;
-        let vectors = [&*velocity, &*drift, &*wall_normal, &*velocity_seen];
-        let (neighbours, count) = layout.in_order(vectors, [&*density, &*pressure], images);
-        let source = Source {
-            grid: self.grid,
-            position,
-            columns: &neighbours[..count],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::All,
-        };
-        let work = |cells: Range<usize>, (acceleration, shift, scalars): Outputs<R, D>| {
-            let block = EdacBlock::<K, R, D> {
-                pair: self.pair,
-                edac: self.edac,
-                layout,
-                source: &source,
-                zone,
-                wall_distance,
-                body_force,
-                near,
-                cells,
-                outputs: (acceleration, shift, scalars),
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block)
-        };
-        let outputs = (
-            acceleration.each_mut().map(Vec::as_mut_slice),
-            shift.each_mut().map(Vec::as_mut_slice),
-            [pressure_rate.as_mut_slice(), divergence.as_mut_slice()],
-        );
-        for_each_block(self.grid, outputs, &work, &EdacSummary::join)
+/// Sums force and torque of the fluid on a body, by the columns that the rates of the present step
+/// are made of.
+pub fn sum_body_force<R: Real, const D: usize>(
+    pair: &PairSettings,
+    edac: &Edac,
+    grid: &CellGrid<D>,
+    particles: &ParticleArrays<R, D>,
+    sums: &mut PairSums<R, D>,
+    body: &mut Body,
+) -> BodySum {
+    sums.packs.prepare();
+    if !sums.columns.find_images(pair, particles) {
+        return BodySum::default();
     }
+    sums.columns.find_body(body.part, particles);
+    body.find_cells(grid, particles);
+    let (places, list) = columns(pair, particles, sums, true);
+    let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());
+    let scheme = EdacTvf { edac, columns: places };
+    let of_body = &sums.columns.body;
+    pair.kernel.with_shape(BodyPass { scheme: &scheme, inputs, of_body, packs: &sums.packs, body })
 }
 
-/// Acceleration, acceleration by the background pressure, and rate of pressure with divergence of a block's rows.
-type Outputs<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 2]);
-
-struct EdacBlock<'a, K, R: Real, const D: usize> {
-    pair: &'a PairSettings,
+/// The scheme `EdacTvf` for a fused pass.
+struct EdacTvf<'a> {
     edac: &'a Edac,
-    layout: Layout,
-    source: &'a Source<'a, R, D>,
-    zone: &'a [Zone],
-    wall_distance: &'a [R],
-    body_force: &'a [Vec<R>; D],
-    near: &'a [Near],
-    cells: Range<usize>,
-    outputs: Outputs<'a, R, D>,
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
+    columns: EdacColumns,
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for EdacBlock<'_, K, R, D> {
-    type Output = EdacSummary;
+impl<R: Real, const D: usize> FusedScheme<R, D> for EdacTvf<'_> {
+    type Summary = EdacSummary;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) -> EdacSummary {
-        let pair_loop = PairLoop::<L, D>::new(self.pair, self.edac, self.layout, self.body_force);
-        match (pair_loop.is_plain(), pair_loop.has_walls()) {
-            (true, false) => self.sweep::<L, true, false>(&pair_loop),
-            (true, true) => self.sweep::<L, true, true>(&pair_loop),
-            (false, _) => self.sweep::<L, false, false>(&pair_loop),
-        }
-    }
-}
-
-impl<K: KernelShape, R: Real, const D: usize> EdacBlock<'_, K, R, D> {
-    /// All fluid rows of the block; `PLAIN` and `WALLS` as the loop says.
-    #[inline(always)]
-    fn sweep<L: Lanes<Real = R>, const PLAIN: bool, const WALLS: bool>(
-        self,
-        pair_loop: &PairLoop<L, D>,
+    fn sum_block<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        block: FusedBlock<'_, K, Self, R, D>,
     ) -> EdacSummary {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        let (acceleration, shift, [pressure_rate, divergence]) = self.outputs;
-        let mut summary = EdacSummary::default();
-        for cell in self.cells {
-            let rows = grid.rows(cell);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
-                continue;
-            }
-            // Of each cell apart: see `pass/rates/mod.rs`.
-            let mut of_cell = EdacSummary::default();
-            for row in rows {
-                if self.zone[row] != Zone::Fluid {
-                    continue;
-                }
-                let point = self.pack.relative(self.source, row);
-                let distance = self.wall_distance[row].to_f64();
-                let near = Near::of_row(self.near, row);
-                let rates = pair_loop.sum::<K, PLAIN, WALLS, false>(
-                    self.pack,
-                    self.source,
-                    point,
-                    row,
-                    near,
-                    distance,
-                );
-                let mut speed = 0.0;
-                for d in 0..D {
-                    acceleration[d][row - first] = R::from_f64(rates.acceleration[d]);
-                    shift[d][row - first] = R::from_f64(rates.background[d]);
-                    let v = self.source.columns[d][row].to_f64();
-                    speed += v * v;
-                }
-                pressure_rate[row - first] = R::from_f64(rates.pressure_rate);
-                divergence[row - first] = R::from_f64(rates.divergence);
-                of_cell = of_cell.join(EdacSummary {
-                    speed,
-                    divergence: rates.divergence.abs(),
-                    damping: rates.damping,
-                });
-            }
-            summary = summary.join(of_cell);
+        let settings = EdacSettings::<L, D>::new(block.inputs, block.source, self.edac, self.columns);
+        match (settings.fit_fixed_shapes(), self.columns.image_distance.is_some()) {
+            (true, false) => sum_rows::<K, L, Plain, R, D>(&settings, block),
+            (true, true) => sum_rows::<K, L, PlainWithWalls, R, D>(&settings, block),
+            (false, _) => sum_rows::<K, L, General, R, D>(&settings, block),
         }
-        // The root of the largest square is the largest root: one root a block.
-        summary.speed = summary.speed.sqrt();
-        summary
+    }
+
+    #[inline(always)]
+    fn row_force<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        inputs: &FusedInputs<'_, R, D>,
+        source: &Source<'_, R, D>,
+        pack: &Pack<R>,
+        row: &FluidRow<R, D>,
+    ) -> RowForce<D> {
+        let settings = EdacSettings::<L, D>::new(inputs, source, self.edac, self.columns);
+        let terms = settings.with_shape::<GeneralWithMoments>();
+        let sums = sum_pairs::<K, L, _, D>(&terms, pack, row);
+        let rates = terms.rates(&sums, row);
+        let moment = terms.moment(&sums, row.row);
+        RowForce { acceleration: rates.acceleration, pressure: rates.pressure_part, moment }
+    }
+}
+
+/// Sums over the rows of a block by the loop of a shape.
+#[inline(always)]
+fn sum_rows<K: KernelShape, L: Lanes<Real = R>, S: LoopShape, R: Real, const D: usize>(
+    settings: &EdacSettings<'_, L, D>,
+    block: FusedBlock<'_, K, EdacTvf<'_>, R, D>,
+) -> EdacSummary {
+    let (cells, outputs) = block.split();
+    cells.sum_rows::<K, L, _>(&mut EdacBlock::<L, S, D> { settings, outputs, shape: PhantomData })
+}
+
+/// Treatment of the rows of a block by a loop of a shape.
+struct EdacBlock<'b, 'a, L: Lanes, S, const D: usize> {
+    settings: &'b EdacSettings<'a, L, D>,
+    outputs: OutputColumns<'b, L::Real, D>,
+    shape: PhantomData<S>,
+}
+
+impl<L: Lanes, S: LoopShape, const D: usize> BlockLoop<L::Real, D> for EdacBlock<'_, '_, L, S, D> {
+    type Summary = EdacSummary;
+
+    #[inline(always)]
+    fn sum_row<K: KernelShape>(
+        &mut self,
+        pack: &Pack<L::Real>,
+        row: &FluidRow<L::Real, D>,
+        of_cell: &mut EdacSummary,
+    ) {
+        let terms = self.settings.with_shape::<S>();
+        let sums = sum_pairs::<K, L, _, D>(&terms, pack, row);
+        let rates = terms.rates(&sums, row);
+        let OutputColumns { first, acceleration, shift, scalars: [pressure_rate, divergence] } =
+            &mut self.outputs;
+        let at = row.row - *first;
+        let mut speed = 0.0;
+        for d in 0..D {
+            acceleration[d][at] = L::Real::from_f64(rates.acceleration[d]);
+            shift[d][at] = L::Real::from_f64(rates.background[d]);
+            let v = self.settings.source.columns[d][row.row].to_f64();
+            speed += v * v;
+        }
+        pressure_rate[at] = L::Real::from_f64(rates.pressure_rate);
+        divergence[at] = L::Real::from_f64(rates.divergence);
+        let of_row = EdacSummary { speed, divergence: rates.divergence.abs(), damping: rates.damping };
+        *of_cell = of_cell.join(of_row);
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, of_cells: EdacSummary) -> EdacSummary {
+        // The root of the largest square is the largest root: one root for the block.
+        EdacSummary { speed: of_cells.speed.sqrt(), ..of_cells }
     }
 }

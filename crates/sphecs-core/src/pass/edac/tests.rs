@@ -2,12 +2,11 @@
 
 use glam::DVec3;
 
-use super::body::sum_body_force;
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::lattice::ETA_SQUARED;
-use crate::pass::body::Body;
+use crate::particles::zone::Zone;
 use crate::pass::density::sum_density;
 use crate::pass::neighbours::Neighbours;
 use crate::pass::samples::{SPACING, Sample, WATER, assert_close, dummy_velocity, noise, settings};
@@ -110,7 +109,7 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
         let squares = (m / rho_a).powi(2) + (m / rho_b).powi(2);
         let p_ab = (rho_b * (p_a - mean) + rho_a * (p_b - mean)) / (rho_a + rho_b);
         let harmonic = |nu: f64| 2.0 * nu * rho_a * rho_b / (rho_a + rho_b);
-        let softened = if edac.printed { r2 / (r2 + ETA_SQUARED * h * h) } else { 1.0 };
+        let softened = if edac.as_published { r2 / (r2 + ETA_SQUARED * h * h) } else { 1.0 };
         let wall = particles.zone[b] == Zone::Wall;
         let slips = wall && pair.wall_part(particles.patch[b]).free_slip;
         let mut factor = 1.0;
@@ -201,7 +200,7 @@ fn rates_are_the_printed_sums() {
     for kernel in Kernel::ALL {
         check(evolved(kernel, 2, 1.3, usual), [13, 9]);
         check(evolved(kernel, 3, 1.2, usual), [7, 8, 5]);
-        let edac = Edac { printed: true, average_pressure: false, background: 0.3, alpha: 1.5, ..usual };
+        let edac = Edac { as_published: true, average_pressure: false, background: 0.3, alpha: 1.5, ..usual };
         let wall_model = WallModel::Image { velocity_cap: Some(1.5), pressure: WallPressure::Extrapolated };
         check(PairSettings { wall_model, ..evolved(kernel, 2, 1.5, edac) }, [12, 9]);
         let edac = Edac { lattice_normalised: false, relaxation: 0.3, ..usual };

@@ -7,6 +7,7 @@
 //! boxes, and single precision loses only the last digits of a distance, wherever in the domain it is.
 
 mod bounds;
+mod columns;
 mod copy;
 mod entries;
 mod near;
@@ -21,6 +22,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crossbeam_utils::CachePadded;
 
 pub use bounds::Bounds;
+pub use columns::{ColumnList, Scalar, Symmetric, Vector};
 pub use entries::Entry;
 pub use near::{Covered, Near, NearNotes, noted};
 pub use source::{Only, Source};

@@ -1,17 +1,19 @@
-//! The ends of as many rows as there are lanes, a lane being a row: one by one they would be a sixth of the pass in 2D.
+//! Rates of several rows at once, one row per SIMD lane; one by one they took a sixth of the pass
+//! in 2D.
 
 use super::RatesSummary;
-use super::ends::RowSums;
-use super::row::PairLoop;
+use super::wcsph_sums::WcsphSums;
+use super::wcsph_terms::WcsphSettings;
 use crate::math::lanes::{Lanes, MOST_LANES};
 use crate::math::real::Real;
+use crate::pass::fused::OutputColumns;
 
-/// Sums of a row at most: acceleration and shift in 3D, divergence, damping.
+/// Most sums of a row: acceleration and shift in 3D, divergence, damping.
 const SUMS: usize = 2 * 3 + 2;
 
-/// Rows that have been walked and wait for their end.
+/// Rows whose neighbours are summed and whose rates are not written yet.
 pub(super) struct Batch<L: Lanes, const D: usize> {
-    /// By sum: the vectors of all rows. Acceleration first, then shift, divergence and damping.
+    /// By sum and row: acceleration first, then shift, divergence and damping.
     sums: [[L; MOST_LANES]; SUMS],
     rows: [usize; MOST_LANES],
     density: [L::Real; MOST_LANES],
@@ -22,7 +24,8 @@ pub(super) struct Batch<L: Lanes, const D: usize> {
     extremes: Extremes<L>,
 }
 
-/// The largest so far, lane by lane: as in [`RatesSummary`], the squares of acceleration and speed.
+/// Largest values so far, one per lane: those of [`RatesSummary`], but the squares of acceleration
+/// and speed.
 struct Extremes<L> {
     acceleration: L,
     signal_speed: L,
@@ -30,26 +33,19 @@ struct Extremes<L> {
     divergence: L,
     damping: L,
     damping_at_walls: L,
-    /// 0, or no number once one of the rates has been none: a maximum would forget it.
+    /// 0, or NaN once one of the rates has been NaN: a maximum would lose it.
     poison: L,
 }
 
-/// A row that a batch takes up.
-pub(super) struct Taken<R, const D: usize> {
+/// A row of a batch beside its sums.
+pub(super) struct BatchedRow<R, const D: usize> {
     pub row: usize,
-    /// Its velocity as the pass sees it, m/s.
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Velocity as the pass takes it, m/s.
     pub velocity: [R; D],
     /// Whether a wall is in its support.
     pub at_wall: bool,
-}
-
-/// Acceleration, shifting vector, and divergence and damping rate of consecutive rows from `first` on.
-pub(super) struct Columns<'a, 'b, R, const D: usize> {
-    pub first: usize,
-    pub acceleration: &'a mut [&'b mut [R]; D],
-    pub shift: &'a mut [&'b mut [R]; D],
-    pub divergence: &'a mut [R],
-    pub damping: &'a mut [R],
 }
 
 impl<L: Lanes, const D: usize> Batch<L, D> {
@@ -75,12 +71,17 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
         }
     }
 
-    /// Takes up a row; returns whether there is room for no more.
+    /// Adds a row; returns whether the batch is full.
     #[inline(always)]
-    pub fn take(&mut self, pair_loop: &PairLoop<L, D>, sums: RowSums<L, D>, of: Taken<L::Real, D>) -> bool {
+    pub fn add(
+        &mut self,
+        settings: &WcsphSettings<'_, L, D>,
+        sums: &WcsphSums<L, D>,
+        of: BatchedRow<L::Real, D>,
+    ) -> bool {
         let slot = self.count % MOST_LANES;
-        let along_x_scale = L::constant(-pair_loop.gradient_scale / sums.density);
-        let along_v_scale = L::constant(pair_loop.viscous_scale);
+        let along_x_scale = L::constant(-settings.gradient_scale / of.density);
+        let along_v_scale = L::constant(settings.viscous_scale);
         for d in 0..D {
             self.sums[d][slot] = sums.along_x[d].mul_add(along_x_scale, sums.along_v[d] * along_v_scale);
             self.sums[D + d][slot] = sums.shift[d];
@@ -89,17 +90,21 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
         self.sums[2 * D][slot] = sums.divergence;
         self.sums[2 * D + 1][slot] = sums.damping;
         self.rows[slot] = of.row;
-        self.density[slot] = L::Real::from_f64(sums.density);
+        self.density[slot] = L::Real::from_f64(of.density);
         self.at_wall[slot] = L::Real::from_f64(f64::from(u8::from(of.at_wall)));
-        let sound_speed = L::constant(pair_loop.pair.tait.sound_speed_at(sums.density));
+        let sound_speed = L::constant(settings.pair().tait.sound_speed_at(of.density));
         self.extremes.signal_speed = self.extremes.signal_speed.max(sums.signal + sound_speed);
         self.count += 1;
         self.count == L::COUNT
     }
 
-    /// Ends the rows that were taken up.
+    /// Writes the rates of the rows and empties the batch.
     #[inline(always)]
-    pub fn finish(&mut self, pair_loop: &PairLoop<L, D>, columns: &mut Columns<'_, '_, L::Real, D>) {
+    pub fn finish(
+        &mut self,
+        settings: &WcsphSettings<'_, L, D>,
+        columns: &mut OutputColumns<'_, L::Real, D>,
+    ) {
         if self.count == 0 {
             return;
         }
@@ -114,22 +119,22 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
         }
         let sum = |at: usize| L::sum_each(&self.sums[at]);
         let rows = &self.rows[..self.count.min(MOST_LANES)];
-        let (zero, scale) = (L::constant(0.0), L::constant(pair_loop.gradient_scale));
-        let put = |column: &mut [L::Real], values: L| put(column, columns.first, rows, values);
+        let (zero, scale) = (L::constant(0.0), L::constant(settings.gradient_scale));
+        let OutputColumns { first, acceleration, shift, scalars: [of_divergence, of_damping] } = columns;
 
         let (mut squared, mut speed) = (zero, zero);
         for d in 0..D {
             let (a, v) = (sum(d), L::first_of(&self.velocity[d]));
-            put(columns.acceleration[d], a);
-            put(columns.shift[d], scale * sum(D + d));
+            write(acceleration[d], *first, rows, a);
+            write(shift[d], *first, rows, scale * sum(D + d));
             squared = a.mul_add(a, squared);
             speed = v.mul_add(v, speed);
         }
         let divergence = -(scale * sum(2 * D));
-        put(columns.divergence, divergence);
-        let own = L::constant(pair_loop.own_damping) / L::first_of(&self.density);
-        let damping = -(L::constant(pair_loop.viscous_scale).mul_add(sum(2 * D + 1), own));
-        put(columns.damping, damping);
+        write(of_divergence, *first, rows, divergence);
+        let own = L::constant(settings.own_damping) / L::first_of(&self.density);
+        let damping = -(L::constant(settings.viscous_scale).mul_add(sum(2 * D + 1), own));
+        write(of_damping, *first, rows, damping);
 
         let extremes = &mut self.extremes;
         let at_wall = zero.less(L::first_of(&self.at_wall));
@@ -143,7 +148,7 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
         self.count = 0;
     }
 
-    /// The largest of all rows that were ended; the squares of acceleration and speed.
+    /// Returns the extremes of all rows that were written; the squares of acceleration and speed.
     #[inline(always)]
     pub fn summary(&self) -> RatesSummary {
         let poison = self.extremes.poison.sum().to_f64();
@@ -160,9 +165,10 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
     }
 }
 
-/// Writes the values of rows into a column that begins with the row `first`; nothing into one that is not in use.
+/// Writes the values of rows into a column that begins with the row `first`; a column that is not
+/// in use is empty and stays so.
 #[inline(always)]
-fn put<L: Lanes>(column: &mut [L::Real], first: usize, rows: &[usize], values: L) {
+fn write<L: Lanes>(column: &mut [L::Real], first: usize, rows: &[usize], values: L) {
     if column.is_empty() {
         return;
     }

@@ -1,42 +1,45 @@
-//! Rates of the fluid: one fused pair loop for everything that the step needs.
+//! Rates of the fluid under `Wcsph`.
 //!
 //! ```text
-//! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ damping of noise) (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
+//! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ noise damping) (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
 //! ∇C_a    = Σ V_b ∇W,   ∇·v_a = Σ V_b (v_b − v_a)·∇W,   signal_a = max_b |h x_ab·v_ab/(r² + η²)|
-//! or, for a shift that carries nothing: s_a − Σ V_b W_ab s_b / Σ V_b W_ab,   b: fluid, a itself included
+//! or, with the drift corrected: s_a − Σ V_b W_ab s_b / Σ V_b W_ab,   b: fluid, a itself included
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Eqs. 10 and 18. The body force is the integrator's. Lengths in the loop are in
-//! units of h, and the kernel without its norm: the dimensions come back once per row.
+//! Alvarado-Rodríguez et al. (2017), Eqs. 10 and 18. The integrator adds the body force. The pair
+//! loop is that of [`fused`](super::fused); `wcsph_terms.rs` calls the terms, which are in
+//! `physics/`. Loops of a fixed shape finish several rows at once (`batch.rs`).
 
 mod batch;
-pub mod body;
-mod ends;
-mod layout;
-mod row;
 #[cfg(test)]
 mod tests;
+mod wcsph_columns;
+mod wcsph_sums;
+mod wcsph_terms;
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
-use batch::{Batch, Columns, Taken};
-use layout::{Fields, Layout};
-use row::PairLoop;
+use batch::{Batch, BatchedRow};
+use wcsph_columns::{WcsphColumns, columns};
+use wcsph_terms::WcsphSettings;
 
-use super::blocks::for_each_block;
-use super::pack::{Near, Only, Pack, Source};
+use super::body::{Body, BodyPass, BodySum};
+use super::fused::{
+    BlockLoop, Damped, DampedWithWalls, DampedWithWallsDriftCorrected, FluidRow, FusedBlock, FusedInputs,
+    FusedPass, FusedScheme, General, GeneralWithMoments, LoopShape, OutputColumns, Plain, PlainWithWalls,
+    RateColumns, RowForce, Summary, sum_pairs,
+};
+use super::pack::{Pack, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
 
-/// The largest of what the time step and the monitor ask for, over all fluid rows. A value that is not a number shows
-/// as such.
+/// Largest values over all fluid rows, for the time step and the monitor. A rate that is NaN makes
+/// its largest value NaN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RatesSummary {
     /// Largest |dv/dt| without the body force, m/s².
@@ -49,24 +52,24 @@ pub struct RatesSummary {
     pub divergence: f64,
     /// Largest eddy viscosity ν_t, m²/s.
     pub eddy_viscosity: f64,
-    /// Largest rate at which the viscous term damps a particle among neighbours at rest, 1/s: of those with no wall in their support,
-    /// where the pressure evolves of all.
+    /// Largest rate at which the viscous term damps a particle among neighbours at rest, 1/s, over
+    /// particles without a wall in their support.
     pub damping: f64,
-    /// The same of those with a wall in their support, 1/s; 0 where the pressure evolves.
+    /// Largest such rate over particles with a wall in their support, 1/s.
     pub damping_at_walls: f64,
 }
 
-/// The velocities that a pass looks at.
+/// Time level of the velocities that a pass takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VelocityLevel {
-    /// Those of the present time.
+    /// The present time.
     Present,
-    /// Those of one step earlier, which the dissipative terms of a leapfrog step need.
+    /// One step earlier, for the dissipative terms of a leapfrog step.
     Previous,
 }
 
 impl VelocityLevel {
-    /// The columns of this level.
+    /// Returns the velocities of this level.
     pub fn columns<R: Real, const D: usize>(self, particles: &ParticleArrays<R, D>) -> &[Vec<R>; D] {
         match self {
             VelocityLevel::Present => &particles.velocity,
@@ -75,8 +78,7 @@ impl VelocityLevel {
     }
 }
 
-impl RatesSummary {
-    /// The larger of each, whatever the order.
+impl Summary for RatesSummary {
     fn join(self, other: Self) -> Self {
         Self {
             acceleration: larger(self.acceleration, other.acceleration),
@@ -90,7 +92,7 @@ impl RatesSummary {
     }
 }
 
-/// The larger of two numbers, or the one that is none: `f64::max` would hide it.
+/// Returns the larger of two numbers, or NaN if `b` is NaN: `f64::max` would hide it.
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
@@ -112,223 +114,206 @@ pub fn sum_rates<R: Real, const D: usize>(
         sums.columns.find_fluid_volume(pair, particles);
     }
     sums.damping.resize(if has_walls { particles.len() } else { 0 }, R::default());
-    let layout = Layout::new::<D>(pair, has_walls);
-    pair.kernel.with_shape(RatesPass { pair, layout, grid, particles, level, sums })
+    let mut outputs = RateColumns {
+        acceleration: std::mem::replace(&mut particles.acceleration, [const { Vec::new() }; D]),
+        shift: std::mem::replace(&mut sums.shift, [const { Vec::new() }; D]),
+        scalars: [std::mem::take(&mut sums.divergence), std::mem::take(&mut sums.damping)],
+    };
+    let (places, list) = columns(pair, particles, level, sums, has_walls);
+    let scheme = Wcsph { columns: places, eddy_viscosity: &sums.eddy_viscosity };
+    let summary = pair.kernel.with_shape(FusedPass {
+        scheme: &scheme,
+        inputs: FusedInputs::new(pair, grid, particles, sums, list.as_slice()),
+        packs: &sums.packs,
+        outputs: outputs.as_outputs(),
+    });
+    particles.acceleration = outputs.acceleration;
+    sums.shift = outputs.shift;
+    [sums.divergence, sums.damping] = outputs.scalars;
+    summary
 }
 
-struct RatesPass<'a, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    layout: Layout,
-    grid: &'a CellGrid<D>,
-    particles: &'a mut ParticleArrays<R, D>,
+/// Sums force and torque of the fluid on a body, by the columns that the rates of the present step
+/// are made of.
+pub fn sum_body_force<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &ParticleArrays<R, D>,
     level: VelocityLevel,
-    sums: &'a mut PairSums<R, D>,
-}
-
-impl<R: Real, const D: usize> WithShape for RatesPass<'_, R, D> {
-    type Output = RatesSummary;
-
-    fn run<K: KernelShape>(self) -> RatesSummary {
-        let ParticleArrays {
-            zone,
-            position,
-            velocity,
-            velocity_before,
-            acceleration,
-            density,
-            pressure,
-            wall_distance,
-            wall_normal,
-            ..
-        } = self.particles;
-        let PairSums {
-            shift,
-            divergence,
-            damping,
-            eddy_viscosity,
-            strain,
-            crowding,
-            stress,
-            velocity_seen,
-            body_force,
-            near,
-            columns,
-            packs,
-            ..
-        } = self.sums;
-        let layout = self.layout;
-        let velocity = match self.level {
-            _ if layout.sees_dummies(self.pair) => &*velocity_seen,
-            VelocityLevel::Present => &*velocity,
-            VelocityLevel::Previous => &*velocity_before,
-        };
-        let (neighbours, count) = layout.in_order(Fields {
-            velocity,
-            scalars: [&*density, &*pressure],
-            strain,
-            image_distance: &columns.image_distance,
-            wall_normal,
-            stress,
-            crowding,
-            fluid_volume: &columns.fluid_volume,
-        });
-        let source = Source {
-            grid: self.grid,
-            position,
-            columns: &neighbours[..count],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::All,
-        };
-        let (body_force, near) = (&*body_force, &*near);
-        let work = |cells: Range<usize>, outputs: Outputs<R, D>| {
-            let block = RatesBlock::<K, R, D> {
-                pair: self.pair,
-                layout,
-                source: &source,
-                zone,
-                wall_distance,
-                body_force,
-                eddy_viscosity,
-                near,
-                cells,
-                outputs,
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block)
-        };
-        let outputs = (
-            acceleration.each_mut().map(Vec::as_mut_slice),
-            shift.each_mut().map(Vec::as_mut_slice),
-            [divergence.as_mut_slice(), damping.as_mut_slice()],
-        );
-        for_each_block(self.grid, outputs, &work, &RatesSummary::join)
+    sums: &mut PairSums<R, D>,
+    body: &mut Body,
+) -> BodySum {
+    sums.packs.prepare();
+    if !sums.columns.find_images(pair, particles) {
+        return BodySum::default();
     }
+    sums.columns.find_body(body.part, particles);
+    body.find_cells(grid, particles);
+    let (places, list) = columns(pair, particles, level, sums, true);
+    let scheme = Wcsph { columns: places, eddy_viscosity: &sums.eddy_viscosity };
+    let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());
+    let of_body = &sums.columns.body;
+    pair.kernel.with_shape(BodyPass { scheme: &scheme, inputs, of_body, packs: &sums.packs, body })
 }
 
-/// Acceleration, shifting vector, and divergence and damping rate of a block's rows.
-type Outputs<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 2]);
-
-struct RatesBlock<'a, K, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    layout: Layout,
-    source: &'a Source<'a, R, D>,
-    zone: &'a [Zone],
-    wall_distance: &'a [R],
-    body_force: &'a [Vec<R>; D],
+/// The scheme `Wcsph` for a fused pass.
+struct Wcsph<'a, R> {
+    columns: WcsphColumns,
+    /// Eddy viscosity ν_t of the rows, m²/s; empty without sub-particle-scale stress.
     eddy_viscosity: &'a [R],
-    near: &'a [Near],
-    cells: Range<usize>,
-    outputs: Outputs<'a, R, D>,
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for RatesBlock<'_, K, R, D> {
-    type Output = RatesSummary;
+impl<R: Real, const D: usize> FusedScheme<R, D> for Wcsph<'_, R> {
+    type Summary = RatesSummary;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) -> RatesSummary {
-        let pair_loop = PairLoop::<L, D>::new(self.pair, self.layout, self.body_force);
-        let (damped, walls) = (pair_loop.is_damped(), pair_loop.has_walls());
-        match (pair_loop.is_plain(), damped, walls, pair_loop.is_net()) {
-            (true, false, false, false) => self.sweep::<L, true, false, false, false>(&pair_loop),
-            (true, false, true, false) => self.sweep::<L, true, false, true, false>(&pair_loop),
-            (true, true, false, false) => self.sweep::<L, true, true, false, false>(&pair_loop),
-            (true, true, true, false) => self.sweep::<L, true, true, true, false>(&pair_loop),
-            (true, true, true, true) => self.sweep::<L, true, true, true, true>(&pair_loop),
-            _ => self.sweep::<L, false, false, false, false>(&pair_loop),
+    fn sum_block<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        block: FusedBlock<'_, K, Self, R, D>,
+    ) -> RatesSummary {
+        let settings = WcsphSettings::<L, D>::new(block.inputs, block.source, self.columns);
+        let columns = &self.columns;
+        let (damped, walls) = (columns.strain.is_some(), columns.image_distance.is_some());
+        match (settings.fit_fixed_shapes(), damped, walls, columns.concentration.is_some()) {
+            (true, false, false, false) => self.sum_rows::<K, L, Plain, D>(&settings, block),
+            (true, false, true, false) => self.sum_rows::<K, L, PlainWithWalls, D>(&settings, block),
+            (true, true, false, false) => self.sum_rows::<K, L, Damped, D>(&settings, block),
+            (true, true, true, false) => self.sum_rows::<K, L, DampedWithWalls, D>(&settings, block),
+            (true, true, true, true) => {
+                self.sum_rows::<K, L, DampedWithWallsDriftCorrected, D>(&settings, block)
+            }
+            _ => self.sum_rows::<K, L, General, D>(&settings, block),
+        }
+    }
+
+    #[inline(always)]
+    fn row_force<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        inputs: &FusedInputs<'_, R, D>,
+        source: &Source<'_, R, D>,
+        pack: &Pack<R>,
+        row: &FluidRow<R, D>,
+    ) -> RowForce<D> {
+        let settings = WcsphSettings::<L, D>::new(inputs, source, self.columns);
+        let terms = settings.with_shape::<GeneralWithMoments>();
+        let sums = sum_pairs::<K, L, _, D>(&terms, pack, row);
+        let (pressure, moment) = terms.pressure_and_moment(&sums, row.row);
+        RowForce { acceleration: terms.rates(&sums, row).acceleration, pressure, moment }
+    }
+}
+
+impl<R: Real> Wcsph<'_, R> {
+    /// Sums over the rows of a block by the loop of a shape.
+    #[inline(always)]
+    fn sum_rows<K: KernelShape, L: Lanes<Real = R>, S: LoopShape, const D: usize>(
+        &self,
+        settings: &WcsphSettings<'_, L, D>,
+        block: FusedBlock<'_, K, Self, R, D>,
+    ) -> RatesSummary {
+        let (cells, outputs) = block.split();
+        let mut block_loop = WcsphBlock::<L, S, D> {
+            settings,
+            outputs,
+            batch: Batch::new(),
+            eddy_viscosity: self.eddy_viscosity,
+            shape: PhantomData,
+        };
+        cells.sum_rows::<K, L, _>(&mut block_loop)
+    }
+}
+
+/// Treatment of the rows of a block by a loop of a shape.
+struct WcsphBlock<'b, 'a, L: Lanes, S, const D: usize> {
+    settings: &'b WcsphSettings<'a, L, D>,
+    outputs: OutputColumns<'b, L::Real, D>,
+    /// Rows of a batched loop whose rates are not written yet.
+    batch: Batch<L, D>,
+    eddy_viscosity: &'b [L::Real],
+    shape: PhantomData<S>,
+}
+
+impl<L: Lanes, S: LoopShape, const D: usize> WcsphBlock<'_, '_, L, S, D> {
+    /// Whether the rates of several rows are written at once.
+    const BATCHED: bool = S::FIXED && !S::CORRECTS_DRIFT;
+
+    /// Sums over a pack for a row and adds it to the batch.
+    #[inline(always)]
+    fn sum_batched<K: KernelShape>(&mut self, pack: &Pack<L::Real>, row: &FluidRow<L::Real, D>) {
+        let at_wall = row.wall_distance.is_finite();
+        let terms = self.settings.with_shape::<S>();
+        // Most rows have no wall in their support: their neighbours need no image factor.
+        let sums = if S::WALLS && at_wall {
+            sum_pairs::<K, L, _, D>(&terms, pack, row)
+        } else {
+            sum_pairs::<K, L, _, D>(&self.settings.with_shape::<S::AwayFromWalls>(), pack, row)
+        };
+        let (source, density) = (self.settings.source, terms.density(row.row));
+        let velocity = std::array::from_fn(|d| source.columns[d][row.row]);
+        let batched = BatchedRow { row: row.row, density, velocity, at_wall };
+        if self.batch.add(self.settings, &sums, batched) {
+            self.batch.finish(self.settings, &mut self.outputs);
+        }
+    }
+
+    /// Sums over a pack for a row, writes its rates and returns its extremes.
+    #[inline(always)]
+    fn sum_one<K: KernelShape>(&mut self, pack: &Pack<L::Real>, row: &FluidRow<L::Real, D>) -> RatesSummary {
+        let terms = self.settings.with_shape::<S>();
+        let sums = sum_pairs::<K, L, _, D>(&terms, pack, row);
+        let rates = terms.rates(&sums, row);
+        let OutputColumns { first, acceleration, shift, scalars: [divergence, damping] } = &mut self.outputs;
+        let at = row.row - *first;
+        let mut square = 0.0;
+        let mut speed = 0.0;
+        for d in 0..D {
+            acceleration[d][at] = L::Real::from_f64(rates.acceleration[d]);
+            shift[d][at] = L::Real::from_f64(rates.shift[d]);
+            square += rates.acceleration[d] * rates.acceleration[d];
+            let v = self.settings.source.columns[d][row.row].to_f64();
+            speed += v * v;
+        }
+        divergence[at] = L::Real::from_f64(rates.divergence);
+        if let Some(damping) = damping.get_mut(at) {
+            *damping = L::Real::from_f64(rates.damping);
+        }
+        let at_wall = row.wall_distance.is_finite();
+        RatesSummary {
+            acceleration: square,
+            signal_speed: rates.signal_speed,
+            speed,
+            divergence: rates.divergence.abs(),
+            damping: if at_wall { 0.0 } else { rates.damping },
+            damping_at_walls: if at_wall { rates.damping } else { 0.0 },
+            eddy_viscosity: self.eddy_viscosity.get(row.row).map_or(0.0, |eddy| eddy.to_f64()),
         }
     }
 }
 
-impl<K: KernelShape, R: Real, const D: usize> RatesBlock<'_, K, R, D> {
-    /// All fluid rows of the block; `PLAIN`, `DAMPED`, `WALLS` and `NET` as the loop says.
+impl<L: Lanes, S: LoopShape, const D: usize> BlockLoop<L::Real, D> for WcsphBlock<'_, '_, L, S, D> {
+    type Summary = RatesSummary;
+
     #[inline(always)]
-    fn sweep<
-        L: Lanes<Real = R>,
-        const PLAIN: bool,
-        const DAMPED: bool,
-        const WALLS: bool,
-        const NET: bool,
-    >(
-        self,
-        pair_loop: &PairLoop<L, D>,
-    ) -> RatesSummary {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        let (mut acceleration, mut shift, [divergence, damping]) = self.outputs;
-        let mut summary = RatesSummary::default();
-        let mut batch = Batch::new();
-        let mut columns =
-            Columns { first, acceleration: &mut acceleration, shift: &mut shift, divergence, damping };
-        for cell in self.cells {
-            let rows = grid.rows(cell);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
-                continue;
-            }
-            let (pack, source) = (&*self.pack, self.source);
-            // Of each cell apart: that of all is in memory, where to join at every row would cost a twentieth of the pass.
-            let mut of_cell = RatesSummary::default();
-            for row in rows {
-                if self.zone[row] != Zone::Fluid {
-                    continue;
-                }
-                let (point, distance) = (pack.relative(source, row), self.wall_distance[row].to_f64());
-                let near = Near::of_row(self.near, row);
-                // Most rows have no wall in their support, and need not ask each neighbour whether it is one.
-                let at_wall = distance.is_finite();
-                if PLAIN && !NET {
-                    let sums = if WALLS && at_wall {
-                        pair_loop.walk::<K, PLAIN, DAMPED, WALLS, NET, true, false>(
-                            pack, source, point, row, near, distance,
-                        )
-                    } else {
-                        pair_loop.walk::<K, PLAIN, DAMPED, WALLS, NET, false, false>(
-                            pack, source, point, row, near, distance,
-                        )
-                    };
-                    let velocity = std::array::from_fn(|d| source.columns[d][row]);
-                    if batch.take(pair_loop, sums, Taken { row, velocity, at_wall }) {
-                        batch.finish(pair_loop, &mut columns);
-                    }
-                    continue;
-                }
-                let rates = pair_loop
-                    .sum::<K, PLAIN, DAMPED, WALLS, NET, false>(pack, source, point, row, near, distance);
-                let mut square = 0.0;
-                let mut speed = 0.0;
-                for d in 0..D {
-                    columns.acceleration[d][row - first] = R::from_f64(rates.acceleration[d]);
-                    columns.shift[d][row - first] = R::from_f64(rates.shift[d]);
-                    square += rates.acceleration[d] * rates.acceleration[d];
-                    let v = source.columns[d][row].to_f64();
-                    speed += v * v;
-                }
-                columns.divergence[row - first] = R::from_f64(rates.divergence);
-                if let Some(damping) = columns.damping.get_mut(row - first) {
-                    *damping = R::from_f64(rates.damping);
-                }
-                of_cell = of_cell.join(RatesSummary {
-                    acceleration: square,
-                    signal_speed: rates.signal_speed,
-                    speed,
-                    divergence: rates.divergence.abs(),
-                    damping: if at_wall { 0.0 } else { rates.damping },
-                    damping_at_walls: if at_wall { rates.damping } else { 0.0 },
-                    eddy_viscosity: self.eddy_viscosity.get(row).map_or(0.0, |eddy| eddy.to_f64()),
-                });
-            }
-            if !PLAIN || NET {
-                summary = summary.join(of_cell);
-            }
+    fn sum_row<K: KernelShape>(
+        &mut self,
+        pack: &Pack<L::Real>,
+        row: &FluidRow<L::Real, D>,
+        of_cell: &mut RatesSummary,
+    ) {
+        if Self::BATCHED {
+            self.sum_batched::<K>(pack, row);
+        } else {
+            *of_cell = of_cell.join(self.sum_one::<K>(pack, row));
         }
-        if PLAIN && !NET {
-            batch.finish(pair_loop, &mut columns);
-            summary = batch.summary();
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, of_cells: RatesSummary) -> RatesSummary {
+        let mut summary = of_cells;
+        if Self::BATCHED {
+            self.batch.finish(self.settings, &mut self.outputs);
+            summary = self.batch.summary();
         }
-        // The root of the largest square is the largest root: one root a block.
+        // The root of the largest square is the largest root: one root for the block.
         summary.acceleration = summary.acceleration.sqrt();
         summary.speed = summary.speed.sqrt();
         summary

@@ -35,9 +35,9 @@ use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
+use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::sps::components;
 
 /// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
 const MOST_COLUMNS: usize = 3 + 1 + 1;

@@ -3,8 +3,8 @@
 use super::row::FlowSums;
 use crate::math::linear::invert_symmetric;
 use crate::math::real::Real;
+use crate::math::symmetric::{component, components};
 use crate::pass::blocks::GROUP;
-use crate::physics::sps::{component, components};
 
 /// One number per waiting particle.
 type Column = [f64; GROUP];

@@ -3,10 +3,10 @@
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{self, Lanes};
 use crate::math::real::Real;
+use crate::math::symmetric::component;
 use crate::pass::density::squared_distance;
 use crate::pass::pack::{Covered, Near, Pack, STRETCH, Source};
 use crate::pass::row_pass::splat;
-use crate::physics::sps::component;
 
 /// Sums of one particle.
 pub(super) struct RowSums<R, const D: usize> {

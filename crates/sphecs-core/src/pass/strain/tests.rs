@@ -3,9 +3,9 @@
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
+use crate::math::symmetric::component;
 use crate::pass::samples::{SPACING, Sample, settings};
-use crate::physics::shifting::{Drift, Shifting};
-use crate::physics::sps::component;
+use crate::physics::shifting::{DriftCorrection, Local, Shifting};
 
 const SLOPES: [[f64; 3]; 3] = [[1.0, -2.0, 0.5], [3.0, 0.2, 0.0], [-1.0, 0.7, 2.0]];
 
@@ -58,8 +58,8 @@ fn strain_of_a_linear_flow_is_exact_beside_walls_and_faces_and_density_is_the_sa
 
 /// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along x by `drawn` Δ, and
 /// stirred by `noise` Δ.
-fn shifts(drift: Drift, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
-    let shifting = Shifting::Local { coefficient: 32.0, drift };
+fn shifts(drift_correction: DriftCorrection, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
+    let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction });
     let pair = PairSettings { shifting, ..settings(Kernel::WendlandC2, 2, 1.5) };
     let mut sample = Sample::<f64, 2>::lattice(pair, [24, 12], true);
     let wave = 2.0 * std::f64::consts::PI / (24.0 * SPACING);
@@ -73,7 +73,8 @@ fn shifts(drift: Drift, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
     sample.rates();
     let of = |columns: &[Vec<f64>; 2], row: usize| columns.each_ref().map(|column| column[row]);
     let rows = || (0..24 * 12).map(|id| sample.row(id));
-    let crowding = if drift == Drift::Kept { &sample.sums.shift } else { &sample.sums.crowding };
+    let crowding =
+        if drift_correction == DriftCorrection::Off { &sample.sums.shift } else { &sample.sums.crowding };
     [rows().map(|row| of(crowding, row)).collect(), rows().map(|row| of(&sample.sums.shift, row)).collect()]
 }
 
@@ -83,8 +84,8 @@ fn size(shifts: &[[f64; 2]]) -> f64 {
 
 #[test]
 fn the_gradient_of_the_concentration_is_that_of_the_rates_when_nobody_has_moved() {
-    let [crowding, _] = shifts(Drift::Removed, 0.1, 0.2);
-    let [shift, _] = shifts(Drift::Kept, 0.1, 0.2);
+    let [crowding, _] = shifts(DriftCorrection::On, 0.1, 0.2);
+    let [shift, _] = shifts(DriftCorrection::Off, 0.1, 0.2);
     for (crowding, shift) in crowding.iter().zip(&shift) {
         for d in 0..2 {
             assert!((crowding[d] - shift[d]).abs() < 1e-12 * size(std::slice::from_ref(shift)).max(1.0));
@@ -94,11 +95,12 @@ fn the_gradient_of_the_concentration_is_that_of_the_rates_when_nobody_has_moved(
 
 #[test]
 fn a_shift_less_its_drift_leaves_long_waves_alone_and_mends_short_ones() {
-    let [crowding, removed] = shifts(Drift::Removed, 0.3, 0.0);
+    let [crowding, removed] = shifts(DriftCorrection::On, 0.3, 0.0);
     let share = size(&removed) / size(&crowding);
     // 1 − Ŵ(k) of Wendland's kernel with h = 1.5 Δ and a wave of 24 Δ.
     assert!((0.01..0.06).contains(&share), "{share}");
-    let [[_, kept], [_, removed]] = [Drift::Kept, Drift::Removed].map(|drift| shifts(drift, 0.0, 0.2));
+    let [[_, kept], [_, removed]] =
+        [DriftCorrection::Off, DriftCorrection::On].map(|drift| shifts(drift, 0.0, 0.2));
     let along = kept.iter().zip(&removed).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum::<f64>();
     let likeness = along / (kept.len() as f64 * size(&kept) * size(&removed));
     let share = size(&removed) / size(&kept);
@@ -112,7 +114,7 @@ fn a_shift_less_its_drift_leaves_long_waves_alone_and_mends_short_ones() {
 
 #[test]
 fn a_particles_own_velocity_does_not_show_in_its_gradient_but_in_its_neighbours() {
-    let shifting = Shifting::Local { coefficient: 32.0, drift: Drift::Kept };
+    let shifting = Shifting::Local(Local { coefficient: 32.0, ..Local::default() });
     let pair = PairSettings { shifting, ..settings(Kernel::WendlandC2, 2, 1.3) };
     let mut sample = Sample::<f64, 2>::lattice(pair, [8, 8], true);
     sample.stir(0.2, 1.0);

@@ -1,102 +1,92 @@
-//! Particle shifting: the door lists the rooms and holds the closed choice.
+//! Particle shifting: displacement of fluid particles towards an even distribution after a step.
 //!
-//! ```text
-//! Fickian: δx_a = −A h v_max Δt ∇C_a,   ∇C_a = Σ_b V_b ∇W
-//! Local:   δx_a = −A h |v_a| Δt ∇C_a,   v_a → v_a + δx_a·∇v
-//! ```
+//! One file per method holds its equation, parameters, requirements and scale. To add one: a file,
+//! a variant of [`Shifting`] with its arm of `dispatch!`, and its entry in docs/REFERENCES.md.
 //!
-//! Lind et al. (2012): particles drift down the gradient of their concentration; with a particle's own speed in place of the
-//! largest, Skillen et al. (2013). The rate pass sums ∇C or, for [`vacondio`], its repulsion;
-//! [`Shifting::scales`] makes the step of it, [`add_carried`] takes the velocity along (Lind et al. (2012), by Taylor's
-//! series).
+//! | file | method |
+//! |---|---|
+//! | [`fickian`] | down the concentration gradient, with the largest speed of the fluid |
+//! | [`local`] | down the concentration gradient, with the particle's own speed |
+//! | [`vacondio`] | repulsion of near neighbours |
+//! | [`concentration`] | concentration gradient and drift correction, common to the first two |
 //!
-//! Where a stream is stretched, its lattice is, too, and ∇C has ½ ∇·M in it (M = −Σ V_b x_ab ∇W, which is the unit matrix on a lattice at
-//! rest). That evens nothing out: it is a drift of the fluid as a whole, for which the velocities of a steady flow make up (docs/noise.md).
-//! [`Drift::Removed`] takes the mean around from ∇C: a wave of the wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform of the kernel, so that next to nothing is left of
-//! what is even over several supports, and next to all of a wave of two spacings. It is ours; no source has it.
+//! The pair loop of the rates sums the shifting vector; [`Shifting::scales`] and
+//! [`ShiftStep::shortened`] turn it into a displacement.
 //!
-//! The gradient that carries a velocity must not contain the particle's own: with v' the part of it that the neighbours
-//! do not share, Σ V_b (v_b − v_a) ∇W holds −v' ∇C, and δx·∇v = A h |v_a| Δt |∇C|² v' makes v' grow
-//! without bound. So it is fitted to the neighbours alone: see `pass/strain/mod.rs`.
+//! A method that carries the velocity along adds δx·∇v by [`add_carried`] (Lind et al. (2012), by
+//! Taylor's series). That gradient must not contain the particle's own velocity: with v' the part
+//! of it that the neighbours do not share, Σ V_b (v_b − v_a) ∇W holds −v' ∇C, and
+//! δx·∇v = A h |v_a| Δt |∇C|² v' makes v' grow without bound. So it is fitted to the neighbours
+//! alone: see `pass/strain/mod.rs`.
 
+pub mod concentration;
+pub mod fickian;
+pub mod local;
 pub mod vacondio;
 
 use serde::{Deserialize, Serialize};
 
+pub use concentration::DriftCorrection;
+pub use fickian::Fickian;
+pub use local::Local;
+pub use vacondio::Vacondio;
+
+use super::parameters::ParameterFault;
 use crate::math::real::Real;
 
-/// How fluid particles are moved towards an even distribution after a step.
+/// Method by which fluid particles are moved towards an even distribution after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub enum Shifting {
     /// No shifting.
     Off,
-    /// Lind et al. (2012): `δx = −coefficient h v_max Δt ∇C`.
-    Fickian {
-        /// Strength, dimensionless.
-        #[serde(default = "fickian_coefficient")]
-        coefficient: f64,
-        /// What becomes of the drift.
-        #[serde(default)]
-        drift: Drift,
-    },
-    /// Skillen et al. (2013): `δx = −coefficient h |v_a| Δt ∇C`, and the velocity is carried along its gradient.
-    ///
-    /// For flows with fast and slow regions: slow ones are not stirred by what the fast ones need.
-    Local {
-        /// Strength, dimensionless.
-        #[serde(default = "local_coefficient")]
-        coefficient: f64,
-        /// What becomes of the drift.
-        #[serde(default)]
-        drift: Drift,
-    },
-    /// Vacondio et al. (2013) with the local mean spacing of Xu et al. (2009).
-    Vacondio {
-        /// Strength β, dimensionless.
-        #[serde(default = "vacondio_coefficient")]
-        beta: f64,
-    },
+    /// Lind et al. (2012): down the concentration gradient, with the largest speed of the fluid.
+    Fickian(Fickian),
+    /// Skillen et al. (2013): the same with a particle's own speed; the velocity is carried along.
+    Local(Local),
+    /// Vacondio et al. (2013): repulsion of near neighbours.
+    Vacondio(Vacondio),
 }
 
-/// What becomes of the part of a shift that neighbours share.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Drift {
-    /// It is kept, and carries fluid upstream where a stream is stretched.
-    #[default]
-    Kept,
-    /// The mean of the shifting vectors around, weighted with V_b W_ab, is taken from a particle's own.
-    Removed,
+/// Evaluates an expression for the method of a [`Shifting`], or another one if it is off.
+macro_rules! dispatch {
+    ($shifting:expr, off => $off:expr, $method:ident => $call:expr) => {
+        match $shifting {
+            Shifting::Off => $off,
+            Shifting::Fickian($method) => $call,
+            Shifting::Local($method) => $call,
+            Shifting::Vacondio($method) => $call,
+        }
+    };
 }
 
-fn fickian_coefficient() -> f64 {
-    4.0
+/// Requirements of a shifting method.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShiftingNeeds {
+    /// The velocity gradient among the neighbours, by which velocities are carried along.
+    pub velocity_gradient: bool,
+    /// The concentration gradient of all neighbours, before the pair loop runs.
+    pub concentration_gradient: bool,
+    /// The repulsion of the neighbours in place of the concentration gradient.
+    pub repulsion: bool,
 }
 
-fn local_coefficient() -> f64 {
-    32.0
-}
+/// One shifting method: what its file says of it.
+trait ShiftingMethod {
+    /// Returns the dimensionless strength.
+    fn strength(&self) -> f64;
 
-fn vacondio_coefficient() -> f64 {
-    0.04
-}
+    /// Returns what the passes must find for the method.
+    fn needs(&self) -> ShiftingNeeds;
 
-impl Default for Shifting {
-    fn default() -> Self {
-        Shifting::Fickian { coefficient: fickian_coefficient(), drift: Drift::Kept }
-    }
+    /// Replaces squares of the particles' speeds, m²/s², by the displacements, m, over the
+    /// shifting vectors.
+    fn scales(&self, squared_speeds: &mut [f64], step: ShiftStep);
 }
 
 /// Longest shift in one step, over Δ.
 const LONGEST: f64 = 0.1;
 
-/// Largest A v Δt/h. A shift diffuses the concentration: on a square or cubic lattice its shortest waves overshoot and
-/// grow above 0.71 (Wendland's kernel, 3D, h = 1.3 Δ; 0.73 in 2D, twice as much for the quintic kernel; test
-/// `a_shift_is_a_stable_diffusion`).
-const LARGEST_DIFFUSION: f64 = 0.6;
-
-/// What a step's shift depends on beside the particle.
+/// Quantities of a step that its shifts depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShiftStep {
     /// Smoothing length h, m.
@@ -109,74 +99,74 @@ pub struct ShiftStep {
     pub time_step: f64,
 }
 
+impl Default for Shifting {
+    fn default() -> Self {
+        Shifting::Fickian(Fickian::default())
+    }
+}
+
 impl Shifting {
-    /// Largest strength that a scene may ask for: beyond it a step's shift is at its limits everywhere.
+    /// Largest strength of a scene: above it the shifts of a step are at their limits everywhere.
     pub const LARGEST_STRENGTH: f64 = 1000.0;
 
-    /// The dimensionless strength, 0 where it is off.
+    /// Returns the dimensionless strength, 0 where it is off.
     pub fn strength(&self) -> f64 {
-        match *self {
-            Shifting::Off => 0.0,
-            Shifting::Fickian { coefficient, .. } | Shifting::Local { coefficient, .. } => coefficient,
-            Shifting::Vacondio { beta } => beta,
-        }
+        dispatch!(self, off => 0.0, method => method.strength())
     }
 
-    /// Whether a particle is shifted by what its neighbours share, too. What is not shifted keeps everything that it has.
+    /// Returns what the passes must find for the method.
+    pub fn needs(&self) -> ShiftingNeeds {
+        dispatch!(self, off => ShiftingNeeds::default(), method => method.needs())
+    }
+
+    /// Returns the parameters that are out of bounds.
+    pub fn faults(&self) -> Vec<ParameterFault> {
+        let strength = ParameterFault {
+            field: "shifting",
+            message: "the strength of the shifting is out of bounds",
+            value: self.strength(),
+            allowed: 0.0..=Self::LARGEST_STRENGTH,
+            usual: "`Fickian(coefficient: 4)`, `Local(coefficient: 32)` and `Vacondio(beta: 0.04)` are usual",
+        };
+        strength.if_out_of_bounds().into_iter().collect()
+    }
+
+    /// Whether the shift keeps the part that neighbours share. True where nothing is shifted.
     pub fn keeps_drift(&self) -> bool {
-        match *self {
-            Shifting::Off | Shifting::Vacondio { .. } => true,
-            Shifting::Fickian { drift, .. } | Shifting::Local { drift, .. } => drift == Drift::Kept,
-        }
+        !self.needs().concentration_gradient
     }
 
     /// Whether a shifted particle takes the velocity of the place that it is moved to.
     pub fn carries_velocity(&self) -> bool {
-        matches!(self, Shifting::Local { .. })
+        self.needs().velocity_gradient
     }
 
-    /// Displacements, m, over the vectors that the rate pass summed, in the place of the squares of the particles' own speeds, m²/s²; to be
-    /// [`ShiftStep::shortened`].
+    /// Replaces squares of the particles' own speeds, m²/s², by the displacements, m, over the
+    /// shifting vectors of the pair loop; to be [`ShiftStep::shortened`].
     #[inline(always)]
     pub fn scales(&self, squared_speeds: &mut [f64], step: ShiftStep) {
-        let h = step.smoothing_length;
-        // As the instruction does it: `min` asks for a number that is none.
-        let smaller = |a: f64, b: f64| if a < b { a } else { b };
-        let diffused = |coefficient: f64, speed: f64| {
-            -h * smaller(coefficient * speed * step.time_step, LARGEST_DIFFUSION * h)
-        };
-        match *self {
-            Shifting::Off => squared_speeds.fill(0.0),
-            Shifting::Fickian { coefficient, .. } => {
-                squared_speeds.fill(diffused(coefficient, step.largest_speed));
-            }
-            Shifting::Local { coefficient, .. } => {
-                for scale in squared_speeds {
-                    *scale = diffused(coefficient, smaller(scale.sqrt(), step.largest_speed));
-                }
-            }
-            Shifting::Vacondio { beta } => squared_speeds.fill(beta * step.largest_speed * step.time_step),
-        }
+        dispatch!(self, off => squared_speeds.fill(0.0), method => method.scales(squared_speeds, step));
     }
 }
 
 impl ShiftStep {
-    /// Square of the longest shift, m².
+    /// Returns the square of the longest shift, m².
     #[inline(always)]
     pub fn squared_limit(&self) -> f64 {
         (LONGEST * self.spacing).powi(2)
     }
 
-    /// The scale that leaves a displacement of this squared length, m², no longer than 0.1 Δ.
+    /// Returns the scale that leaves a displacement of this squared length, m², no longer
+    /// than 0.1 Δ.
     #[inline(always)]
     pub fn shortened(&self, scale: f64, squared: f64) -> f64 {
-        // Few are that long: no root for the others.
+        // Few are that long: the others need no root.
         if squared > self.squared_limit() { scale * (LONGEST * self.spacing) / squared.sqrt() } else { scale }
     }
 }
 
-/// Adds what a component of velocities changes by along one axis of displacements, m/s: δx_j ∂v_i/∂x_j, the displacements in m and the
-/// slopes in 1/s.
+/// Adds the change of a velocity component along one axis of the displacements, m/s: δx_j ∂v_i/∂x_j,
+/// with displacements in m and slopes in 1/s.
 #[inline(always)]
 pub fn add_carried<R: Real>(changes: &mut [f64], displacements: &[f64], slopes: &[R]) {
     for (change, (displacement, slope)) in changes.iter_mut().zip(displacements.iter().zip(slopes)) {
@@ -191,6 +181,10 @@ mod tests {
 
     const STEP: ShiftStep =
         ShiftStep { smoothing_length: 0.15, spacing: 0.1, largest_speed: 2.0, time_step: 1e-3 };
+
+    fn local(coefficient: f64) -> Shifting {
+        Shifting::Local(Local { coefficient, ..Local::default() })
+    }
 
     /// Displacement of a particle, m.
     fn displacement<const D: usize>(
@@ -213,12 +207,12 @@ mod tests {
     }
 
     #[test]
-    fn a_local_shift_goes_with_the_particles_own_speed_which_is_never_above_the_largest() {
-        let local = Shifting::Local { coefficient: 8.0, drift: Drift::Kept };
-        let [x, _] = displacement(local, [0.5, 0.0], 0.0625, STEP);
+    fn a_local_shift_scales_with_the_own_speed_up_to_the_largest() {
+        let slow = local(8.0);
+        let [x, _] = displacement(slow, [0.5, 0.0], 0.0625, STEP);
         assert!((x + 8.0 * 0.15 * 0.25e-3 * 0.5).abs() < 1e-18);
-        assert_eq!(displacement(local, [0.5, 0.0], 0.0, STEP), [0.0, 0.0]);
-        assert_eq!(displacement(local, [0.5, 0.0], 81.0, STEP), displacement(local, [0.5, 0.0], 4.0, STEP));
+        assert_eq!(displacement(slow, [0.5, 0.0], 0.0, STEP), [0.0, 0.0]);
+        assert_eq!(displacement(slow, [0.5, 0.0], 81.0, STEP), displacement(slow, [0.5, 0.0], 4.0, STEP));
     }
 
     #[test]
@@ -227,10 +221,7 @@ mod tests {
         add_carried(&mut changes, &[0.5, 1.0], &[1.0, -4.0]);
         add_carried(&mut changes, &[-2.0, 3.0], &[3.0, 0.25]);
         assert_eq!(changes, [-5.5, -3.25]);
-        assert!(
-            Shifting::Local { coefficient: 1.0, drift: Drift::Kept }.carries_velocity()
-                && !Shifting::default().carries_velocity()
-        );
+        assert!(local(1.0).carries_velocity() && !Shifting::default().carries_velocity());
     }
 
     /// Largest eigenvalue over the waves of a square lattice of −h² ∂(δ∇C)/∂(δx): what a displacement of the particles
@@ -272,15 +263,15 @@ mod tests {
             assert!((0.72..0.80).contains(&wendland), "{wendland} for h = {ratio} Δ");
             assert!(2.0 / stiffness(Kernel::QuinticSpline, ratio) > 1.3);
         }
-        let [x, _] =
-            displacement(Shifting::Local { coefficient: 1e3, drift: Drift::Kept }, [0.01, 0.0], 1.0, STEP);
+        let [x, _] = displacement(local(1e3), [0.01, 0.0], 1.0, STEP);
         assert!((x + 0.6 * 0.15 * 0.15 * 0.01).abs() < 1e-18);
     }
 
     #[test]
     fn a_shift_is_never_longer_than_a_tenth_of_the_spacing() {
-        let local = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
-        for shifting in [Shifting::default(), local, Shifting::Vacondio { beta: 0.04 }] {
+        let corrected = Local { coefficient: 32.0, drift_correction: DriftCorrection::On };
+        let repulsion = Vacondio { beta: 0.04 };
+        for shifting in [Shifting::default(), Shifting::Local(corrected), Shifting::Vacondio(repulsion)] {
             let shift = displacement(shifting, [3e9, -4e9, 0.0], 4.0, STEP);
             assert!((shift.iter().map(|x| x * x).sum::<f64>().sqrt() - 0.01).abs() < 1e-12);
         }

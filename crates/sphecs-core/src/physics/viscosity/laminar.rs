@@ -1,23 +1,72 @@
-//! Laminar viscosity between two particles.
+//! Laminar viscosity of a particle pair.
 //!
 //! ```text
 //! (dv_a/dt)_b = 4 ν m_b v_ab/(ρ_a + ρ_b) F,   F = (dW/dr)/r ≤ 0
 //! ```
 //!
-//! Lo & Shao (2002), as in Alvarado-Rodríguez et al. (2017), Eq. 10. Printed there with F r²/(r² + η²), η² = 0.01 h²:
-//! that is the option `printed`, which loses 1 to 1.5 % of ν, since F is finite at r = 0 without it. Conserves linear
-//! momentum exactly, angular momentum not.
+//! Lo & Shao (2002), as in Alvarado-Rodríguez et al. (2017), Eq. 10. Published there with
+//! F r²/(r² + η²), η² = 0.01 h²: that is the option `as_published`, which loses 1 to 1.5 % of ν; F is
+//! finite at r = 0 without it. Conserves linear momentum exactly, angular momentum not.
 
+use serde::{Deserialize, Serialize};
+
+use super::{ViscosityNeeds, ViscousMethod, ViscousTerms, yes};
 use crate::math::lanes::Lanes;
+use crate::math::lattice::LatticeSums;
+use crate::physics::pair::{PairDensities, PairGeometry};
+use crate::physics::parameters::ParameterFault;
 
-/// F/(ρ_a + ρ_b), to be multiplied by 4 ν m v_ab; `slope` is F.
+/// Parameters of the laminar term.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Laminar {
+    /// Divide ν by its lattice coefficient, so that the sum returns ν on the initial lattice.
+    #[serde(default = "yes")]
+    pub lattice_normalised: bool,
+    /// Use the denominator with η² = 0.01 h² of Alvarado-Rodríguez et al. (2017), Eq. 10.
+    #[serde(default, rename = "printed")]
+    pub as_published: bool,
+}
+
+impl Default for Laminar {
+    fn default() -> Self {
+        Self { lattice_normalised: true, as_published: false }
+    }
+}
+
+impl ViscousMethod for Laminar {
+    fn needs(&self) -> ViscosityNeeds {
+        ViscosityNeeds { fluid_viscosity: true, stress: false }
+    }
+
+    fn pair_viscosity(&self, viscosity: f64, lattice: &LatticeSums) -> f64 {
+        match (self.lattice_normalised, self.as_published) {
+            (true, true) => viscosity / lattice.viscosity_printed,
+            (true, false) => viscosity / lattice.viscosity,
+            (false, _) => viscosity,
+        }
+    }
+
+    fn pair_terms(&self) -> ViscousTerms {
+        ViscousTerms { as_published: self.as_published, ..ViscousTerms::default() }
+    }
+
+    fn faults(&self) -> Vec<ParameterFault> {
+        Vec::new()
+    }
+}
+
+/// Returns F/(ρ_a + ρ_b), to be multiplied by 4 ν m v_ab; `slope` is F.
 #[inline(always)]
 pub fn factor<L: Lanes>(slope: L, inverse_density_sum: L) -> L {
     slope * inverse_density_sum
 }
 
-/// The same with the printed denominator: F q²/(q² + 0.01)/(ρ_a + ρ_b), q = r/h.
+/// Returns the factor with the published denominator: F q²/(q² + 0.01)/(ρ_a + ρ_b), q = r/h.
 #[inline(always)]
-pub fn printed_factor<L: Lanes>(slope: L, inverse_density_sum: L, q2: L, inverse_softened_q2: L) -> L {
-    slope * inverse_density_sum * (q2 * inverse_softened_q2)
+pub fn published_factor<L: Lanes, const D: usize>(
+    pair: &PairGeometry<L, D>,
+    densities: &PairDensities<L>,
+) -> L {
+    pair.slope * densities.inverse_sum * (pair.q2 * densities.inverse_softened_q2)
 }

@@ -1,57 +1,190 @@
-//! Viscous terms: the door lists the rooms and holds the closed choice.
+//! Viscous terms of the momentum equation of `Wcsph`.
+//!
+//! One file per term holds its equation, parameters, requirements and pair term. To add one: a
+//! file, a variant of [`Viscosity`] with its arm of `dispatch!`, and its entry in
+//! docs/REFERENCES.md. A term that the pair loop does not have yet is added to [`ViscousTerms`].
+//!
+//! | file | term |
+//! |---|---|
+//! | [`laminar`] | laminar viscosity of the fluid |
+//! | [`artificial`] | artificial viscosity in its place |
+//! | [`sps`] | laminar viscosity and sub-particle-scale stress |
+//! | [`reconstructed`] | damping of particle noise, in addition to any of them |
 
 pub mod artificial;
 pub mod laminar;
 pub mod reconstructed;
+pub mod sps;
 
 use serde::{Deserialize, Serialize};
 
-/// The viscous term of the momentum equation. The kinematic viscosity ν is the fluid's.
+pub use artificial::Artificial;
+pub use laminar::Laminar;
+pub use sps::Sps;
+
+use super::pair::{PairDensities, PairGeometry};
+use super::parameters::ParameterFault;
+use crate::math::lanes::Lanes;
+use crate::math::lattice::LatticeSums;
+
+/// Viscous term of the momentum equation; the kinematic viscosity ν is the fluid's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub enum Viscosity {
-    /// Lo & Shao (2002): `4 ν m_b v_ab/(ρ_a + ρ_b) F`.
-    Laminar {
-        /// Divide ν by its lattice coefficient, so that the sum returns ν on the initial lattice.
-        #[serde(default = "yes")]
-        lattice_normalised: bool,
-        /// With the η² = 0.01 h² that Alvarado-Rodríguez et al. (2017), Eq. 10, print in the denominator.
-        #[serde(default)]
-        printed: bool,
-    },
-    /// Monaghan (1992) artificial viscosity in place of the laminar term.
-    Artificial {
-        /// Strength α, dimensionless.
-        alpha: f64,
-    },
-    /// The laminar term plus the sub-particle stress of Alvarado-Rodríguez et al. (2017), Eqs. 7 and 8.
-    Sps {
-        /// Smagorinsky constant C_s, dimensionless.
-        #[serde(default = "smagorinsky")]
-        smagorinsky: f64,
-        /// Constant C_I of the isotropic part, dimensionless.
-        #[serde(default = "isotropic")]
-        isotropic: f64,
-        /// As for `Laminar`.
-        #[serde(default = "yes")]
-        lattice_normalised: bool,
-    },
+    /// Laminar viscosity of Lo & Shao (2002).
+    Laminar(Laminar),
+    /// Artificial viscosity of Monaghan (1992) in place of the laminar term.
+    Artificial(Artificial),
+    /// The laminar term plus the sub-particle-scale stress of Alvarado-Rodríguez et al. (2017).
+    Sps(Sps),
 }
 
-fn yes() -> bool {
-    true
+/// Calls a method of [`ViscousMethod`] on the term of a [`Viscosity`].
+macro_rules! dispatch {
+    ($viscosity:expr, $method:ident($($argument:expr),*)) => {
+        match $viscosity {
+            Viscosity::Laminar(term) => term.$method($($argument),*),
+            Viscosity::Artificial(term) => term.$method($($argument),*),
+            Viscosity::Sps(term) => term.$method($($argument),*),
+        }
+    };
 }
 
-fn smagorinsky() -> f64 {
-    0.12
+/// Requirements of a viscous term.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ViscosityNeeds {
+    /// The fluid's kinematic viscosity acts and limits the time step.
+    pub fluid_viscosity: bool,
+    /// Velocity gradient and sub-particle-scale stress are found before the pair loop runs.
+    pub stress: bool,
 }
 
-fn isotropic() -> f64 {
-    0.0066
+/// Terms of the pair loop beyond the laminar one; none by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ViscousTerms {
+    /// α of the artificial viscosity, dimensionless; 0: none.
+    pub artificial_alpha: f64,
+    /// Whether the laminar term has the published denominator r² + η².
+    pub as_published: bool,
+}
+
+/// One viscous term: what its file says of it.
+trait ViscousMethod {
+    /// Returns what must be found before the pair loop runs.
+    fn needs(&self) -> ViscosityNeeds;
+
+    /// Returns ν of the laminar pair sum, m²/s, for a fluid of viscosity `viscosity`, m²/s.
+    fn pair_viscosity(&self, viscosity: f64, lattice: &LatticeSums) -> f64;
+
+    /// Returns the terms of the pair loop.
+    fn pair_terms(&self) -> ViscousTerms;
+
+    /// Returns the parameters that are out of bounds.
+    fn faults(&self) -> Vec<ParameterFault>;
+
+    /// Returns the model of the sub-particle-scale stress, if the term has one.
+    fn stress_model(&self) -> Option<Sps> {
+        None
+    }
+}
+
+impl Viscosity {
+    /// Returns what must be found before the pair loop runs.
+    pub fn needs(&self) -> ViscosityNeeds {
+        dispatch!(self, needs())
+    }
+
+    /// Returns ν of the laminar pair sum, m²/s: divided by its lattice coefficient where the scene
+    /// asks for it, 0 where no laminar term acts. `viscosity` is the fluid's ν, m²/s.
+    pub fn pair_viscosity(&self, viscosity: f64, lattice: &LatticeSums) -> f64 {
+        dispatch!(self, pair_viscosity(viscosity, lattice))
+    }
+
+    /// Returns the terms of the pair loop beyond the laminar one.
+    pub fn pair_terms(&self) -> ViscousTerms {
+        dispatch!(self, pair_terms())
+    }
+
+    /// Returns the parameters that are out of bounds.
+    pub fn faults(&self) -> Vec<ParameterFault> {
+        dispatch!(self, faults())
+    }
+
+    /// Returns the model of the sub-particle-scale stress, if the term has one.
+    pub fn stress_model(&self) -> Option<Sps> {
+        dispatch!(self, stress_model())
+    }
 }
 
 impl Default for Viscosity {
     fn default() -> Self {
-        Viscosity::Laminar { lattice_normalised: true, printed: false }
+        Viscosity::Laminar(Laminar::default())
+    }
+}
+
+impl ViscousTerms {
+    /// Returns the factor of 4 ν m v_ab of the laminar term.
+    #[inline(always)]
+    pub fn drag<L: Lanes, const D: usize>(
+        &self,
+        pair: &PairGeometry<L, D>,
+        densities: &PairDensities<L>,
+    ) -> L {
+        if self.as_published {
+            laminar::published_factor(pair, densities)
+        } else {
+            laminar::factor(pair.slope, densities.inverse_sum)
+        }
+    }
+}
+
+/// Value of a parameter that a scene leaves out.
+fn yes() -> bool {
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Source files below a folder that contain a text, relative to it.
+    fn files_with(folder: &Path, text: &str, found: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).expect("the folder of the sources") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                if path.file_name().is_some_and(|name| name != "tests" && name != "target") {
+                    files_with(&path, text, found);
+                }
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let source = std::fs::read_to_string(&path).expect("a source file");
+                // Tests name variants to build them; only the code before them counts.
+                let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+                if code.lines().any(|line| !line.trim_start().starts_with("//") && line.contains(text)) {
+                    found.push(path.to_string_lossy().replace('\\', "/"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn variants_are_named_in_no_other_file() {
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        for (enumeration, home) in [("Viscosity::", "viscosity/mod.rs"), ("Shifting::", "shifting/mod.rs")] {
+            for variant in ["Laminar", "Artificial", "Sps", "Fickian", "Local", "Vacondio"] {
+                let mut found = Vec::new();
+                files_with(&crates, &format!("{enumeration}{variant}"), &mut found);
+                found.retain(|path| !path.ends_with(home) && !path.ends_with("tests.rs"));
+                assert!(found.is_empty(), "{enumeration}{variant} is named in {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_out_of_bounds_are_named() {
+        let faults = Viscosity::Artificial(Artificial { alpha: -0.1 }).faults();
+        assert_eq!(faults.iter().map(|fault| fault.field).collect::<Vec<_>>(), ["alpha"]);
+        let sps = Sps { smagorinsky: f64::NAN, isotropic: -1.0, ..Sps::default() };
+        assert_eq!(Viscosity::Sps(sps).faults().len(), 2);
+        assert!(Viscosity::default().faults().is_empty());
     }
 }

@@ -1,30 +1,36 @@
-//! Artificial viscosity of what a linear flow leaves unexplained: it damps the noise of single particles.
+//! Damping of particle noise: artificial viscosity of the relative velocity that a linear flow does
+//! not explain.
 //!
 //! ```text
 //! (dv_a/dt)_b = −m_b Π_ab ∇W,   Π_ab = −α c̄_ab h w_ab/((r² + η²) ρ̄_ab),   η² = 0.01 h²
 //! w_ab = v_ab·x_ab − ½ x_ab·(S_a + S_b)·x_ab,   S = ½ (∇v + ∇vᵀ)
 //! ```
 //!
-//! Monaghan (1992)'s form with the velocities of both particles carried to the middle of the pair along their
-//! gradients: Frontiere et al. (2017); Rosswog (2020). Only the symmetric part of ∇v shows in w_ab. Here the term
-//! acts on parting pairs as on approaching ones, without a limiter: there are no shocks to catch.
+//! The form of Monaghan (1992) with the velocities of both particles extrapolated to the middle of
+//! the pair along their gradients: Frontiere et al. (2017); Rosswog (2020). Only the symmetric
+//! part of ∇v enters w_ab. Here the term acts on receding pairs as on approaching ones, without a
+//! limiter: there are no shocks to capture.
 //!
-//! Water at a cell Reynolds number u Δ/ν of 100 does not damp the velocity that uneven neighbours give a particle. It
-//! piles up to a tenth of the flow's, mixes momentum like an eddy viscosity of 10 ν and blunts every jet and
-//! boundary layer. A viscosity that damps it within a shear time would be 50 ν; this term has it for the noise and,
-//! by construction, none for a linear flow. Acts along the line of a pair and is antisymmetric: linear and angular
-//! momentum are conserved.
+//! At a cell Reynolds number u Δ/ν of 100 the viscosity of water does not damp the velocity that
+//! disordered neighbours give a particle. This noise accumulates to a tenth of the flow's velocity,
+//! mixes momentum like an eddy viscosity of 10 ν and smears every jet and boundary layer. A
+//! viscosity that damps it within a shear time would be 50 ν; this term has it for the noise and,
+//! by construction, none for a linear flow. It acts along the line of a pair and is antisymmetric:
+//! linear and angular momentum are conserved.
 
 use serde::{Deserialize, Serialize};
 
 use crate::math::lanes::{Lanes, dot};
-use crate::physics::sps;
+use crate::math::symmetric;
+use crate::physics::eos;
+use crate::physics::pair::{PairDensities, PairGeometry};
+use crate::physics::parameters::ParameterFault;
 
-/// Damping of the velocities that single particles have beside the flow's.
+/// Damping of the velocities that single particles have in addition to the flow's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum NoiseDamping {
-    /// None: for flows whose own viscosity rules at the size of a particle.
+    /// None: for flows whose own viscosity dominates at the size of a particle.
     #[default]
     Off,
     /// Artificial viscosity between linearly reconstructed velocities.
@@ -43,27 +49,55 @@ impl NoiseDamping {
     /// Largest α whose damping rate, 1.75 α c0/h, the acoustic limit of the time step covers.
     pub const LARGEST_ALPHA: f64 = 0.5;
 
-    /// α, 0 where it is off.
+    /// Returns α, 0 where it is off.
     pub fn alpha(self) -> f64 {
         match self {
             NoiseDamping::Off => 0.0,
             NoiseDamping::Reconstructed { alpha } => alpha,
         }
     }
+
+    /// Returns the parameters that are out of bounds.
+    pub fn faults(self) -> Vec<ParameterFault> {
+        let alpha = ParameterFault {
+            field: "alpha",
+            message: "`alpha` of the noise damping is out of bounds",
+            value: self.alpha(),
+            allowed: 0.0..=Self::LARGEST_ALPHA,
+            usual: "`0.05` to `0.3` is usual",
+        };
+        alpha.if_out_of_bounds().into_iter().collect()
+    }
 }
 
-/// w_ab/h, m/s: `x` is x_ab/h, `xv` is x_ab·v_ab/h (m/s), `strain_sum` the components of S_a + S_b
-/// (1/s) as in [`sps::component`].
-#[inline(always)]
-pub fn unexplained<L: Lanes, const D: usize>(xv: L, strain_sum: [L; 6], x: [L; D], h: f64) -> L {
-    dot(sps::product(strain_sum, x), x).mul_add(L::constant(-0.5 * h), xv)
-}
-
-/// −Π_ab/α = (c_a + c_b) h w_ab/((r² + η²)(ρ_a + ρ_b)), to be multiplied by α m ∇W.
+/// Returns −Π_ab/α over c0/ρ0³, to be multiplied by α m ∇W.
 ///
-/// `stiffness` is (c_a + c_b)/(ρ_a + ρ_b), m⁴/(kg s); `approach` is h w_ab/(r² + η²), m/s.
+/// `own` and `other` are the rates of strain of both particles, 1/s, by component
+/// ([`symmetric::component`]); `product` is x_ab·v_ab/h, m/s; `h` is in m.
 #[inline(always)]
-pub fn factor<L: Lanes>(stiffness: L, approach: L) -> L {
+pub fn pair_term<L: Lanes, const D: usize>(
+    pair: &PairGeometry<L, D>,
+    densities: &PairDensities<L>,
+    [own, other]: [[L; 6]; 2],
+    product: L,
+    h: f64,
+) -> L {
+    let strain_sum = symmetric::sum::<L, D>(own, other);
+    let approach = unexplained(product, strain_sum, pair.x, h) * densities.inverse_softened_q2;
+    factor(eos::stiffness(densities.own, densities.own_square, densities.other), approach)
+}
+
+/// Returns w_ab/h, m/s: `x` is x_ab/h, `product` is x_ab·v_ab/h (m/s), `strain_sum` the
+/// components of S_a + S_b (1/s).
+#[inline(always)]
+fn unexplained<L: Lanes, const D: usize>(product: L, strain_sum: [L; 6], x: [L; D], h: f64) -> L {
+    dot(symmetric::product(strain_sum, x), x).mul_add(L::constant(-0.5 * h), product)
+}
+
+/// Returns −Π_ab/α = (c_a + c_b) h w_ab/((r² + η²)(ρ_a + ρ_b)) from the stiffness
+/// (c_a + c_b)/(ρ_a + ρ_b), m⁴/(kg s), and from `approach` = h w_ab/(r² + η²), m/s.
+#[inline(always)]
+fn factor<L: Lanes>(stiffness: L, approach: L) -> L {
     stiffness * approach
 }
 
@@ -73,7 +107,7 @@ mod tests {
     use crate::math::lanes::Array;
 
     #[test]
-    fn a_linear_flow_is_left_alone_and_the_rest_is_not() {
+    fn a_linear_flow_is_not_damped_and_the_rest_is() {
         let (x, h) = ([0.6, -0.8], 0.25);
         // v = G x with G = [[2, -1], [4, 0.5]]: its rotation does not show.
         let velocity = |x: [f64; 2]| [h * (2.0 * x[0] - x[1]), h * (4.0 * x[0] + 0.5 * x[1])];
@@ -87,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn parting_pairs_are_held_as_approaching_ones_are_pushed() {
+    fn receding_pairs_are_damped_like_approaching_ones() {
         let damping = |approach: f64| factor(Array([8.0 / 2000.0]), Array([approach])).0[0];
         assert_eq!(damping(-0.5), -0.002);
         assert_eq!(damping(0.5), 0.002);

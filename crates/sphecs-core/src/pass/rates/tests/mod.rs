@@ -4,14 +4,13 @@ mod reference;
 
 use glam::DVec3;
 
-use super::body::sum_body_force;
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
-use crate::pass::body::{Body, BodySum};
+use crate::math::symmetric::components;
+use crate::particles::zone::Zone;
 use crate::pass::samples::{SPACING, Sample, WATER, assert_close, noise, settings};
-use crate::physics::sps;
-use crate::physics::viscosity::Viscosity;
+use crate::physics::viscosity::{Artificial, Sps, Viscosity};
 use crate::physics::wall::{WallModel, WallPressure};
 
 const NU: f64 = 1e-3;
@@ -98,8 +97,8 @@ fn a_body_of_one_particle_gets_what_its_neighbour_loses() {
 fn bodies_get_what_the_fluid_loses() {
     let viscous_terms = [
         Viscosity::default(),
-        Viscosity::Artificial { alpha: 0.1 },
-        Viscosity::Sps { smagorinsky: 0.12, isotropic: 0.0066, lattice_normalised: true },
+        Viscosity::Artificial(Artificial { alpha: 0.1 }),
+        Viscosity::Sps(Sps::default()),
     ];
     for (wall_model, viscous_term) in
         WALLS.into_iter().flat_map(|wall| viscous_terms.map(|term| (wall, term)))
@@ -112,7 +111,7 @@ fn bodies_get_what_the_fluid_loses() {
         };
         let mut sample = Sample::<f64, 2>::lattice(pair, [13, 11], false);
         sample.stir(0.3, 1.0);
-        for column in sample.sums.stress.iter_mut().take(sps::components(2)) {
+        for column in sample.sums.stress.iter_mut().take(components(2)) {
             *column = sample.particles.id.iter().map(|id| 0.1 * noise(id * 64 + 5)).collect();
         }
         for row in 0..sample.particles.len() {

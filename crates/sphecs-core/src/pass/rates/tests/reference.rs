@@ -1,15 +1,15 @@
-//! The rates neighbour by neighbour, in plain scalars, and the pass held against them.
+//! Rates by the formulas, neighbour by neighbour in plain scalars, and the pass compared with them.
 
 use super::super::RatesSummary;
 use super::viscous;
 use crate::math::kernel::Kernel;
+use crate::math::symmetric::{component, components};
 use crate::particles::zone::Zone;
 use crate::pass::neighbours::Neighbours;
 use crate::pass::samples::{SPACING, Sample, WATER, assert_close, dummy_velocity, noise};
 use crate::pass::settings::{PairSettings, WallPartSettings};
-use crate::physics::shifting::{Drift, Shifting};
-use crate::physics::sps;
-use crate::physics::viscosity::Viscosity;
+use crate::physics::shifting::{DriftCorrection, Local, Shifting, Vacondio};
+use crate::physics::viscosity::{Artificial, Laminar, Sps, Viscosity};
 use crate::physics::wall::{WallModel, WallPressure};
 
 /// Rates of a row in SI units.
@@ -84,29 +84,29 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
         let mut along_v = 0.0;
         match pair.viscous_term {
             _ if free_slip => {}
-            Viscosity::Laminar { printed, .. } => {
-                let slope = if printed { slope * r2 / (r2 + eta2) } else { slope };
+            Viscosity::Laminar(Laminar { as_published, .. }) => {
+                let slope = if as_published { slope * r2 / (r2 + eta2) } else { slope };
                 along_v = 4.0 * pair.pair_viscosity() * pair.mass * factor * slope / (rho_a + rho_b);
             }
-            Viscosity::Artificial { alpha } => {
+            Viscosity::Artificial(Artificial { alpha }) => {
                 let mu = (h * xv / (r2 + eta2)).min(0.0);
                 let speed = 0.5 * (WATER.sound_speed_at(rho_a) + WATER.sound_speed_at(rho_b));
                 along_x += pair.mass * alpha * speed * mu / (0.5 * (rho_a + rho_b)) * slope;
             }
-            Viscosity::Sps { .. } => {
+            Viscosity::Sps(_) => {
                 along_v = 4.0 * pair.pair_viscosity() * pair.mass * factor * slope / (rho_a + rho_b);
             }
         }
-        if matches!(pair.viscous_term, Viscosity::Sps { .. }) {
+        if pair.viscous_term.needs().stress {
             for i in 0..D {
                 for j in 0..D {
-                    let column = &sample.sums.stress[sps::component::<D>(i, j)];
+                    let column = &sample.sums.stress[component::<D>(i, j)];
                     acceleration[i] += pair.mass * (column[a] + column[b]) * slope * x[j];
                 }
             }
         }
         if pair.noise_damping != 0.0 && !wall {
-            let strain = |row: usize, i, j| sample.sums.strain[sps::component::<D>(i, j)][row];
+            let strain = |row: usize, i, j| sample.sums.strain[component::<D>(i, j)][row];
             let mut w = dot(x, v);
             for i in 0..D {
                 for j in 0..D {
@@ -128,7 +128,7 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
     });
     let mean = distances / count;
     let shift = match pair.shifting {
-        Shifting::Vacondio { .. } => repulsion.map(|x| mean * mean * x / count),
+        Shifting::Vacondio(_) => repulsion.map(|x| mean * mean * x / count),
         shifting if !shifting.keeps_drift() => {
             std::array::from_fn(|d| sample.sums.crowding[d][a] - crowding[d] / weights)
         }
@@ -157,14 +157,14 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
             sample.particles.wall_normal[1][row] = 0.8;
         }
     }
-    if matches!(sample.pair.viscous_term, Viscosity::Sps { .. }) {
-        for (component, column) in sample.sums.stress.iter_mut().enumerate().take(sps::components(D)) {
+    if sample.pair.viscous_term.needs().stress {
+        for (component, column) in sample.sums.stress.iter_mut().enumerate().take(components(D)) {
             let ids = sample.particles.id.iter();
             *column = ids.map(|id| 0.1 * noise(id * 64 + 32 + component as u32)).collect();
         }
     }
     if sample.pair.noise_damping != 0.0 {
-        for (component, column) in sample.sums.strain.iter_mut().enumerate().take(sps::components(D)) {
+        for (component, column) in sample.sums.strain.iter_mut().enumerate().take(components(D)) {
             let ids = sample.particles.id.iter();
             *column = ids.map(|id| 5.0 * noise(id * 64 + 48 + component as u32)).collect();
         }
@@ -213,22 +213,22 @@ fn rates_are_the_printed_sums() {
     for kernel in Kernel::ALL {
         check(viscous(kernel, 2, 1.3), [13, 9]);
         check(viscous(kernel, 3, 1.2), [7, 8, 5]);
-        for (lattice_normalised, printed) in [(true, true), (false, true), (false, false)] {
-            let viscous_term = Viscosity::Laminar { lattice_normalised, printed };
+        for (lattice_normalised, as_published) in [(true, true), (false, true), (false, false)] {
+            let viscous_term = Viscosity::Laminar(Laminar { lattice_normalised, as_published });
             let wall_model =
                 WallModel::Image { velocity_cap: Some(1.5), pressure: WallPressure::Extrapolated };
             check(PairSettings { viscous_term, wall_model, ..viscous(kernel, 2, 1.5) }, [12, 9]);
         }
         check(
             PairSettings {
-                viscous_term: Viscosity::Artificial { alpha: 0.1 },
-                shifting: Shifting::Vacondio { beta: 0.04 },
+                viscous_term: Viscosity::Artificial(Artificial { alpha: 0.1 }),
+                shifting: Shifting::Vacondio(Vacondio { beta: 0.04 }),
                 tensile_control: false,
                 ..viscous(kernel, 3, 1.3)
             },
             [6, 9, 5],
         );
-        let viscous_term = Viscosity::Sps { smagorinsky: 0.12, isotropic: 0.0066, lattice_normalised: true };
+        let viscous_term = Viscosity::Sps(Sps::default());
         let turbulent = PairSettings { viscous_term, ..viscous(kernel, 2, 1.3) };
         check(turbulent.clone(), [12, 9]);
         check(PairSettings { dimensions: 3, ..turbulent.clone() }, [6, 9, 5]);
@@ -236,7 +236,7 @@ fn rates_are_the_printed_sums() {
         check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 2, 1.3) }, [12, 9]);
         check(PairSettings { noise_damping: 0.2, ..viscous(kernel, 3, 1.3) }, [6, 9, 5]);
         // Compiled for it with damping and walls, else one of the branches.
-        let shifting = Shifting::Local { coefficient: 32.0, drift: Drift::Removed };
+        let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction: DriftCorrection::On });
         for noise_damping in [0.0, 0.2] {
             let net = PairSettings { shifting, noise_damping, ..viscous(kernel, 2, 1.3) };
             check(net.clone(), [12, 9]);
@@ -261,7 +261,10 @@ fn rates_are_the_printed_sums() {
             check(PairSettings { wall_parts: slippery.clone(), ..plain.clone() }, [12, 9]);
             check(PairSettings { wall_parts: slippery, dimensions: 3, ..plain.clone() }, [7, 8, 5]);
             check(PairSettings { noise_damping: 0.2, ..plain.clone() }, [12, 9]);
-            check(PairSettings { viscous_term: Viscosity::Artificial { alpha: 0.1 }, ..plain }, [12, 9]);
+            check(
+                PairSettings { viscous_term: Viscosity::Artificial(Artificial { alpha: 0.1 }), ..plain },
+                [12, 9],
+            );
         }
     }
 }
