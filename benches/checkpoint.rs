@@ -1,11 +1,12 @@
-//! What a checkpoint of a million particles costs: what the step waits for, and what the thread that writes does meanwhile.
+//! What a checkpoint of a million particles costs: what the step waits for, and what the thread
+//! that writes does meanwhile.
 //!
 //! `cargo bench --bench checkpoint`. Divan's bytes are those of the file.
 
 use divan::Bencher;
 use divan::counter::BytesCount;
 use sphecs::Simulation;
-use sphecs_bench::cases::Case;
+use sphecs_bench::cases::BenchCase;
 use sphecs_output::checkpoint::store::Store;
 use sphecs_output::checkpoint::{Checkpoint, Facts};
 
@@ -15,7 +16,7 @@ fn main() {
 
 /// The box after a few steps.
 fn million() -> Simulation {
-    let scene = Case::named("3d-large-f64").expect("a case of the engine").scene().expect("a scene");
+    let scene = BenchCase::named("3d-large-f64").expect("a case of the engine").scene().expect("a scene");
     let mut simulation = Simulation::builder(scene).build().expect("a simulation");
     for _ in 0..2 {
         simulation.step().expect("the flow is tame");

@@ -1,9 +1,10 @@
 //! Pair passes on one thread: ordered pairs inside the support per second.
 //!
-//! `cargo bench --bench passes`. 2D: 160 000 particles at h = 1.33 Δ (20 neighbours). 3D: 262 144 at h = 2.02 Δ (250
-//! neighbours). Stirred periodic boxes of Wendland's kernel with laminar viscosity and Fickian shifting. The scalar
-//! baseline is the same density and pressure sums, neighbour by neighbour over the same cells; the peak of fused
-//! multiply-adds is measured in the same run, since a shared machine is never as fast as its data sheet.
+//! `cargo bench --bench passes`. 2D: 160 000 particles at h = 1.33 Δ (20 neighbours). 3D: 262 144
+//! at h = 2.02 Δ (250 neighbours). Stirred periodic boxes of Wendland's kernel with laminar
+//! viscosity and Fickian shifting. The scalar baseline is the same density and pressure sums,
+//! neighbour by neighbour over the same cells; the peak of fused multiply-adds is measured in the
+//! same run, since a shared machine is never as fast as its data sheet.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -35,7 +36,7 @@ fn main() {
     divan::main();
 }
 
-/// A stirred periodic box.
+/// A periodic box of disordered particles.
 struct Flow<R: Real, const D: usize> {
     pair: PairSettings,
     grid: CellGrid<D>,
@@ -99,7 +100,8 @@ impl<R: Real, const D: usize> Flow<R, D> {
         self.particles.reorder(order, &mut self.spare);
     }
 
-    /// Moves every particle by a few percent of the spacing, as a step does, so that the sort has work.
+    /// Moves every particle by a few percent of the spacing, as a step does, so that the sort has
+    /// work.
     fn drift(&mut self, sign: f64) {
         for d in 0..D {
             for row in 0..self.particles.len() {

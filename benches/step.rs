@@ -1,11 +1,13 @@
-//! Whole steps on one thread: particle-steps per second, ordered pairs per second, and where the time goes.
+//! Whole steps on one thread: particle-steps per second, ordered pairs per second, and where the
+//! time goes.
 //!
-//! `cargo bench --bench step`. The cases of `sphecs bench`: stirred periodic boxes (2D: h = 1.33 Δ; 3D: h = 2.02 Δ, with a
-//! quarter of a million and a million particles), and channels and a duct with walls, inlet and outlet; and `scenes/step.ron`
-//! with each outlet condition under both schemes. Divan's
-//! items are particle-steps, reservoir excluded. The table below divan's is made of the fastest run of each set of systems,
-//! because a shared machine is slow for reasons of its own; `pairs` are ordered pairs of fluid particles with anything in
-//! their support, all passes of a step together counted as one.
+//! `cargo bench --bench step`. The cases of `sphecs bench`: periodic boxes of disordered particles
+//! (2D: h = 1.33 Δ; 3D: h = 2.02 Δ, with a quarter of a million and a million particles), and
+//! channels and a duct with walls, inlet and outlet; and `scenes/step.ron` with each outlet
+//! condition under both schemes. Divan's items are particle-steps, reservoir excluded. The table
+//! below divan's is made of the fastest run of each set of systems, because a shared machine is
+//! slow for reasons of its own; `pairs` are ordered pairs of fluid particles with anything in their
+//! support, all passes of a step together counted as one.
 
 use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -13,12 +15,12 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use sphecs::{Scene, SceneErrors};
-use sphecs_bench::cases::Case;
-use sphecs_bench::measure::{FastestSets, count, paved, scalar_rate};
+use sphecs_bench::cases::BenchCase;
+use sphecs_bench::measure::{FastestSets, count, filled_with_tiles, scalar_rate};
 use sphecs_bench::operations::per_pair;
 use sphecs_bench::peak::Peaks;
-use sphecs_bench::stirring::Tile;
-use sphecs_bench::table::shares;
+use sphecs_bench::tile::Tile;
+use sphecs_bench::timing_table::shares;
 use sphecs_core::math::lanes::InstructionSet;
 
 /// What a bench found, for the table at the end.
@@ -86,12 +88,12 @@ impl Report {
 
 /// Times steps of a case after its warm-up.
 fn time(bencher: Bencher, name: &str) {
-    let case = Case::named(name).expect("a case of the engine");
-    let tile = case.stirred().map(|stirred| Tile::of(stirred).expect("a tame flow"));
+    let case = BenchCase::named(name).expect("a case of the engine");
+    let tile = case.periodic_box().map(|periodic_box| Tile::of(periodic_box).expect("a stable flow"));
     time_flow(bencher, name.to_owned(), case.scene(), tile, case.plan().warm_up);
 }
 
-/// Times steps of a scene, paved with the tile if there is one, after so many others.
+/// Times steps of a scene, filled_with_tiles with the tile if there is one, after so many others.
 fn time_flow(
     bencher: Bencher,
     name: String,
@@ -100,7 +102,7 @@ fn time_flow(
     warm_up: usize,
 ) {
     let mut simulation = match scene {
-        Ok(scene) => paved(scene, tile.as_ref()),
+        Ok(scene) => filled_with_tiles(scene, tile.as_ref()),
         Err(faults) => panic!("{faults}"),
     };
     for _ in 0..warm_up {

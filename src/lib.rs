@@ -72,6 +72,12 @@ pub mod outlet {
     pub use sphecs_core::pass::fits::{PointFit, PointFlow};
 }
 
+#[cfg(feature = "output")]
+pub use sphecs_output as output;
+#[cfg(feature = "output")]
+pub use sphecs_run as run;
+
+#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 

@@ -1,4 +1,4 @@
-//! A run killed at any moment keeps every frame that was reported as written.
+//! Frames reported as written survive a kill at any moment.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -15,7 +15,7 @@ use sphecs_output::results::Results;
 
 const FOLDER: &str = "SPHECS_KILLED_RUN_FOLDER";
 
-/// A frame whose every number follows from its index; the reservoir grows as it goes.
+/// Returns a frame whose numbers follow from its index, with a growing reservoir.
 fn frame(index: u64) -> Frame {
     let mut frame = Frame::absent(500 + 3 * index as usize);
     for slot in 0..frame.len() {
@@ -26,7 +26,7 @@ fn frame(index: u64) -> Frame {
         frame.pressure[slot] = index as f32;
         frame.passage[slot] = index as u32;
     }
-    // New slots are no walls: walls stand from the first frame on.
+    // New slots are not walls, which exist from the first frame on.
     frame.zone[500..].fill(0);
     frame.time = 0.5 * index as f64;
     frame.step = 10 * index;
@@ -43,7 +43,7 @@ fn header() -> Header {
     }
 }
 
-/// The body of the process that is killed: writes frames and reports them, without end.
+/// Body of the child process: writes frames and reports them until it is killed.
 #[test]
 fn child_writes_and_reports() {
     let Ok(folder) = std::env::var(FOLDER) else {
@@ -63,7 +63,8 @@ fn child_writes_and_reports() {
     }
 }
 
-/// Starts the child, kills it some time after it reported `after` frames, and returns how many it reported.
+/// Starts the child, kills it some time after it reported `after` frames, and returns how many it
+/// reported.
 fn kill_after(folder: &Path, after: u64, delay: Duration) -> u64 {
     let mut child = Command::new(std::env::current_exe().expect("this test"))
         .args(["--exact", "child_writes_and_reports", "--nocapture"])
@@ -84,7 +85,7 @@ fn kill_after(folder: &Path, after: u64, delay: Duration) -> u64 {
     }
     std::thread::sleep(delay);
     child.kill().expect("killed");
-    // What it had reported before the kill still stands in the pipe.
+    // Reports from before the kill are still in the pipe.
     let last = lines.map(count).last().unwrap_or(after);
     child.wait().expect("ended");
     last
@@ -103,7 +104,7 @@ fn every_reported_frame_survives_a_kill() {
                 results.len()
             );
             for index in 0..results.len() {
-                let found = results.frame(index).expect("a whole frame");
+                let found = results.frame(index).expect("a complete frame");
                 let wanted = frame(index as u64);
                 assert_eq!((found.time, found.step), (wanted.time, wanted.step));
                 let present = &found.zone[..wanted.len()];
@@ -117,13 +118,13 @@ fn every_reported_frame_survives_a_kill() {
         assert!(packed.frames as u64 >= reported);
         assert!(!folder.join("journal").exists());
         check(&Results::open(&folder).expect("a run"), "packed");
-        // Packing what is packed changes nothing.
+        // Packing a packed run changes nothing.
         assert_eq!(pack(&folder).expect("packed").frames, 0);
     }
 }
 
 #[test]
-fn run_being_written_is_left_alone() {
+fn run_being_written_is_not_changed() {
     let parent = tempfile::tempdir().expect("a folder");
     let folder = parent.path().join("run");
     let _run = RunFolder::create(&folder, false, &header(), &ProbeSet::default()).expect("a run");

@@ -1,4 +1,4 @@
-//! What was written can be read, drawn and exported, packed or not, in 2D and in 3D.
+//! Results are read, drawn and exported, packed or not, in 2D and in 3D.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use sphecs_output::vtk::export_vtu;
 
 const SPACING: f64 = 0.05;
 
-/// A channel of 40 × 10 (× 6) particles between walls with a parabolic flow; the last slots are in the reservoir.
+/// Returns a channel of 40 × 10 (× 6) particles with a parabolic flow; the last slots are in the
+/// reservoir.
 fn channel(dimensions: usize, time: f64) -> Frame {
     let layers = if dimensions == 3 { 6 } else { 1 };
     let inside = 40 * 14 * layers;
@@ -65,7 +66,7 @@ fn run(path: &Path, dimensions: usize) -> RunFolder {
     run
 }
 
-/// Walls come back with their place only; everything else bit for bit.
+/// Asserts that walls keep their position and all other slots are bitwise identical.
 fn assert_same(found: &Frame, wanted: &Frame) {
     assert_eq!((found.time, found.step, found.time_step), (wanted.time, wanted.step, wanted.time_step));
     assert_eq!(found.zone, wanted.zone);
@@ -101,7 +102,7 @@ fn frames_read_back_from_journal_and_from_packed_file() {
         run.finish(Summary { status: Status::Completed, ..Summary::default() }).expect("ended");
         let packed = Results::open(&path).expect("a run");
         assert!(packed.is_packed());
-        // The first was opened before its journal went away under it.
+        // The first was opened before its journal was removed.
         for results in [&journal, &packed] {
             assert_eq!(results.times(), [0.0, 0.1, 0.25]);
             for (index, time) in results.times().into_iter().enumerate() {
@@ -119,7 +120,7 @@ fn frames_read_back_from_journal_and_from_packed_file() {
 }
 
 #[test]
-fn picture_shows_field_walls_and_nothing_else() {
+fn picture_shows_field_and_walls() {
     for dimensions in [2, 3] {
         let parent = tempfile::tempdir().expect("a folder");
         let path = parent.path().join("run");
@@ -143,7 +144,7 @@ fn picture_shows_field_walls_and_nothing_else() {
             let [r, g, b] = pixel.0.map(i32::from);
             (r - g).abs().max((g - b).abs()) > 30
         });
-        // Four rows of wall on ten of fluid; the colour bar adds a few per cent to the fluid.
+        // Four layers of wall on ten of fluid; the colour bar adds a few per cent to the fluid.
         let ratio = walls / field.count() as f64;
         assert!((0.33..0.41).contains(&ratio), "walls to fluid {ratio} in {dimensions}D");
     }
@@ -172,7 +173,7 @@ fn series_has_a_picture_and_a_grid_per_frame() {
 }
 
 #[test]
-fn requests_that_do_not_fit_are_refused() {
+fn requests_that_do_not_match_the_run_are_refused() {
     let parent = tempfile::tempdir().expect("a folder");
     let path = parent.path().join("run");
     run(&path, 3).finish(Summary::default()).expect("ended");

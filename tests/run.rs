@@ -1,4 +1,4 @@
-//! What is read and written during a run does not change the flow.
+//! Output during a run does not change the flow.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ fn simulation(scene: &str, precision: &str) -> Simulation {
         .expect("a simulation")
 }
 
-/// Every bit of the state that a frame holds.
+/// Returns all bits of the state in a frame.
 fn bits(simulation: &mut Simulation) -> Vec<u64> {
     let frame = Frame::from_world(simulation.world_mut());
     let wide = frame.position.iter().flatten().map(|x| x.to_bits());
@@ -25,27 +25,27 @@ fn bits(simulation: &mut Simulation) -> Vec<u64> {
 
 #[track_caller]
 fn check(scene: &str, precision: &str) {
-    let (mut watched, mut alone) = (simulation(scene, precision), simulation(scene, precision));
-    let points: Vec<_> = watched.scene().inlets.iter().map(|inlet| inlet.patch.at).collect();
+    let (mut sampled, mut undisturbed) = (simulation(scene, precision), simulation(scene, precision));
+    let points: Vec<_> = sampled.scene().inlets.iter().map(|inlet| inlet.patch.at).collect();
     for step in 0..100 {
         if step % 7 == 0 {
-            watched.monitor_row();
-            watched.sample(&points);
-            bits(&mut watched);
+            sampled.monitor_row();
+            sampled.sample(&points);
+            bits(&mut sampled);
         }
-        watched.step().expect("a step");
-        alone.step().expect("a step");
-        let (with, without) = (watched.clock(), alone.clock());
+        sampled.step().expect("a step");
+        undisturbed.step().expect("a step");
+        let (with, without) = (sampled.clock(), undisturbed.clock());
         assert_eq!(with.time.to_bits(), without.time.to_bits(), "{scene}, {precision}: step {step} differs");
     }
     assert!(
-        bits(&mut watched) == bits(&mut alone),
+        bits(&mut sampled) == bits(&mut undisturbed),
         "{scene}, {precision}: the state differs after 100 steps"
     );
 }
 
 #[test]
-fn reading_a_flow_changes_no_bit_of_it() {
+fn sampled_flow_is_bitwise_identical() {
     for scene in ["quickstart.ron", "poiseuille_periodic.ron", "duct3d.ron"] {
         for precision in ["F64", "F32"] {
             check(scene, precision);

@@ -1,4 +1,4 @@
-//! `sphecs validate` as a user meets it: verdicts, pages, exit codes; and the quick tier itself.
+//! Verdicts, pages and exit codes of `sphecs validate`, and the quick tier.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// A periodic flow of 0.25 m/s along x that nothing changes, and what is measured of it.
+/// Uniform periodic flow of 0.25 m/s along x with probes.
 const SCENE: &str = r#"Scene(
     title: "Uniform stream", dimensions: 2, spacing: 0.05, smoke: 0.1,
     fluid: (density: 1000.0, viscosity: 1.0e-6, sound_speed: 5.0),
@@ -28,7 +28,7 @@ const SCENE: &str = r#"Scene(
     ]),
 )"#;
 
-/// A case of that flow whose speed should be `speed`.
+/// Writes a case of that flow with the reference speed `speed`.
 fn case(folder: &Path, speed: f64) -> String {
     let text = format!(
         r#"Case(
@@ -68,16 +68,16 @@ fn case(folder: &Path, speed: f64) -> String {
 }
 
 #[test]
-fn a_case_of_ones_own_is_run_measured_and_judged() {
+fn case_of_the_user_is_run_measured_and_evaluated() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let path = case(folder.path(), 0.25);
     let output = validate(&["--quick", "--case", &path], &out);
     let said = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{said}\n{}", text(&output.stderr));
-    assert!(said.contains("all that must be met is met"), "{said}");
-    assert!(!said.contains("the other run"), "its second run is not of this tier:\n{said}");
-    assert!(said.contains("figures, 1 are of runs that this tier leaves out"), "{said}");
+    assert!(said.contains("all required bands are met"), "{said}");
+    assert!(!said.contains("the other run"), "its second run is not in this tier:\n{said}");
+    assert!(said.contains("figures, 1 not measured"), "{said}");
 
     let page = fs::read_to_string(out.join("uniform.md")).expect("a page");
     for words in [
@@ -88,7 +88,7 @@ fn a_case_of_ones_own_is_run_measured_and_judged() {
         "| mean speed of the twins, m/s | 0.27 ± 0.012 |",
         "| twins.3 |",
         "![Speed, t = 0 s](uniform_speed_1.png)",
-        "To be met, too, but not measured here, as their runs are of another tier or have no results: distance from the other run.",
+        "Required but not measured, because the runs belong to another tier or have no results: distance from the other run.",
     ] {
         assert!(page.contains(words), "no `{words}` in\n{page}");
     }
@@ -103,27 +103,27 @@ fn a_case_of_ones_own_is_run_measured_and_judged() {
         2.0 * report["figures"][1]["value"].as_f64().expect("a number")
     );
 
-    // What is complete is taken again; the other tier adds its run.
+    // Complete runs are reused; the other tier adds its run.
     let first = fs::read(out.join("uniform/stream/summary.json")).expect("a summary");
     let output = validate(&["--reuse", "--case", &path], &out);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("distance from the other run"));
-    assert!(text(&output.stdout).contains("all that must be met is met; pages"), "{}", text(&output.stdout));
+    assert!(text(&output.stdout).contains("all required bands are met; pages"), "{}", text(&output.stdout));
     let page = fs::read_to_string(out.join("uniform.md")).expect("a page");
-    assert!(!page.contains("earlier build"), "{page}");
+    assert!(!page.contains("another build"), "{page}");
     assert_eq!(fs::read(out.join("uniform/stream/summary.json")).expect("a summary"), first);
-    // A run that another build made is taken, and told of.
+    // A run of another build is reused and reported.
     let summary = out.join("uniform/stream/summary.json");
     let of_another =
         fs::read_to_string(&summary).expect("a summary").replace("\"build\": \"", "\"build\": \"0");
     fs::write(&summary, of_another).expect("written");
     validate(&["--reuse", "--case", &path], &out);
     let page = fs::read_to_string(out.join("uniform.md")).expect("a page");
-    assert!(page.contains("Taken from an earlier build of this version: stream."), "{page}");
+    assert!(page.contains("Reused from another build of this version: stream."), "{page}");
 }
 
 #[test]
-fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_taken() {
+fn stopped_run_is_resumed_and_shortened_run_is_not_reused() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let path = case(folder.path(), 0.25);
@@ -140,7 +140,7 @@ fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_take
     };
     let scene = folder.path().join("stream.ron").to_string_lossy().into_owned();
 
-    // Asked to end after three steps, it is complete, but is not the run of the case.
+    // With an end after three steps it is complete, but is not the run of the case.
     assert!(sphecs(&["run", &scene, "--steps", "3"]).success());
     assert_eq!(steps(&stream), ("completed".into(), 3));
     assert_eq!(validate(&arguments, &out).status.code(), Some(0));
@@ -148,7 +148,7 @@ fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_take
     assert!(status == "completed" && whole > 5, "{whole}");
     let monitor = fs::read(stream.join("monitor.csv")).expect("rows");
 
-    // Out of wall time after its first step, it has a checkpoint, which is gone on with.
+    // At its wall-time limit after the first step it has a checkpoint, which is resumed.
     fs::remove_dir_all(&stream).expect("removed");
     assert_eq!(sphecs(&["run", &scene, "--max-walltime", "0.000001s"]).code(), Some(75));
     assert!(steps(&stream).1 < whole);
@@ -157,9 +157,9 @@ fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_take
     assert_eq!(steps(&stream), ("completed".into(), whole));
     assert_eq!(fs::read(stream.join("monitor.csv")).expect("rows"), monitor);
     let ended = fs::metadata(stream.join("scene.ron")).and_then(|file| file.modified()).expect("a time");
-    assert_eq!(begun, ended, "it was run anew");
+    assert_eq!(begun, ended, "it was run from its start");
 
-    // With no checkpoint that reads, it is run from its start.
+    // Without a readable checkpoint it is run from its start.
     fs::remove_dir_all(&stream).expect("removed");
     assert_eq!(sphecs(&["run", &scene, "--max-walltime", "0.000001s"]).code(), Some(75));
     for file in fs::read_dir(stream.join("checkpoints")).expect("a folder") {
@@ -170,7 +170,7 @@ fn a_run_that_was_stopped_is_gone_on_with_and_one_that_was_cut_short_is_not_take
 }
 
 #[test]
-fn runs_go_side_by_side_and_a_signal_stops_them_all() {
+fn concurrent_runs_are_all_stopped_by_a_signal() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     fs::write(folder.path().join("stream.ron"), SCENE).expect("written");
@@ -203,7 +203,8 @@ fn runs_go_side_by_side_and_a_signal_stops_them_all() {
     }
 }
 
-/// A lid over a shear of 1/s in water of 0.1 m²/s: half a square metre of it per metre of depth is held back by 50 N, which is 0.2 of ½ρU²A.
+/// A lid over a shear of 1/s with ν = 0.1 m²/s: the drag on 0.5 m² per metre of depth is 50 N, 0.2
+/// of ½ρU²A.
 #[test]
 fn forces_on_bodies_are_measured() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -233,19 +234,19 @@ fn forces_on_bodies_are_measured() {
 }
 
 #[test]
-fn a_missed_band_is_said_and_gives_exit_code_1() {
+fn missed_band_is_reported_with_exit_code_1() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let path = case(folder.path(), 0.3);
     let output = validate(&["--quick", "--case", &path], &out);
     let said = text(&output.stdout);
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("MISSED") && said.contains("missed: uniform"), "{said}");
+    assert!(said.contains("MISSED") && said.contains("required bands missed: uniform"), "{said}");
     assert!(fs::read_to_string(out.join("uniform.md")).expect("a page").contains("| MISSED |"));
 }
 
 #[test]
-fn a_flow_that_blows_up_is_a_miss_with_its_reason() {
+fn diverged_flow_is_a_miss_with_its_reason() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let path = case(folder.path(), 0.25);
@@ -260,14 +261,14 @@ fn a_flow_that_blows_up_is_a_miss_with_its_reason() {
 }
 
 #[test]
-fn a_blow_up_that_may_be_is_told_and_no_miss() {
+fn permitted_divergence_is_reported_and_not_a_miss() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let path = case(folder.path(), 0.25);
     let scene = SCENE.replace("velocity: (0.25, 0.0)", r#"velocity: ("1e4*(x < 0.05)", 0.0)"#);
     fs::write(folder.path().join("stream.ron"), scene).expect("written");
     let text_of_case = fs::read_to_string(&path).expect("the case");
-    // The twins get a speed of their own and do not blow up.
+    // The twins have another velocity and do not diverge.
     let twins = r#"(name: "twins", scene: "stream.ron", "#;
     let calm = r#"set: [("initial.velocity", "(0.25, 0.0)")], "#;
     let text_of_case = text_of_case.replace(twins, &format!("{twins}{calm}"));
@@ -276,13 +277,13 @@ fn a_blow_up_that_may_be_is_told_and_no_miss() {
     let output = validate(&["--quick", "--case", &path], &out);
     let said = text(&output.stdout);
     assert!(!said.contains("has no results") && said.contains("mean speed of the twins"), "{said}");
-    assert!(!said.contains("flow, kg/(s m)"), "what looks at the run is left out:\n{said}");
+    assert!(!said.contains("flow, kg/(s m)"), "figures of the run are omitted:\n{said}");
     assert!(fs::read_to_string(out.join("uniform.md")).expect("a page").contains("| failed: "));
     assert_eq!(output.status.code(), Some(0), "{said}");
 }
 
 #[test]
-fn faults_of_a_case_end_before_anything_runs() {
+fn faults_of_a_case_prevent_all_runs() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let path = case(folder.path(), 0.25);
@@ -300,7 +301,7 @@ fn faults_of_a_case_end_before_anything_runs() {
 }
 
 #[test]
-fn the_quick_tier_meets_all_that_must_be_met() {
+fn quick_tier_meets_all_required_bands() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = validate(&["--quick"], folder.path());
     assert_eq!(output.status.code(), Some(0), "{}\n{}", text(&output.stdout), text(&output.stderr));

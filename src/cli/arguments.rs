@@ -1,4 +1,4 @@
-//! What may stand on the command line.
+//! Commands and their arguments.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -6,53 +6,54 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
-use super::runs::{ResumeArguments, RunArguments};
-use super::trials::{BenchArguments, ValidateArguments};
+use super::check_arguments::{BenchArguments, ValidateArguments};
+use super::run_arguments::{ResumeArguments, RunArguments};
 use sphecs_output::picture::{Colours, Field, Slice};
 
-/// The whole command line.
+/// Command line.
 #[derive(Debug, Parser)]
 #[command(
     name = "sphecs",
     version,
-    about = "Smoothed particle hydrodynamics with open boundaries: a scene becomes a flow",
-    long_about = "Smoothed particle hydrodynamics with open boundaries: a scene becomes a flow.\n\n\
-        `sphecs SCENE` runs a scene: it is short for `sphecs run SCENE` and takes its options (`sphecs run --help`).",
+    about = "Smoothed particle hydrodynamics with open boundaries",
+    long_about = "Smoothed particle hydrodynamics with open boundaries.\n\n\
+        `sphecs SCENE` is short for `sphecs run SCENE` and takes its options (`sphecs run --help`).",
     after_help = "Examples:\n  \
         sphecs scenes/quickstart.ron\n  \
         sphecs check scenes/constricted_r2.ron\n  \
         sphecs scenes/constricted_r2.ron --set fluid.sound_speed=1.0 --until 2 --out runs/slow_sound\n  \
         sphecs resume runs/quickstart\n  \
         sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
-        Exit codes: 0 done, 1 a validation case missed its band, 2 bad input, 3 the flow blew up, 4 input or output failed, \
-        75 out of wall time, 130 interrupted, 143 terminated",
+        Exit codes: 0 done, 1 a required band was missed, 2 bad input, 3 the flow diverged, 4 input or output failed, \
+        75 wall-time limit reached, 130 interrupted, 143 terminated",
     subcommand_required = true,
     arg_required_else_help = true
 )]
 pub struct Arguments {
-    /// What to do.
+    /// Command.
     #[command(subcommand)]
     pub command: Command,
 }
 
 impl Arguments {
-    /// Reads a command line in which a scene stands for a run of it: `sphecs flow.ron --steps 9` is
-    /// `sphecs run flow.ron --steps 9`.
+    /// Parses a command line, in which a scene without a command is run: `sphecs flow.ron` is
+    /// `sphecs run flow.ron`.
     ///
     /// # Errors
-    /// clap's, which is also how help and version are asked for.
+    /// The error of clap, which also stands for requests of help and version.
     pub fn read(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         let mut words: Vec<OsString> = words.into_iter().collect();
-        if words.get(1).is_some_and(|word| means_a_run(word)) {
+        if words.get(1).is_some_and(|word| is_run_without_command(word)) {
             words.insert(1, "run".into());
         }
         Self::try_parse_from(words)
     }
 }
 
-/// Whether the first word belongs to a run without the word `run`. What looks neither like a file nor like an
-/// option is left to clap, which knows the subcommand that was meant.
-fn means_a_run(word: &OsStr) -> bool {
+/// Returns true if the first word is the scene or an option of a run.
+///
+/// Other words are left to clap, which suggests similar commands.
+fn is_run_without_command(word: &OsStr) -> bool {
     let text = word.to_string_lossy();
     match text.strip_prefix('-') {
         Some(_) => !matches!(text.as_ref(), "-h" | "--help" | "-V" | "--version"),
@@ -60,36 +61,37 @@ fn means_a_run(word: &OsStr) -> bool {
     }
 }
 
-/// The subcommands.
+/// Commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a scene to its end
     Run(RunArguments),
-    /// Go on with a run that was stopped or killed, to the same bits
+    /// Resume a run that was stopped or killed, with bitwise identical results
     Resume(ResumeArguments),
-    /// Read a scene, build its geometry and say what a run would be, without running
+    /// Check a scene and print the size of its run, without running
     Check(CheckArguments),
-    /// Draw a field of a run at a time
+    /// Draw a field of a run
     Render(RenderArguments),
-    /// Say what a run folder holds
+    /// Describe a run folder
     Info(InfoArguments),
-    /// Write the frames of a run in a format of other programs
+    /// Write the frames of a run in the format of another program
     Export(ExportArguments),
     /// Pack the journal of a run that was killed into `particles.nc`
     Pack(PackArguments),
     /// Measure how fast the engine is on this machine
     Bench(BenchArguments),
-    /// Run known cases and hold them against their references
+    /// Run validation cases and compare them with their references
     Validate(ValidateArguments),
 }
 
-/// Which scene, and what is changed in it.
+/// Scene and changes to it.
 #[derive(Args, Debug)]
 pub struct SceneArguments {
     /// Scene file, RON
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// Change a value of the scene, as `fluid.sound_speed=1.0` or `outlets.0.depth=0.01`; repeatable
+    /// Change a value of the scene, as `fluid.sound_speed=1.0` or `outlets.0.depth=0.01`;
+    /// repeatable
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
     pub sets: Vec<(String, String)>,
     /// Run at the scene's coarse smoke spacing, for a quick look
@@ -122,22 +124,22 @@ pub struct RenderArguments {
     /// Field to draw
     #[arg(long, default_value = Field::Speed.name(), value_parser = fields())]
     pub field: Field,
-    /// Time, s: the frame nearest to it is drawn [default: the last frame]
+    /// Time of the frame, s; the nearest one is drawn [default: the last frame]
     #[arg(long, value_name = "T", conflicts_with = "all", value_parser = finite, allow_negative_numbers = true)]
     pub time: Option<f64>,
-    /// Draw every frame, with one colour scale for all
+    /// Draw every frame with one colour scale
     #[arg(long)]
     pub all: bool,
-    /// Picture to write, PNG [default: named by its field, in the run folder]
+    /// Picture to write, PNG [default: name of the field, in the run folder]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Ends of the colour scale, in the field's unit [default: those of the field]
+    /// Ends of the colour scale, in the unit of the field [default: range of the field]
     #[arg(long, value_name = "MIN,MAX", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<(f64, f64)>,
-    /// Colour map [default: the one that suits the field]
+    /// Colour map [default: depends on the field]
     #[arg(long, value_name = "NAME", value_parser = colours())]
     pub colours: Option<Colours>,
-    /// Plane of a 3D flow that is drawn, as `z` or `y=0.01`, m [default: z, in the middle]
+    /// Plane of a 3D flow, as `z` or `y=0.01` (m) [default: z in the middle]
     #[arg(long, value_name = "AXIS[=AT]", value_parser = slice)]
     pub slice: Option<Slice>,
     /// Width of the picture, pixels
@@ -156,7 +158,7 @@ pub struct InfoArguments {
 /// `sphecs export`.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  sphecs export runs/quickstart --vtu -o quickstart_vtu\n\n\
-    Open the `.pvd` file of the folder in ParaView: it holds the times of all frames.")]
+    Open the `.pvd` file of the folder in ParaView: it has the times of all frames.")]
 pub struct ExportArguments {
     /// Run folder
     #[arg(value_name = "RUN")]
@@ -177,7 +179,7 @@ pub struct PackArguments {
     pub run: PathBuf,
 }
 
-// The names come from the fields and maps themselves, so that help and messages cannot fall behind.
+// Help and messages list the names of the fields and maps themselves.
 fn fields() -> impl TypedValueParser<Value = Field> {
     PossibleValuesParser::new(Field::ALL.map(Field::name)).try_map(|name| name.parse::<Field>())
 }
@@ -185,7 +187,7 @@ fn fields() -> impl TypedValueParser<Value = Field> {
 fn colours() -> impl TypedValueParser<Value = Colours> {
     PossibleValuesParser::new(Colours::ALL.map(|(name, _)| name)).try_map(|name| {
         let found = Colours::ALL.into_iter().find(|(known, _)| *known == name);
-        found.map(|(_, colours)| colours).ok_or("is no colour map")
+        found.map(|(_, colours)| colours).ok_or("is not a colour map")
     })
 }
 
@@ -196,7 +198,7 @@ fn slice(text: &str) -> Result<Slice, String> {
     };
     let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
     axis.map(|axis| Slice { axis, at })
-        .ok_or_else(|| "must be `x`, `y` or `z`, with a place as in `y=0.01`".to_owned())
+        .ok_or_else(|| "must be `x`, `y` or `z`, with a position as in `y=0.01`".to_owned())
 }
 
 pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
@@ -219,7 +221,7 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 
 fn range(text: &str) -> Result<(f64, f64), String> {
     let (lower, upper) =
-        text.split_once(',').ok_or("must be two numbers with a comma between, as `0,0.3`")?;
+        text.split_once(',').ok_or("must be two numbers separated by a comma, as `0,0.3`")?;
     let (lower, upper) = (finite(lower)?, finite(upper)?);
     if lower < upper {
         Ok((lower, upper))
@@ -251,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn bare_scene_is_a_run() {
+    fn scene_without_command_is_run() {
         for line in [
             "sphecs flow.ron --set fluid.sound_speed=1.0 --set title=\"a=b\" --threads 2 -v",
             "sphecs --threads 2 -v --set fluid.sound_speed=1.0 --set title=\"a=b\" flow.ron",
@@ -263,8 +265,10 @@ mod tests {
             assert_eq!(run.input.scene, PathBuf::from("flow.ron"));
             let expected = [("fluid.sound_speed", "1.0"), ("title", "\"a=b\"")];
             assert!(run.input.sets.iter().map(|(path, value)| (path.as_str(), value.as_str())).eq(expected));
-            assert_eq!(run.pace.threads.map(NonZeroUsize::get), Some(2));
-            assert!(run.words.verbose && !run.words.quiet && !run.force && run.pace.steps.is_none());
+            assert_eq!(run.limits.threads.map(NonZeroUsize::get), Some(2));
+            assert!(
+                run.verbosity.verbose && !run.verbosity.quiet && !run.force && run.limits.steps.is_none()
+            );
         }
     }
 
@@ -287,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bench_takes_cases_and_numbers_of_threads() {
+    fn bench_takes_cases_and_numbers_of_threads() {
         let Command::Bench(bench) =
             parse("sphecs bench --case 2d-f32 --case channel --threads 1,4").expect("a bench")
         else {
@@ -303,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_with_what_is_allowed() {
+    fn invalid_arguments_are_refused_with_the_valid_ones() {
         refused("sphecs", "Usage");
         refused("sphecs chekc flow.ron", "check");
         refused("sphecs --threads 2", "SCENE");

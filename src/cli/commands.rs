@@ -1,4 +1,4 @@
-//! One function for each command: from arguments to an exit code.
+//! Commands: one function each, from arguments to an exit code.
 
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
@@ -7,12 +7,13 @@ use std::path::{Component, Path, PathBuf};
 use super::arguments::{
     CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
 };
+use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
-use super::runs::{ResumeArguments, RunArguments, WordArguments};
-use super::trials::{BenchArguments, ValidateArguments};
+use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
 use sphecs_bench::BenchOptions;
-use sphecs_bench::cases::Case;
-use sphecs_output::disk::bytes;
+use sphecs_bench::cases::BenchCase;
+use sphecs_core::format::bytes;
+use sphecs_core::format::{grouped, significant};
 use sphecs_output::error::OutputError;
 use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
@@ -20,12 +21,11 @@ use sphecs_output::{info as run_info, pack as packing, vtk};
 use sphecs_run::console::Console;
 use sphecs_run::memory;
 use sphecs_run::resume::{self, ResumeOptions};
-use sphecs_run::words::{columns, figure, grouped};
 use sphecs_run::{Ending, RunOptions, report};
 use sphecs_scene::model::Scene;
 use sphecs_scene::summary;
 use sphecs_validate::schema::Tier;
-use sphecs_validate::{Judgement, ValidateError, ValidateOptions, case};
+use sphecs_validate::{Conclusion, ValidateError, ValidateOptions, case};
 
 /// Runs a scene.
 ///
@@ -40,18 +40,18 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             None => named_folder(&scene.name)?,
         },
         force: arguments.force,
-        threads: arguments.pace.threads.map(usize::from),
-        until: arguments.pace.until,
-        steps: arguments.pace.steps,
-        checkpoint_every: arguments.pace.checkpoint_every,
-        most_wall_time: arguments.pace.max_walltime,
+        threads: arguments.limits.threads.map(usize::from),
+        until: arguments.limits.until,
+        max_steps: arguments.limits.steps,
+        checkpoint_every: arguments.limits.checkpoint_every,
+        max_wall_time: arguments.limits.max_walltime,
         allow_oversize: arguments.allow_oversize,
-        console: console(&arguments.words),
+        console: console(&arguments.verbosity),
     };
     Ok(code_of(sphecs_run::run(scene, &options)?))
 }
 
-/// Goes on with a run.
+/// Resumes a run.
 ///
 /// # Errors
 /// [`Failure`] with its exit code.
@@ -60,14 +60,14 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
         run: RunOptions {
             folder: arguments.run.clone(),
             force: false,
-            threads: arguments.pace.threads.map(usize::from),
-            until: arguments.pace.until,
-            steps: arguments.pace.steps,
-            checkpoint_every: arguments.pace.checkpoint_every,
-            most_wall_time: arguments.pace.max_walltime,
-            // The run was let begin, and much of it is written.
+            threads: arguments.limits.threads.map(usize::from),
+            until: arguments.limits.until,
+            max_steps: arguments.limits.steps,
+            checkpoint_every: arguments.limits.checkpoint_every,
+            max_wall_time: arguments.limits.max_walltime,
+            // The run was allowed to start, and part of it is already written.
             allow_oversize: true,
-            console: console(&arguments.words),
+            console: console(&arguments.verbosity),
         },
         sets: arguments.sets.clone(),
         allow_other_isa: arguments.allow_other_isa,
@@ -75,18 +75,18 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
     Ok(code_of(resume::resume(&options)?))
 }
 
-/// The folder of a run that has the name of its scene: below `runs/` whatever the scene is called, as `...ron` is `..`.
+/// Returns the folder `runs/NAME`, refusing names such as `..` (of a scene `...ron`) that lead out
+/// of `runs/`.
 fn named_folder(name: &str) -> Result<PathBuf, OutputError> {
     let folder = Path::new("runs").join(name);
     let below =
         folder.components().eq([Component::Normal("runs".as_ref()), Component::Normal(name.as_ref())]);
-    let refused =
-        || format!("`{name}`: cannot be the name of a folder below `runs/`: give a folder by `--out`");
+    let refused = || format!("`{name}`: cannot be the name of a folder in `runs/`: give a folder by `--out`");
     if below { Ok(folder) } else { Err(OutputError::Request(refused())) }
 }
 
-fn console(words: &WordArguments) -> Console {
-    match (words.quiet, words.verbose) {
+fn console(verbosity: &VerbosityArguments) -> Console {
+    match (verbosity.quiet, verbosity.verbose) {
         (true, _) => Console::Quiet,
         (false, true) => Console::Verbose,
         (false, false) => Console::Normal,
@@ -101,7 +101,7 @@ fn code_of(ending: Ending) -> u8 {
     }
 }
 
-/// Says what a run of a scene would be.
+/// Prints the size of the run of a scene.
 ///
 /// # Errors
 /// [`Failure::Scene`] with every fault of the scene.
@@ -109,29 +109,16 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let scene = load(&arguments.input)?;
     let seeds = sphecs_scene::seeds(&scene);
     let summary = summary::summary(&scene, &seeds);
-    let step = summary.courant_step.min(summary.viscous_step);
-    let limit = if summary.viscous_step < summary.courant_step { "viscosity" } else { "sound speed" };
-    let rows = [
-        ("particles", report::counts(summary.by_zone.map(|count| count as u64))),
-        ("spacing", report::resolution(&scene)),
-        ("flow", format!("Re = {}, Mach = {}", figure(summary.reynolds), figure(summary.mach))),
-        (
-            "time",
-            format!(
-                "{} s in about {} steps of {} s, which the {limit} allows",
-                figure(scene.time.end),
-                grouped(summary.steps as u64),
-                figure(step),
-            ),
-        ),
+    let by_zone = summary.by_zone.map(|count| count as u64);
+    let mut rows = report::scene_rows(&scene, &summary, by_zone, scene.time.end, None);
+    rows.extend([
         ("memory", format!("about {}", bytes(summary.memory as u64))),
         (
             "output",
             format!("{} frames, at most {}", grouped(summary.frames as u64), bytes(summary.output as u64)),
         ),
-    ];
-    let notes: String = summary.notes.iter().map(|note| format!("\n  note: {note}")).collect();
-    Console::Normal.say(&format!("{} ({}D)\n{}{notes}", scene.title, scene.dimensions, columns(&rows)));
+    ]);
+    Console::Normal.print(&report::scene_table(&scene, &summary, &rows));
     Ok(DONE)
 }
 
@@ -155,26 +142,26 @@ pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
         let pictures = picture::render_all(&results, &options, &path, counter("pictures"))?;
         let (first, last) = (pictures.first().unwrap_or(&path), pictures.last().unwrap_or(&path));
         let count = grouped(pictures.len() as u64);
-        Console::Normal.say(&format!("{count} pictures, {} to {}", first.display(), last.display()));
+        Console::Normal.print(&format!("{count} pictures, {} to {}", first.display(), last.display()));
     } else {
         let time = picture::render(&results, arguments.time, &options, &path)?;
-        Console::Normal.say(&format!(
+        Console::Normal.print(&format!(
             "{} at t = {} s: {}",
             arguments.field.name(),
-            figure(time),
+            significant(time),
             path.display()
         ));
     }
     Ok(DONE)
 }
 
-/// Says what a run folder holds.
+/// Prints a description of a run folder.
 ///
 /// # Errors
 /// [`Failure::Output`].
 pub fn info(arguments: &InfoArguments) -> Result<u8, Failure> {
     let results = Results::open(&arguments.run)?;
-    Console::Normal.say(run_info::describe(&results)?.trim_end());
+    Console::Normal.print(run_info::describe(&results)?.trim_end());
     Ok(DONE)
 }
 
@@ -186,7 +173,7 @@ pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
     let results = Results::open(&arguments.run)?;
     let folder = arguments.output.clone().unwrap_or_else(|| arguments.run.join("vtu"));
     let series = vtk::export_vtu(&results, &folder, counter("frames"))?;
-    Console::Normal.say(&format!("{} frames, open {}", results.len(), series.display()));
+    Console::Normal.print(&format!("{} frames, open {}", results.len(), series.display()));
     Ok(DONE)
 }
 
@@ -197,9 +184,9 @@ pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
 pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
     let packed = packing::pack(&arguments.run)?;
     if packed.frames == 0 {
-        Console::Normal.say("no frames were waiting: the run was packed before");
+        Console::Normal.print("the run is packed already: its journal has no frames");
     } else {
-        Console::Normal.say(&report::results(&arguments.run, &packed));
+        Console::Normal.print(&report::results(&arguments.run, &packed));
     }
     Ok(DONE)
 }
@@ -209,7 +196,7 @@ pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
 /// # Errors
 /// [`Failure::Bench`].
 pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
-    let is_asked = |case: Case| {
+    let is_asked = |case: BenchCase| {
         arguments.cases.contains(&case)
             || if case.is_large() { arguments.large } else { arguments.cases.is_empty() }
     };
@@ -217,15 +204,15 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     threads.sort_unstable();
     threads.dedup();
     let options = BenchOptions {
-        cases: Case::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
-        threads: if threads.is_empty() { sphecs_bench::usual_threads() } else { threads },
+        cases: BenchCase::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
+        threads: if threads.is_empty() { sphecs_bench::default_threads() } else { threads },
         console: Console::Normal,
     };
     sphecs_bench::run(&options)?;
     Ok(DONE)
 }
 
-/// Runs cases and holds them against their references.
+/// Runs validation cases and compares them with their references.
 ///
 /// # Errors
 /// [`Failure::Validate`].
@@ -233,7 +220,7 @@ pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
     if arguments.list {
         for name in case::shipped() {
             let case = case::Case::load(&name).map_err(ValidateError::from)?;
-            Console::Normal.say(&format!("{name:<16}  {}", case.file.title));
+            Console::Normal.print(&format!("{name:<16}  {}", case.file.title));
         }
         return Ok(DONE);
     }
@@ -250,9 +237,9 @@ pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
         console: Console::Normal,
     };
     Ok(match sphecs_validate::validate(&options)? {
-        Judgement::Met => DONE,
-        Judgement::Missed => MISSED,
-        Judgement::Stopped(signal) => signal.exit_code(),
+        Conclusion::Met => DONE,
+        Conclusion::Missed => MISSED,
+        Conclusion::Stopped(signal) => signal.exit_code(),
     })
 }
 
@@ -265,7 +252,7 @@ fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Fai
     Ok(if input.smoke { loader.smoke() } else { loader }.load()?)
 }
 
-/// Makes the folder that a file goes to.
+/// Makes the folder of a file.
 fn make_parent(path: &Path) -> Result<(), OutputError> {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => std::fs::create_dir_all(parent)
@@ -274,7 +261,7 @@ fn make_parent(path: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Counts on a terminal while a series is written, on one line that is overwritten.
+/// Returns a counter that overwrites one line of a terminal while a series is written.
 fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
     let on_terminal = std::io::stderr().is_terminal();
     move |done, all| {
@@ -290,10 +277,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_name_of_a_scene_leads_out_of_the_runs() {
+    fn no_scene_name_leads_out_of_the_runs_folder() {
         assert_eq!(named_folder("flow.v2").expect("a folder"), Path::new("runs/flow.v2"));
         for name in ["..", ".", "", "/etc", "a/b", "../b", "a/.."] {
-            assert!(named_folder(name).is_err(), "`{name}` was taken");
+            assert!(named_folder(name).is_err(), "`{name}` was accepted");
         }
     }
 }

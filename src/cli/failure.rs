@@ -1,4 +1,4 @@
-//! Why a command ends without its result, how it is said and with which code.
+//! Failures of a command, with their messages and exit codes.
 
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
@@ -11,53 +11,54 @@ use sphecs_run::error::RunError;
 use sphecs_scene::faults::SceneErrors;
 use sphecs_validate::ValidateError;
 
-/// Done.
+/// Exit code of a completed command.
 pub const DONE: u8 = 0;
-/// A case missed a band that must be met.
+/// Exit code of a validation that missed a required band.
 pub const MISSED: u8 = 1;
-/// The command line or the scene is wrong: nothing was written. clap ends with the same code.
+/// Exit code of a faulty command line or scene, before anything is written; also that of clap.
 pub const BAD_INPUT: u8 = 2;
-/// The flow blew up, or an inlet ran out of particles.
+/// Exit code of a flow that diverged or an inlet that ran out of particles.
 pub const FLOW: u8 = 3;
-/// A file could not be read or written.
+/// Exit code of a file that could not be read or written.
 pub const FILES: u8 = 4;
 
-/// The run came to the wall time that the user gave: `sphecs resume` goes on. The custom of `sysexits.h` for "try again".
+/// Exit code of a run at its wall-time limit, which `sphecs resume` continues; "try again" in
+/// `sysexits.h`.
 pub const OUT_OF_TIME: u8 = 75;
 
-/// Width of messages where no terminal has one, characters: paths stay on one line.
+/// Width of messages without a terminal, characters: paths stay on one line.
 const WIDTH: usize = 160;
 
-/// Why a command ends without its result.
+/// Failure of a command.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum Failure {
     /// The scene has faults.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneErrors),
-    /// The run ended early.
+    /// A run was stopped by an error.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Run(#[from] RunError),
-    /// Files of a run.
+    /// A file could not be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The bench ended early.
+    /// A bench was stopped by an error.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Bench(#[from] BenchError),
-    /// The validation ended early.
+    /// A validation was stopped by an error.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Validate(#[from] ValidateError),
 }
 
 impl Failure {
-    /// The exit code.
+    /// Returns the exit code.
     pub fn code(&self) -> u8 {
         match self {
             Failure::Scene(_)
-            | Failure::Validate(ValidateError::Case(_))
+            | Failure::Validate(ValidateError::Case(_) | ValidateError::Scene(_))
             | Failure::Bench(BenchError::Scene(_) | BenchError::Threads(_)) => BAD_INPUT,
             Failure::Bench(BenchError::Flow { .. }) => FLOW,
             Failure::Run(error) | Failure::Validate(ValidateError::Run(error)) => code_of_run(error),
@@ -65,10 +66,10 @@ impl Failure {
         }
     }
 
-    /// Prints the failure and gives the exit code.
+    /// Prints the failure and returns the exit code.
     pub fn report(self) -> ExitCode {
         let code = self.code();
-        // A reader of standard error that is gone is no reason to fail in another way.
+        // A closed standard error must not cause another failure.
         let _reader_gone = writeln!(std::io::stderr(), "{:?}", Report::new(self));
         ExitCode::from(code)
     }
@@ -83,7 +84,8 @@ fn code_of_run(error: &RunError) -> u8 {
     }
 }
 
-/// What the user can mend on the command line is bad input; what the system refuses is a matter of files.
+/// Returns the exit code of an error: bad input if the user can correct the command line, else a
+/// file error.
 fn code_of_output(error: &OutputError) -> u8 {
     match error {
         OutputError::Exists { .. }
@@ -93,26 +95,27 @@ fn code_of_output(error: &OutputError) -> u8 {
         OutputError::Io { .. }
         | OutputError::NetCdf { .. }
         | OutputError::Busy { .. }
-        | OutputError::NoRoom { .. }
+        | OutputError::DiskFull { .. }
         | OutputError::Damaged { .. } => FILES,
     }
 }
 
-/// Makes messages as wide as the terminal, and keeps them on long lines elsewhere, where scripts read them.
+/// Sets the width of messages to that of the terminal, or to long lines for scripts, and the
+/// message of a panic.
 pub fn prepare_messages() {
     let set = miette::set_hook(Box::new(|_| {
         let options = MietteHandlerOpts::new();
         let options = if std::io::stderr().is_terminal() { options } else { options.width(WIDTH) };
         Box::new(options.build())
     }));
-    // The hook can be set once in a process: a second command in the same one finds it as it wants it.
+    // The hook can be set once in a process; a second command finds it set as needed.
     let _already_set = set;
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or_else(String::new, |place| format!(" at {place}"));
         let what = panic.payload_as_str().unwrap_or("no message");
         let _reader_gone = writeln!(
             std::io::stderr(),
-            "sphecs has a fault of its own{place}: {what}\nplease report it with the scene and the command line"
+            "internal error in sphecs{place}: {what}\nplease report it with the scene and the command line"
         );
     }));
 }

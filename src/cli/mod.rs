@@ -1,20 +1,25 @@
-//! The command line: what the user asks for, and how it is answered.
+//! Command line of the program.
 //!
-//! Rooms: `arguments` (what may stand on the command line), `runs` (the same of `run` and `resume`), `trials` (of `bench` and `validate`), `commands` (one
-//! function for each), `failure` (messages and exit codes).
+//! - [`arguments`]: commands and their arguments
+//! - [`run_arguments`]: arguments of `run` and `resume`
+//! - [`check_arguments`]: arguments of `bench` and `validate`
+//! - [`commands`]: one function for each command
+//! - [`failure`]: messages and exit codes
 
 pub mod arguments;
+pub mod check_arguments;
 pub mod commands;
 pub mod failure;
-pub mod runs;
-pub mod trials;
+pub mod run_arguments;
 
 use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 
-/// Reads the command line, does what it says and gives the exit code: 0 done, 1 a case missed its band, 2 bad input, 3 the flow blew up,
-/// 4 input or output failed, 75 out of wall time, 130 interrupted, 143 terminated.
+/// Reads the command line, runs the command and returns the exit code.
+///
+/// 0 done, 1 a required band was missed, 2 bad input, 3 the flow diverged, 4 input or output
+/// failed, 75 wall-time limit reached, 130 interrupted, 143 terminated.
 pub fn main() -> ExitCode {
     failure::prepare_messages();
     let arguments = match Arguments::read(std::env::args_os()) {
@@ -24,7 +29,7 @@ pub fn main() -> ExitCode {
             return ExitCode::from(error.exit_code() as u8);
         }
     };
-    let answer = match arguments.command {
+    let result = match arguments.command {
         Command::Run(run) => commands::run(&run),
         Command::Resume(resume) => commands::resume(&resume),
         Command::Check(check) => commands::check(&check),
@@ -35,5 +40,5 @@ pub fn main() -> ExitCode {
         Command::Bench(bench) => commands::bench(&bench),
         Command::Validate(validate) => commands::validate(&validate),
     };
-    answer.map_or_else(failure::Failure::report, ExitCode::from)
+    result.map_or_else(failure::Failure::report, ExitCode::from)
 }

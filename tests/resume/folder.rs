@@ -1,4 +1,4 @@
-//! One process at a time writes a run, and nothing outside its folder.
+//! Only one process writes a run, and only inside its folder.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -10,14 +10,14 @@ use crate::program::{
     QUICK, checkpoints, copy_folder, ends, folder, long_run, resume, run, same, sphecs, text, wait_for,
 };
 
-/// A second process on a run that another one writes: every way in that there is.
+/// A second process is refused for every command that writes a run.
 #[test]
 #[cfg(unix)]
 fn one_process_at_a_time_writes_a_run() {
     let folder = folder();
     let (out, link) = (folder.path().join("run"), folder.path().join("link"));
     std::os::unix::fs::symlink(&out, &link).expect("a link");
-    let scenic = folder.path().join("run/../run/.");
+    let indirect = folder.path().join("run/../run/.");
     let pack = |path: &Path| sphecs([OsStr::new("pack"), path.as_os_str()]);
     let near = |words: &[&str]| {
         let mut command = sphecs(words);
@@ -26,16 +26,16 @@ fn one_process_at_a_time_writes_a_run() {
     };
     let forced: &[&str] = &["--force", "--steps", "2"];
     let mut tried = 0;
-    let mut held_against_all = |first: &mut Child| {
+    let mut all_are_refused = |first: &mut Child| {
         for command in [
             resume(&out, &[]),
             resume(&out, &["--threads", "1", "--steps", "5"]),
             resume(&link, &[]),
-            resume(&scenic, &[]),
+            resume(&indirect, &[]),
             near(&["resume", "run"]),
             run(QUICK, &out, forced),
             run(QUICK, &link, forced),
-            run("scenes/taylor_green.ron", &scenic, forced),
+            run("scenes/taylor_green.ron", &indirect, forced),
             pack(&out),
             pack(&link),
             near(&["pack", "./run"]),
@@ -51,23 +51,23 @@ fn one_process_at_a_time_writes_a_run() {
     };
     let mut first = long_run(&out, &[]);
     wait_for(|| out.join("journal/frame-00000000.nc").exists());
-    held_against_all(&mut first);
-    // The lock of a process that is gone holds nobody back; killed before its first checkpoint, the run begins anew.
+    all_are_refused(&mut first);
+    // The lock of a killed process is free; without a checkpoint the run starts again.
     let said = ends(resume(&out, &["--steps", "30"]), 0);
-    assert!(said.contains("begins anew"), "{said}");
+    assert!(said.contains("starts again"), "{said}");
     let whole = folder.path().join("whole");
     ends(run(QUICK, &whole, &["--steps", "30"]), 0);
-    same(&whole, &out, "begun anew");
-    // One that goes on with it holds it as well.
+    same(&whole, &out, "started again");
+    // A resumed run holds the lock too.
     let mut command = resume(&out, &["--until", "1e6"]);
     let mut first = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
     wait_for(|| out.join("journal/frame-00000002.nc").exists());
-    held_against_all(&mut first);
+    all_are_refused(&mut first);
     assert_eq!(tried, 22);
 }
 
 #[test]
-fn processes_that_make_the_same_folder_take_turns() {
+fn concurrent_processes_make_a_folder_once() {
     let folder = folder();
     let out = folder.path().join("run");
     let start = || run(QUICK, &out, &["--steps", "20"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
@@ -80,42 +80,38 @@ fn processes_that_make_the_same_folder_take_turns() {
         let said = text(&output.stderr);
         assert!(said.contains("holds an earlier run"), "{said}");
     }
-    assert_eq!(
-        fs::read_dir(folder.path()).expect("read").count(),
-        1,
-        "something is left over beside the run"
-    );
+    assert_eq!(fs::read_dir(folder.path()).expect("read").count(), 1, "a file is left beside the run");
 }
 
-/// Everything below a folder but one entry of it: what a process must not change there.
-fn all_but(folder: &Path, left_out: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+/// Returns the files below a folder except one entry.
+fn all_but(folder: &Path, excluded: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("read").map(|entry| entry.expect("an entry").path()) {
-        if entry == left_out {
+        if entry == excluded {
             continue;
         }
         if entry.is_dir() {
-            found.extend(all_but(&entry, left_out));
+            found.extend(all_but(&entry, excluded));
         }
         found.insert(entry.clone(), fs::read(&entry).unwrap_or_default());
     }
     found
 }
 
-/// A part of a run that is a link to a file or folder elsewhere: nothing there is written, emptied or removed.
+/// A link in a run to a file or folder elsewhere: nothing there is written, emptied or removed.
 #[test]
 #[cfg(unix)]
-fn links_in_a_run_lead_nowhere() {
+fn links_in_a_run_are_refused() {
     let folder = folder();
-    let sound = folder.path().join("sound");
-    ends(run(QUICK, &sound, &["--steps", "20"]), 0);
+    let intact = folder.path().join("intact");
+    ends(run(QUICK, &intact, &["--steps", "20"]), 0);
     let resumed: &[&str] = &["resume", "--steps", "30"];
     let packed: &[&str] = &["pack"];
     let forced: &[&str] = &["run", QUICK, "--smoke", "--steps", "2", "--force", "--out"];
     let checkpoint =
-        checkpoints(&sound)[0].strip_prefix(&sound).expect("in it").to_string_lossy().into_owned();
+        checkpoints(&intact)[0].strip_prefix(&intact).expect("in it").to_string_lossy().into_owned();
     let next = "checkpoints/step-000000000030.checkpoint.partial";
-    // The exit code, and what is said if it is not 0. A forced run replaces all that stood there, links too.
+    // Entry, command and exit code. A forced run replaces the whole folder with its links.
     for (name, words, code) in [
         (".lock", resumed, 2),
         (".lock", packed, 2),
@@ -132,7 +128,7 @@ fn links_in_a_run_lead_nowhere() {
         ("probes_mean.csv", packed, 2),
         ("summary.json", resumed, 2),
         ("summary.json.partial", resumed, 2),
-        ("blow_up.nc", resumed, 2),
+        ("divergence.nc", resumed, 2),
         (checkpoint.as_str(), resumed, 2),
         (next, resumed, 2),
         ("checkpoints", resumed, 2),
@@ -143,7 +139,7 @@ fn links_in_a_run_lead_nowhere() {
         ("journal.packed", packed, 2),
     ] {
         let (out, elsewhere) = (folder.path().join("run"), folder.path().join("elsewhere"));
-        copy_folder(&sound, &out);
+        copy_folder(&intact, &out);
         let (from, to) = (out.join(name), elsewhere.join("victim"));
         fs::create_dir(&elsewhere).expect("a folder");
         match from.exists() {
@@ -171,9 +167,9 @@ fn links_in_a_run_lead_nowhere() {
     }
 }
 
-/// Names that lead out of a folder, wherever a user may give a name.
+/// Names that lead out of a folder, in every place where a user gives a name.
 #[test]
-fn names_lead_nowhere() {
+fn names_do_not_lead_out_of_the_folder() {
     let folder = folder();
     let inner = folder.path().join("deep/inner");
     fs::create_dir_all(&inner).expect("folders");
@@ -202,7 +198,7 @@ fn names_lead_nowhere() {
         assert!(all_but(folder.path(), &out) == before, "{name_of_a_probe}");
     }
     fs::remove_dir_all(&out).expect("removed");
-    // A scene whose name would be the folder's: `...ron` is called `..`.
+    // A scene in `...ron` has the name `..`, which cannot be that of a folder.
     fs::write(inner.join("...ron"), &text).expect("written");
     let before = all_but(folder.path(), &out);
     let said = ends(near(&["run", "...ron", "--smoke", "--steps", "3"]), 2);
@@ -223,7 +219,7 @@ fn names_lead_nowhere() {
         ("case.ron", absolute.as_str(), String::new()),
         ("case.ron", "a", format!("plots: [(name: \"../../b\", title: \"b\", across: \"t\", upward: \"k\", {curve})]")),
         ("case.ron", "a", "pictures: [(name: \"/b\", title: \"b\", run: \"a\", field: \"speed\", times: [0.0], range: (0.0, 1.0))]".to_owned()),
-        // Called `..`: it goes by another name.
+        // The name `..` is replaced.
         ("...ron", "a", String::new()),
     ] {
         case(file, runs, &more);

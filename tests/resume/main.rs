@@ -1,6 +1,7 @@
-//! A run that is stopped, killed or damaged and resumed leaves the same bytes as one that was never broken off, and stays in its folder.
+//! A resumed run leaves results bitwise identical to those of an uninterrupted run, and stays in
+//! its folder.
 
 mod folder;
 mod program;
+mod rejected;
 mod stopped;
-mod unfit;

@@ -1,4 +1,4 @@
-//! The program as a user starts it, and what two runs left held against each other.
+//! Calls of the program, and comparison of the results of two runs.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -11,17 +11,17 @@ use sphecs_output::checkpoint::container;
 use sphecs_output::checkpoint::store::Store;
 use tempfile::TempDir;
 
-/// Long enough for any of the short runs below on a busy machine; reached only when something hangs.
+/// Time limit of the short runs, reached only if something hangs.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Frames every 25 steps, rows every 8, at the step of the coarse quick scene.
+/// Frames every 25 and rows every 8 steps of the quick scene at its smoke spacing.
 pub(crate) const OUTPUT: [&str; 4] = ["--set", "output.every=0.013", "--set", "output.monitor_every=0.0043"];
 
-/// Forces in every step, where there are walls.
+/// Forces on the walls in every step.
 pub(crate) const BODIES: [&str; 2] =
     ["--set", "bodies=[(part: \"walls\", velocity: 0.1, area: 0.04, mean: (0.0, 0.02))]"];
 
-/// Files of a finished run that depend on the flow alone.
+/// Files of a finished run that depend only on the flow.
 pub(crate) const RESULTS: [&str; 8] = [
     "particles.nc",
     "monitor.nc",
@@ -64,13 +64,13 @@ pub(crate) fn answer(mut command: Command) -> Output {
     command.output().expect("the program starts")
 }
 
-/// Ends with this code; what it said on both channels.
+/// Asserts the exit code and returns standard output and error.
 #[track_caller]
 pub(crate) fn ends(command: Command, code: i32) -> String {
     let output = answer(command);
     let said = text(&output.stdout) + &text(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{said}");
-    assert!(!said.contains("fault of its own"), "{said}");
+    assert!(!said.contains("internal error"), "{said}");
     said
 }
 
@@ -90,15 +90,15 @@ pub(crate) fn checkpoints(run: &Path) -> Vec<PathBuf> {
     Store::of(run).files().expect("read")
 }
 
-/// The state of a checkpoint without the log, which holds wall times.
+/// Returns the state of a checkpoint without that of the run loop, which has wall times.
 pub(crate) fn state(path: &Path) -> Columns {
-    let checkpoint = container::read(&fs::read(path).expect("read")).expect("whole");
+    let checkpoint = container::read(&fs::read(path).expect("read")).expect("intact");
     let mut state = checkpoint.state;
-    state.take::<u8>("run.log").expect("a log");
+    state.take::<u8>("run.log").expect("the run loop");
     state
 }
 
-/// The same state at the end and the same bytes in all results, and nothing half written.
+/// Asserts equal final states, bitwise identical results and no incomplete files.
 #[track_caller]
 pub(crate) fn same(one: &Path, other: &Path, what: &str) {
     let [a, b] = [one, other].map(|run| state(&checkpoints(run)[0]));
@@ -116,11 +116,11 @@ pub(crate) fn same(one: &Path, other: &Path, what: &str) {
         fs::read_dir(other).expect("read").chain(fs::read_dir(other.join("checkpoints")).expect("read"))
     {
         let name = entry.expect("an entry").file_name().to_string_lossy().into_owned();
-        assert!(!name.contains("partial") && !name.contains("journal"), "{what}: `{name}` is left over");
+        assert!(!name.contains("partial") && !name.contains("journal"), "{what}: `{name}` is left");
     }
 }
 
-/// A run that would last for long.
+/// Starts a run without an end.
 pub(crate) fn long_run(out: &Path, more: &[&str]) -> Child {
     let mut command = run(QUICK, out, &["--until", "1e6", "--allow-oversize"]);
     command.args(more).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started")
@@ -130,7 +130,7 @@ pub(crate) fn long_run(out: &Path, more: &[&str]) -> Child {
 pub(crate) fn wait_for(mut happened: impl FnMut() -> bool) {
     let started = Instant::now();
     while !happened() {
-        assert!(started.elapsed() < PATIENCE, "waited in vain");
+        assert!(started.elapsed() < PATIENCE, "timed out");
         std::thread::sleep(Duration::from_millis(5));
     }
 }

@@ -1,4 +1,5 @@
-//! Stopped by its steps, its wall time, a signal or a kill: gone on with to the same bytes.
+//! Runs stopped by steps, wall time, a signal or a kill, and resumed with bitwise identical
+//! results.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -12,16 +13,16 @@ use sphecs_output::checkpoint::container;
 use crate::program::{QUICK, checkpoints, ends, folder, long_run, resume, run, same, sphecs, wait_for};
 
 #[test]
-fn a_stopped_run_leaves_the_same_bytes_when_resumed() {
+fn resumed_run_is_bitwise_identical() {
     let folder = folder();
-    // Cuts between outputs, at an output, and while particles are injected: in the quick scene one crosses every few steps from step 300
-    // on, and at its end here a frame is due.
+    // Stops between outputs, at an output, and while particles are injected: in the quick scene one
+    // is injected every few steps from step 300 on. At its last step a frame is due.
     let scenes: [(&str, &str, &[&str]); 5] = [
         (QUICK, "425", &["173", "310", "333"]),
         ("scenes/taylor_green.ron", "60", &["1", "33"]),
         ("scenes/duct3d.ron", "40", &["17"]),
         ("scenes/acoustic_pulse.ron", "60", &["29"]),
-        // Its smoothing length is one that JSON read without care changes by its last bit.
+        // JSON without exact round trips would change the last bit of its smoothing length.
         ("scenes/duct_laminar.ron", "30", &["13"]),
     ];
     for (scene, end, cuts) in scenes {
@@ -43,15 +44,15 @@ fn send(child: &Child, signal: i32) {
     assert!(sent.success());
 }
 
-/// Steps of the last checkpoint.
+/// Returns the step of the last checkpoint.
 fn reached(run: &Path) -> u64 {
     let bytes = fs::read(&checkpoints(run)[0]).expect("read");
-    container::read(&bytes).expect("whole").facts.step
+    container::read(&bytes).expect("intact").facts.step
 }
 
-/// Resumes a run to some steps beyond where it is, runs the same without a break and compares.
+/// Resumes a run for some steps and compares it with an uninterrupted run.
 #[track_caller]
-fn goes_on_as_if_never_stopped(run_folder: &Path, what: &str) {
+fn assert_resumes_identically(run_folder: &Path, what: &str) {
     let end = (reached(run_folder) + 60).to_string();
     ends(resume(run_folder, &["--quiet", "--steps", &end]), 0);
     let whole = run_folder.with_extension("whole");
@@ -60,7 +61,7 @@ fn goes_on_as_if_never_stopped(run_folder: &Path, what: &str) {
 }
 
 #[test]
-fn a_signal_leaves_a_checkpoint_and_its_exit_code() {
+fn signal_leaves_a_checkpoint_and_its_exit_code() {
     for (signal, code) in [(SIGINT, 130), (SIGTERM, 143)] {
         let folder = folder();
         let out = folder.path().join("run");
@@ -69,13 +70,13 @@ fn a_signal_leaves_a_checkpoint_and_its_exit_code() {
         send(&child, signal);
         assert_eq!(child.wait().expect("ended").code(), Some(code));
         assert_eq!(checkpoints(&out).len(), 1);
-        // The last row and frame, which an unbroken run does not have, are cut off again.
-        goes_on_as_if_never_stopped(&out, &format!("signal {signal}"));
+        // The last row and frame, which an uninterrupted run does not have, are cut off.
+        assert_resumes_identically(&out, &format!("signal {signal}"));
     }
 }
 
 #[test]
-fn a_checkpoint_is_written_on_request_and_the_run_goes_on() {
+fn checkpoint_is_written_on_request_and_the_run_continues() {
     let folder = folder();
     let out = folder.path().join("run");
     let mut child = long_run(&out, &[]);
@@ -84,17 +85,17 @@ fn a_checkpoint_is_written_on_request_and_the_run_goes_on() {
         let before = checkpoints(&out).first().cloned();
         send(&child, SIGUSR1);
         wait_for(|| checkpoints(&out).first().cloned() != before);
-        // The last two are kept; the third may stand for the moment of its removal.
+        // The last two are kept; a third may exist until it is removed.
         wait_for(|| checkpoints(&out).len() == count.min(2));
         assert!(child.try_wait().expect("a state").is_none(), "the run ended");
     }
     child.kill().expect("killed");
     child.wait().expect("ended");
-    goes_on_as_if_never_stopped(&out, "kill after SIGUSR1");
+    assert_resumes_identically(&out, "kill after SIGUSR1");
 }
 
 #[test]
-fn the_wall_time_ends_a_run_with_code_75() {
+fn wall_time_limit_ends_a_run_with_code_75() {
     let folder = folder();
     let out = folder.path().join("run");
     let mut child = long_run(&out, &["--max-walltime", "0.7s"]);
@@ -102,12 +103,12 @@ fn the_wall_time_ends_a_run_with_code_75() {
     let summary = fs::read_to_string(out.join("summary.json")).expect("a summary");
     assert!(summary.contains("\"out of time\""), "{summary}");
     ends(resume(&out, &["--quiet", "--max-walltime", "0.5s"]), 75);
-    goes_on_as_if_never_stopped(&out, "wall time");
+    assert_resumes_identically(&out, "wall time");
 }
 
-/// Kills a run again and again, whenever it comes to it, until it is done.
+/// Kills a run at many moments until it is complete.
 #[test]
-fn a_run_that_is_killed_again_and_again_comes_to_the_same_end() {
+fn repeatedly_killed_run_is_bitwise_identical() {
     let folder = folder();
     let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
     let end = ["--steps", "700"];
@@ -115,13 +116,13 @@ fn a_run_that_is_killed_again_and_again_comes_to_the_same_end() {
     let often = ["--checkpoint-every", "0.05s"];
     let mut kills = 0;
     for round in 0_u64.. {
-        assert!(round < 400, "the run does not come to its end");
+        assert!(round < 400, "the run does not complete");
         let mut command = match killed.exists() {
             false => run(QUICK, &killed, &end),
             true => resume(&killed, &["--quiet"]),
         };
         let mut child = command.args(often).stdout(Stdio::null()).spawn().expect("started");
-        // Some before the first frame, some in the packing.
+        // Some kills are before the first frame, some during packing.
         std::thread::sleep(Duration::from_millis(40 + 47 * (round % 13) + round * 6));
         if let Some(status) = child.try_wait().expect("a state") {
             assert_eq!(status.code(), Some(0), "round {round}");
@@ -139,7 +140,7 @@ fn a_run_that_is_killed_again_and_again_comes_to_the_same_end() {
 }
 
 #[test]
-fn the_tables_of_a_scene_come_along() {
+fn tables_of_a_scene_are_kept_for_resuming() {
     let folder = folder();
     let scene =
         fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/quickstart.ron")).expect("the scene");

@@ -1,10 +1,16 @@
-//! The figures of the engine on the machine at hand: what `sphecs bench` measures and `cargo bench` shares.
+//! Speed of the engine on the present machine, for `sphecs bench` and `cargo bench`.
 //!
-//! Rooms: `cases` (what is timed), `measure` (steps, sets of systems and pairs), `operations` (floating-point operations
-//! of a pair), `stirring` (boxes as a flow leaves them), `peak` (the most multiply-adds of a core), `scalar` (a straightforward code as the baseline), `memory` (growth of the process), `table` (how it is said).
+//! - [`cases`]: flows that are timed
+//! - [`measure`]: time of steps, sets of systems and pairs
+//! - [`operations`]: floating-point operations of a pair
+//! - [`tile`]: particle disorder of an advected flow
+//! - [`peak`]: multiply-add rate of a core
+//! - [`scalar`]: straightforward code as the baseline
+//! - [`memory`]: growth of the process
+//! - [`timing_table`]: results as text
 //!
-//! To add a case: a variant of [`Case`] with its name, plan and scene, and its place in `Case::ALL`. What its pair loops
-//! compute must be counted in `operations`.
+//! To add a case: a variant of [`BenchCase`] with its name, plan and scene, and an entry in
+//! `BenchCase::ALL`. The operations of its pair loops must be counted in `operations`.
 
 pub mod cases;
 pub mod measure;
@@ -12,8 +18,8 @@ pub mod memory;
 pub mod operations;
 pub mod peak;
 pub mod scalar;
-pub mod stirring;
-pub mod table;
+pub mod tile;
+pub mod timing_table;
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
@@ -21,39 +27,39 @@ use std::time::Instant;
 use miette::Diagnostic;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-use cases::Case;
+use cases::BenchCase;
 use peak::Peaks;
-use stirring::{Tile, TileError};
+use tile::{Tile, TileError};
 
 use sphecs_engine::simulation::Stop;
 use sphecs_run::console::Console;
 use sphecs_scene::faults::SceneErrors;
 
-/// What the user asks of a bench.
+/// Options of a bench.
 #[derive(Clone, Debug)]
 pub struct BenchOptions {
-    /// The cases, in the order in which they are timed.
-    pub cases: Vec<Case>,
-    /// Numbers of threads, rising, each timed by itself; the flows are warmed up on the most.
+    /// Cases in the order of their timing.
+    pub cases: Vec<BenchCase>,
+    /// Numbers of threads, ascending, each timed by itself; flows are warmed up on the largest.
     pub threads: Vec<usize>,
-    /// Where the figures go.
+    /// Amount of text on standard output.
     pub console: Console,
 }
 
-/// Why a bench ended without its figures.
+/// Error that stops a bench.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum BenchError {
-    /// The scene of a case has faults: too little memory, as a rule.
+    /// The scene of a case has faults, usually too little memory.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneErrors),
-    /// The flow of a case blew up.
+    /// The flow of a case diverged.
     #[error("{case}: {stop}")]
-    #[diagnostic(help("the cases are tame on any machine: please report it with the lines above"))]
+    #[diagnostic(help("the cases are stable on any machine: please report this with the lines above"))]
     Flow {
         /// Name of the case.
         case: &'static str,
-        /// What happened.
+        /// Reason.
         stop: Stop,
     },
     /// The threads could not be started.
@@ -62,38 +68,38 @@ pub enum BenchError {
     Threads(#[from] ThreadPoolBuildError),
 }
 
-/// One thread, and as many as the machine has cores.
-pub fn usual_threads() -> Vec<usize> {
+/// Returns one thread and one for each core.
+pub fn default_threads() -> Vec<usize> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     if cores == 1 { vec![1] } else { vec![1, cores] }
 }
 
-/// Times the cases and says their figures, each as soon as it is known.
+/// Times the cases and prints the results of each as soon as they are known.
 ///
 /// # Errors
-/// [`BenchError`]; what was said before holds.
+/// [`BenchError`]; results printed before stay valid.
 pub fn run(options: &BenchOptions) -> Result<(), BenchError> {
     let started = Instant::now();
     let build = |&threads: &usize| ThreadPoolBuilder::new().num_threads(threads).build();
     let pools: Vec<ThreadPool> = options.threads.iter().map(build).collect::<Result<_, _>>()?;
     let peaks = Peaks::measure();
     let at_rest = memory::at_rest();
-    options.console.say(&table::opening(&peaks));
+    options.console.print(&timing_table::head(&peaks));
     let mut measured = Vec::new();
     for &case in &options.cases {
         let scene = case.scene()?;
         let precision = scene.precision;
         let flow_error = |stop| BenchError::Flow { case: case.name(), stop };
-        let tile = match case.stirred().map(Tile::of).transpose() {
+        let tile = match case.periodic_box().map(Tile::of).transpose() {
             Ok(tile) => tile,
             Err(TileError::Scene(faults)) => return Err(faults.into()),
             Err(TileError::Flow(stop)) => return Err(flow_error(stop)),
         };
         let figures =
             measure::measure(scene, tile.as_ref(), case.plan(), &pools, at_rest).map_err(flow_error)?;
-        options.console.say(&table::rows(case.name(), &figures, peaks.of(precision)));
+        options.console.print(&timing_table::rows(case.name(), &figures, peaks.of(precision)));
         measured.push((case.name(), figures));
     }
-    options.console.say(&table::close(&measured, started.elapsed().as_secs_f64()));
+    options.console.print(&timing_table::summary(&measured, started.elapsed().as_secs_f64()));
     Ok(())
 }

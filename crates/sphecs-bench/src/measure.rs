@@ -1,7 +1,7 @@
-//! Steps, sets of systems and pairs of a flow, timed.
+//! Time of steps and sets of systems, and number of pairs of a flow.
 //!
-//! The fastest of several repetitions counts, of a step as of each set of systems: whatever else a machine does makes a
-//! repetition slower, never faster.
+//! The fastest of several repetitions counts, for a step and for each set of systems: other load on
+//! the machine only makes a repetition slower.
 
 use std::time::Instant;
 
@@ -12,7 +12,7 @@ use super::cases::Plan;
 use super::memory;
 use super::operations;
 use super::scalar;
-use super::stirring::Tile;
+use super::tile::Tile;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -25,54 +25,55 @@ use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::model::{Precision, Scene};
 use sphecs_scene::seeds;
 
-/// What was found of a flow.
+/// Results of a flow.
 #[derive(Clone, Debug)]
-pub struct Figures {
+pub struct BenchResult {
     /// Particles, reservoir excluded, walls included.
     pub particles: usize,
     /// Ordered pairs of fluid particles with anything in their support.
     pub pairs: usize,
     /// Floating-point operations of a pair in a step: see [`operations`].
     pub operations: usize,
-    /// Ordered pairs a second of the scalar baseline on one thread, 1/s: see [`scalar`].
+    /// Ordered pairs per second of the scalar baseline on one thread, 1/s: see [`scalar`].
     pub scalar_rate: f64,
-    /// Growth of the process's largest resident memory, B; None where the system does not tell.
+    /// Growth of the largest resident memory of the process, B; None if unknown.
     pub memory: Option<u64>,
-    /// One for each number of threads, in the order asked for.
+    /// Timings by number of threads, in the given order.
     pub timings: Vec<Timing>,
 }
 
-/// The time of a step on a number of threads.
+/// Time of a step on a number of threads.
 #[derive(Clone, Debug)]
 pub struct Timing {
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
     /// Wall time of a step in the fastest repetition, s.
     pub step: f64,
-    /// Flow time of a step in that repetition, s.
+    /// Simulated time of a step in that repetition, s.
     pub flow: f64,
-    /// Wall time of each set of systems in its fastest repetition, s a step, in the order of a step.
+    /// Wall time per step of each set of systems in its fastest repetition, s, in the order of a
+    /// step.
     pub sets: Vec<(&'static str, f64)>,
 }
 
-impl Figures {
-    /// Ordered pairs a second and thread, 1/s.
+impl BenchResult {
+    /// Returns the ordered pairs per second and thread, 1/s.
     pub fn pair_rate(&self, timing: &Timing) -> f64 {
         self.pairs as f64 / (timing.step * timing.threads as f64)
     }
 
-    /// How many times the pairs of the scalar baseline, thread by thread.
+    /// Returns the ratio of the pair rate per thread to that of the scalar baseline.
     pub fn gain(&self, timing: &Timing) -> f64 {
         self.pair_rate(timing) / self.scalar_rate
     }
 
-    /// How many times as fast as on one thread; None if one thread was not timed.
+    /// Returns the speed-up over one thread; None if one thread was not timed.
     pub fn speed_up(&self, timing: &Timing) -> Option<f64> {
         self.timings.iter().find(|single| single.threads == 1).map(|single| single.step / timing.step)
     }
 }
 
-/// The fastest run of each set of systems.
+/// Fastest repetition of each set of systems.
 #[derive(Clone, Debug)]
 pub struct FastestSets {
     before: Vec<(&'static str, f64)>,
@@ -80,14 +81,14 @@ pub struct FastestSets {
 }
 
 impl FastestSets {
-    /// Begins before the first step that counts.
+    /// Starts before the first timed step.
     pub fn begin(simulation: &Simulation) -> Self {
         let before = simulation.stage_times();
         let fastest = before.iter().map(|(name, _)| (*name, f64::INFINITY)).collect();
         Self { before, fastest }
     }
 
-    /// Takes note of the steps, so many, since the last call.
+    /// Records the steps since the last call.
     pub fn record(&mut self, simulation: &Simulation, steps: usize) {
         let after = simulation.stage_times();
         for ((fastest, before), after) in self.fastest.iter_mut().zip(&self.before).zip(&after) {
@@ -96,28 +97,31 @@ impl FastestSets {
         self.before = after;
     }
 
-    /// Name and seconds a step of each set, in the order of a step; infinite before the first record.
+    /// Returns name and time per step, s, of each set in the order of a step; infinite before the
+    /// first record.
     pub fn seconds(self) -> Vec<(&'static str, f64)> {
         self.fastest
     }
 }
 
-/// Builds a flow, paves it with the tile if there is one, warms it up on the last pool and times it on each. `at_rest` is the resident memory of the process before
-/// its first flow, B.
+/// Builds a flow, fills it with copies of the tile, warms it up on the last pool and times it on
+/// each.
+///
+/// `at_rest` is the resident memory of the process before its first flow, B.
 ///
 /// # Errors
-/// [`Stop`] when the flow blew up.
+/// [`Stop`] when the flow diverged.
 pub fn measure(
     scene: Scene,
     tile: Option<&Tile>,
     plan: Plan,
     pools: &[ThreadPool],
     at_rest: Option<u64>,
-) -> Result<Figures, Stop> {
+) -> Result<BenchResult, Stop> {
     let growth = memory::Growth::begin(at_rest);
     let operations = operations::per_pair(&scene);
     let build = || -> Result<Simulation, Stop> {
-        let mut simulation = paved(scene, tile);
+        let mut simulation = filled_with_tiles(scene, tile);
         for _ in 0..plan.warm_up {
             simulation.step()?;
         }
@@ -131,29 +135,29 @@ pub fn measure(
     for pool in pools {
         timings.push(pool.install(|| time(&mut simulation, plan))?);
     }
-    // Before the pairs are counted: that looks at the components, which a run does not hold twice.
+    // Before the pairs are counted, since counting makes copies that a run does not have.
     let memory = growth.and_then(memory::Growth::bytes);
-    let mut look = || (count(&mut simulation), scalar_rate(&mut simulation));
+    let mut count_pairs = || (count(&mut simulation), scalar_rate(&mut simulation));
     let ((particles, pairs), scalar_rate) = match pools.last() {
-        Some(pool) => pool.install(look),
-        None => look(),
+        Some(pool) => pool.install(count_pairs),
+        None => count_pairs(),
     };
-    Ok(Figures { particles, pairs, operations, scalar_rate, memory, timings })
+    Ok(BenchResult { particles, pairs, operations, scalar_rate, memory, timings })
 }
 
-/// The flow of a scene, paved with the tile if there is one.
-pub fn paved(scene: Scene, tile: Option<&Tile>) -> Simulation {
+/// Returns the flow of a scene, filled with copies of the tile if there is one.
+pub fn filled_with_tiles(scene: Scene, tile: Option<&Tile>) -> Simulation {
     let mut seeds = seeds(&scene);
     if let Some(tile) = tile {
-        tile.pave(&mut seeds);
+        tile.fill(&mut seeds);
     }
     // Only plugins and saved states can be wrong.
     Simulation::builder(scene).particles(seeds).build().expect("a scene without plugins can be built")
 }
 
-/// Times steps on the threads of the present pool.
+/// Times steps on the current pool.
 fn time(simulation: &mut Simulation, plan: Plan) -> Result<Timing, Stop> {
-    // The first step of a pool brings its threads their buffers, the first after a look at the components their state.
+    // The first step on a pool allocates the buffers of its threads.
     simulation.step()?;
     let mut sets = FastestSets::begin(simulation);
     let (mut step, mut flow) = (f64::INFINITY, 0.0);
@@ -171,7 +175,8 @@ fn time(simulation: &mut Simulation, plan: Plan) -> Result<Timing, Stop> {
     Ok(Timing { threads: rayon::current_num_threads(), step, flow, sets: sets.seconds() })
 }
 
-/// Ordered pairs a second of the scalar baseline over the particles of a simulation, 1/s: see [`scalar`].
+/// Returns the ordered pairs per second of the scalar baseline over the particles of a simulation,
+/// 1/s.
 pub fn scalar_rate(simulation: &mut Simulation) -> f64 {
     match (simulation.scene().precision, simulation.scene().dimensions) {
         (Precision::F64, 2) => scalar_rate_typed::<f64, 2>(simulation),
@@ -187,7 +192,7 @@ fn scalar_rate_typed<R: Real, const D: usize>(simulation: &mut Simulation) -> f6
     scalar::pair_rate(&world.resource::<Pair>().0, &world.resource::<Grid<D>>().0, arrays)
 }
 
-/// Particles of a simulation outside the reservoir, and [`ordered_pairs`] of them.
+/// Returns the number of particles outside the reservoir and of their [`ordered_pairs`].
 pub fn count(simulation: &mut Simulation) -> (usize, usize) {
     match (simulation.scene().precision, simulation.scene().dimensions) {
         (Precision::F64, 2) => count_typed::<f64, 2>(simulation),
@@ -203,7 +208,8 @@ fn count_typed<R: Real, const D: usize>(simulation: &mut Simulation) -> (usize, 
     (arrays.len(), ordered_pairs(&world.resource::<Grid<D>>().0, arrays))
 }
 
-/// Ordered pairs of fluid particles with anything else in their support, in arrays sorted by the grid.
+/// Returns the number of ordered pairs of a fluid particle and any other in its support, in sorted
+/// arrays.
 pub fn ordered_pairs<R: Real, const D: usize>(grid: &CellGrid<D>, particles: &ParticleArrays<R, D>) -> usize {
     let neighbours = Neighbours::new(grid, particles);
     let pairs_of = |row: usize| {
@@ -221,19 +227,21 @@ mod tests {
     use rayon::ThreadPoolBuilder;
 
     use super::*;
-    use crate::cases::{BoxTerms, StirredBox};
+    use crate::cases::{BoxTerms, PeriodicBox};
 
-    /// Small boxes on one thread and on two: what must hold on any machine, however busy.
-    fn check(stirred: StirredBox) {
+    /// Checks small boxes on one and two threads for properties that hold on any machine under any
+    /// load.
+    fn check(periodic_box: PeriodicBox) {
         let plan = Plan { warm_up: 1, repetitions: 2, steps: 2 };
         let pools = [1, 2]
             .map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start"));
         let figures =
-            measure(stirred.scene().expect("a scene"), None, plan, &pools, None).expect("a tame flow");
-        assert_eq!(figures.particles, stirred.count.pow(stirred.dimensions as u32));
-        // Neighbours within 2h, from the volume of the support: 22.2 in 2D, 276 in 3D, and the particle itself is none.
+            measure(periodic_box.scene().expect("a scene"), None, plan, &pools, None).expect("a stable flow");
+        assert_eq!(figures.particles, periodic_box.count.pow(periodic_box.dimensions as u32));
+        // Neighbours within 2h from the volume of the support: 22.2 in 2D, 276 in 3D, minus the
+        // particle itself.
         let neighbours = figures.pairs as f64 / figures.particles as f64;
-        let expected = if stirred.dimensions == 2 { 20.0..23.0 } else { 250.0..280.0 };
+        let expected = if periodic_box.dimensions == 2 { 20.0..23.0 } else { 250.0..280.0 };
         assert!(expected.contains(&neighbours), "{neighbours} neighbours");
         assert_eq!(figures.timings.iter().map(|timing| timing.threads).collect::<Vec<_>>(), [1, 2]);
         for timing in &figures.timings {
@@ -247,10 +255,10 @@ mod tests {
     }
 
     #[test]
-    fn small_boxes_have_finite_figures() {
+    fn small_boxes_have_finite_results() {
         let plane =
-            StirredBox { dimensions: 2, count: 32, precision: Precision::F64, terms: BoxTerms::Laminar };
+            PeriodicBox { dimensions: 2, count: 32, precision: Precision::F64, terms: BoxTerms::Laminar };
         check(plane);
-        check(StirredBox { dimensions: 3, count: 12, precision: Precision::F32, terms: BoxTerms::Stress });
+        check(PeriodicBox { dimensions: 3, count: 12, precision: Precision::F32, terms: BoxTerms::Stress });
     }
 }

@@ -1,15 +1,16 @@
-//! How much memory a flow takes: the growth of the process's largest resident memory, as Linux counts it.
+//! Memory of a flow: growth of the largest resident memory of the process, as Linux counts it.
 //!
-//! `VmHWM` of `/proc/self/status`, set back by `/proc/self/clear_refs` before the flow is built, less `VmRSS` before the first
-//! flow of the process. What the allocator kept of an earlier flow is used again, so the flows come in the order of their
-//! size; what it could not use is counted too. The nearest figure is that of a flow by itself.
+//! `VmHWM` of `/proc/self/status`, reset by `/proc/self/clear_refs` before the flow is built, minus
+//! `VmRSS` before the first flow of the process. Memory that the allocator keeps from an earlier
+//! flow is reused, so flows are ordered by size; memory that it cannot reuse is counted too. A flow
+//! measured alone gives the most accurate value.
 
 use std::fs;
 
-/// Sets the high-water mark of the resident memory back to the present (proc(5)).
+/// Value that resets the high-water mark of the resident memory, see proc(5).
 const RESET: &str = "5";
 
-/// Resident memory of the process, B; None where the system does not tell.
+/// Returns the resident memory of the process, B; None if unknown.
 pub fn at_rest() -> Option<u64> {
     resident("VmRSS:")
 }
@@ -18,26 +19,28 @@ pub fn at_rest() -> Option<u64> {
 #[derive(Clone, Copy, Debug)]
 pub struct Growth {
     at_rest: u64,
-    /// Resident at the beginning, B.
+    /// Resident memory at the start, B.
     before: u64,
 }
 
 impl Growth {
-    /// Begins before the flow is built; `at_rest` is resident without any, B. None where the system does not tell or the
-    /// mark cannot be set back.
+    /// Starts before the flow is built; `at_rest` is the resident memory without a flow, B.
+    ///
+    /// None if it is unknown or the mark cannot be reset.
     pub fn begin(at_rest: Option<u64>) -> Option<Self> {
         fs::write("/proc/self/clear_refs", RESET).ok()?;
         Some(Self { at_rest: at_rest?, before: resident("VmRSS:")? })
     }
 
-    /// Largest resident memory since the beginning less that at rest, B; None if nothing had to grow.
+    /// Returns the largest resident memory since the start minus that at rest, B; None without
+    /// growth.
     pub fn bytes(self) -> Option<u64> {
         let most = resident("VmHWM:").filter(|&most| most > self.before)?;
         most.checked_sub(self.at_rest)
     }
 }
 
-/// A line of `/proc/self/status`, B.
+/// Returns the value of a line of `/proc/self/status`, B.
 fn resident(name: &str) -> Option<u64> {
     let text = fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find(|line| line.starts_with(name))?;
@@ -50,9 +53,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn growth_is_no_less_than_what_is_held() {
+    fn growth_is_at_least_the_allocation() {
         let size = 64 << 20;
-        // Other tests run in the same process and may free as much meanwhile: no growth is an answer too.
+        // Other tests run in this process and may free as much memory, so there may be no growth.
         let growth = Growth::begin(Some(0));
         let held = std::hint::black_box(vec![1_u8; size]);
         if let Some(bytes) = growth.and_then(Growth::bytes) {

@@ -1,76 +1,88 @@
-//! Floating-point operations of an ordered pair in one step, counted from the loops as they are written.
+//! Floating-point operations of an ordered pair in one step, counted from the source of the loops.
 //!
-//! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and choices nothing. √x with 1/√x is a root and a
-//! division, however many instructions a set takes for both or for the one that is used. Figures of a loop are those with Wendland's kernel. Work on candidates beyond the support,
-//! packing, the ends of the rows, and distances found a first time only to see what is near, are left out: the share of the peak that follows is
-//! that of useful work.
+//! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and selections
+//! count nothing. √x with 1/√x is a root and a division, whatever the instructions. The counts of a
+//! loop are for Wendland's kernel. Candidates outside the support, packing, the end of a row, and
+//! distances computed only to find neighbours are omitted, so that the fraction of the peak is that
+//! of useful work.
 //!
-//! The tests run the passes over numbers that count their operations, and find these figures.
+//! The tests run the passes over numbers that count their operations, and obtain these counts.
 
 use sphecs_core::math::kernel::Kernel;
 use sphecs_core::math::symmetric::components;
 use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 use sphecs_scene::model::{Scene, Scheme};
 
-/// Of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 2, w(q) 7, the sum 1.
+/// Returns the operations of the loop in `pass/density.rs`: x_ab and r² 3 D, 1/r and r 2, w(q) 7,
+/// the sum 1.
 pub const fn density(dimensions: usize) -> usize {
     3 * dimensions + 10
 }
 
-/// Of the plain loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division with what it
-/// yields 10, x·v and the signal 2 D, divergence 3, pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
+/// Returns the operations of the basic loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and
+/// r 2, F 4, the shared division and its products 10, x·v and the signal 2 D, divergence 3,
+/// pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
 pub const fn rates(dimensions: usize) -> usize {
     12 * dimensions + 23
 }
 
-/// What walls add to the rates of rows that have one in their support, and to those of all rows where the loop is no plain one: the image factor 2,
-/// its use in the divergence and in the viscous term 2.
+/// Operations added by walls to the rates: the image factor 2, its use in the divergence and in the
+/// viscous term 2.
+///
+/// They count for rows with a wall in their support in the basic loop, and for all rows in the
+/// other loops.
 pub const WALLS: usize = 4;
 
-/// What walls add to the gradients: the image factor.
+/// Operations added by walls to the gradients: the image factor.
 pub const WALLS_IN_GRADIENTS: usize = 2;
 
-/// What the damping of noise adds to the rates: S_a + S_b by component, x·S·x 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7.
+/// Returns the operations added by the damping of noise to the rates: S_a + S_b by component, x·S·x
+/// 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7.
 pub const fn damping(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 9
 }
 
-/// What a shift less its drift adds to the sums of `pass/strain/row.rs`: the volume 1, ∇C 2 D.
-pub const fn crowding(dimensions: usize) -> usize {
+/// Returns the operations added by shifting with drift correction to the sums of
+/// `pass/strain/row.rs`: the volume 1, ∇C 2 D.
+pub const fn concentration_gradient(dimensions: usize) -> usize {
     2 * dimensions + 1
 }
 
-/// What it adds to the rates: w(q) 7, weight and sum of the weights 2; the sum itself takes the place of shifting.
+/// Operations added by the drift correction to the rates: w(q) 7, weight and sum of the weights 2;
+/// its sum replaces that of shifting.
 pub const NET_SHIFT: usize = 9;
 
-/// What sub-particle stress adds to the rates: T_a + T_b by component, T·x 2 D², its scale 1, acceleration 2 D.
+/// Returns the operations added by sub-particle stress to the rates: T_a + T_b by component, T·x 2
+/// D², its scale 1, acceleration 2 D.
 pub const fn stress(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
 }
 
-/// Of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, volume 2, the factors of the sums 3 D,
-/// gradient and moments 2 D² each.
+/// Returns the operations of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F
+/// 4, volume 2, the factors of the sums 3 D, gradient and moments 2 D² each.
 pub const fn gradients(dimensions: usize) -> usize {
     4 * dimensions * dimensions + 7 * dimensions + 8
 }
 
-/// Of the loop in `pass/strain/row.rs`, which sums the density as well: that of the density 3 D + 10, F 5, x_ab once more, v_ab and the factors
-/// of the sums 4 D, the sums themselves 2 D + 1, gradient 2 D², moments D² + D.
+/// Returns the operations of the loop in `pass/strain/row.rs`, density included: density 3 D + 10,
+/// F 5, x_ab once more, v_ab and the factors of the sums 4 D, the sums themselves 2 D + 1, gradient
+/// 2 D², moments D² + D.
 pub const fn density_and_strain(dimensions: usize) -> usize {
     3 * dimensions * dimensions + 10 * dimensions + 16
 }
 
-/// Of the plain loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division with what it yields 5, weight
-/// 4, x·v and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and damping 4, pressure 1, the neighbour's
+/// Returns the operations of the basic loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r
+/// 2, F 4, the shared division and its products 5, weight 4, x·v and w·x 4 D − 2, divergence 3,
+/// difference and mean 3, viscous factor, diffusion and damping 4, pressure 1, the neighbour's
 /// stress 3, acceleration 6 D, background 2 D.
 pub const fn evolved_rates(dimensions: usize) -> usize {
     16 * dimensions + 27
 }
 
-/// What walls add to them: the image factor 2, its use in the viscous term 1.
+/// Operations added by walls to these rates: the image factor 2, its use in the viscous term 1.
 pub const WALLS_IN_EVOLVED: usize = 3;
 
-/// What a value of a kernel takes more than one of Wendland's: 7.
+/// Returns the operations of a kernel value beyond the 7 of Wendland's kernel.
 pub const fn value_beyond_wendland(kernel: Kernel) -> usize {
     match kernel {
         Kernel::WendlandC2 => 0,
@@ -78,7 +90,7 @@ pub const fn value_beyond_wendland(kernel: Kernel) -> usize {
     }
 }
 
-/// What a slope of a kernel takes more than one of Wendland's: 4.
+/// Returns the operations of a kernel slope beyond the 4 of Wendland's kernel.
 pub const fn slope_beyond_wendland(kernel: Kernel) -> usize {
     match kernel {
         Kernel::WendlandC2 => 0,
@@ -86,7 +98,8 @@ pub const fn slope_beyond_wendland(kernel: Kernel) -> usize {
     }
 }
 
-/// All of a step of a scene with Fickian or local shifting, or an evolved pressure, and no artificial viscosity.
+/// Returns the operations of a step of a scene with Fickian or local shifting, or an evolved
+/// pressure, and without artificial viscosity.
 pub fn per_pair(scene: &Scene) -> usize {
     let dimensions = scene.dimensions;
     let kernel = scene.scheme.kernel();
@@ -101,16 +114,16 @@ pub fn per_pair(scene: &Scene) -> usize {
     let is_net = scene.scheme.wcsph().is_some_and(|scheme| !scheme.shifting.keeps_drift());
     let has_stress = scene.scheme.has_stress();
     let has_walls = scene.layout.walled;
-    // Under a plain loop few rows ask for walls.
-    let asks_for_walls = has_walls && (has_stress || is_net);
-    let mut operations = of_kernel + rates(dimensions) + if asks_for_walls { WALLS } else { 0 };
+    // In the basic loop few rows have walls nearby.
+    let counts_walls = has_walls && (has_stress || is_net);
+    let mut operations = of_kernel + rates(dimensions) + if counts_walls { WALLS } else { 0 };
     operations += if is_damped || carries || is_net {
         density_and_strain(dimensions) + slope
     } else {
         density(dimensions)
     };
     if is_net {
-        operations += crowding(dimensions) + NET_SHIFT + value_beyond_wendland(kernel);
+        operations += concentration_gradient(dimensions) + NET_SHIFT + value_beyond_wendland(kernel);
     }
     if has_stress {
         operations += gradients(dimensions) + stress(dimensions) + slope;
@@ -153,16 +166,16 @@ mod tests {
     use sphecs_core::physics::viscosity::{Sps, Viscosity};
 
     thread_local! {
-        static DONE: Cell<usize> = const { Cell::new(0) };
+        static OPERATIONS: Cell<usize> = const { Cell::new(0) };
     }
 
-    /// A number that counts what is done with it.
+    /// Number that counts its operations.
     #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
     struct Counted(f64);
 
     impl Counted {
-        fn done(value: f64) -> Self {
-            DONE.set(DONE.get() + 1);
+        fn counted(value: f64) -> Self {
+            OPERATIONS.set(OPERATIONS.get() + 1);
             Self(value)
         }
     }
@@ -172,7 +185,7 @@ mod tests {
             impl $operator for Counted {
                 type Output = Self;
                 fn $function(self, other: Self) -> Self {
-                    Self::done(self.0 $sign other.0)
+                    Self::counted(self.0 $sign other.0)
                 }
             }
         )* };
@@ -225,7 +238,7 @@ mod tests {
             Self(self.0.abs())
         }
         fn sqrt(self) -> Self {
-            Self::done(self.0.sqrt())
+            Self::counted(self.0.sqrt())
         }
         fn dispatch<T: Vectorised<Self>>(_: InstructionSet, task: T) -> T::Output {
             task.run::<Array<Self, 1>>()
@@ -236,13 +249,15 @@ mod tests {
     type Passes<const D: usize> =
         fn(&PairSettings, &CellGrid<D>, &mut ParticleArrays<Counted, D>, &mut PairSums<Counted, D>);
 
-    /// Operations of finding what is near before what is summed of it, in 2D: x_ab and r².
+    /// Returns the operations of finding neighbours before the sums, in 2D only: x_ab and r².
     fn finding(dimensions: usize) -> usize {
         if dimensions < 3 { 3 * dimensions } else { 0 }
     }
 
-    /// Operations that passes do for each ordered pair. With all particles in one cell the count is a parabola of their
-    /// number, and its curvature is that of the pairs alone.
+    /// Returns the operations of passes for each ordered pair.
+    ///
+    /// With all particles in one cell the count is a parabola of their number, and its curvature is
+    /// due to pairs.
     fn of_pair<const D: usize>(settings: &PairSettings, passes: Passes<D>) -> usize {
         let counts = [8, 9, 10].map(|particles| of_all(settings, particles, passes));
         let curvature = counts[2] + counts[0] - 2 * counts[1];
@@ -250,7 +265,8 @@ mod tests {
         curvature / 2
     }
 
-    /// Operations of passes over so many particles in one cell, and a wall particle if the settings know a wall.
+    /// Returns the operations of passes over some particles in one cell, with a wall particle if
+    /// the settings have walls.
     fn of_all<const D: usize>(pair: &PairSettings, particles: usize, passes: Passes<D>) -> usize {
         let upper = [0.9 * pair.cell_size(); D];
         let mut grid = CellGrid::new([0.0; D], upper, [false; D], pair.support(), pair.cell_size());
@@ -284,13 +300,13 @@ mod tests {
         let order = grid.build(&arrays.position, &arrays.id, |_| true).expect("inside");
         arrays.reorder(order, &mut SpareColumns::default());
         let mut sums = PairSums::default();
-        // Columns that a pass reads and the one before it in a step has written.
+        // Columns that a pass reads from the passes before it in a step.
         sum_density_and_strain(pair, &grid, &mut arrays, VelocityLevel::Present, &mut sums);
         sum_gradients(pair, &grid, &arrays, VelocityLevel::Present, &mut sums);
         find_stress(pair, &grid, &arrays, &mut sums);
-        DONE.set(0);
+        OPERATIONS.set(0);
         passes(pair, &grid, &mut arrays, &mut sums);
-        DONE.get()
+        OPERATIONS.get()
     }
 
     fn check<const D: usize>() {
@@ -338,11 +354,11 @@ mod tests {
         let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction: DriftCorrection::On });
         let net = walled(&PairSettings { shifting, ..damped.clone() });
         assert_eq!(rates_of(&net), rates(D) + damping(D) + WALLS + NET_SHIFT, "net rates in {D}D");
-        let of_crowding = of_pair::<D>(&net, |pair, grid, arrays, sums| {
+        let with_concentration_gradient = of_pair::<D>(&net, |pair, grid, arrays, sums| {
             sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
         });
-        let expected = density_and_strain(D) + crowding(D) + finding(D);
-        assert_eq!(of_crowding, expected, "density with strain and ∇C in {D}D");
+        let expected = density_and_strain(D) + concentration_gradient(D) + finding(D);
+        assert_eq!(with_concentration_gradient, expected, "density with strain and ∇C in {D}D");
         let evolved = PairSettings { pressure: PressureLaw::Evolved(Edac::default()), ..plain.clone() };
         let evolved_of = |pair: &PairSettings| {
             of_pair::<D>(pair, |pair, grid, arrays, sums| {
@@ -362,8 +378,8 @@ mod tests {
     }
 
     #[test]
-    fn figures_are_what_the_loops_do() {
-        // One thread, so that all is counted where it is asked for.
+    fn counts_match_the_loops() {
+        // One thread, since the counter is thread-local.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
         pool.install(|| {
             check::<2>();

@@ -1,6 +1,6 @@
-//! The most multiply-adds that a core can do, as measured: the ceiling that the pair loops are held against.
+//! Measured peak rate of multiply-adds of a core, with which the pair loops are compared.
 //!
-//! A shared machine is never as fast as its data sheet, so the ceiling is taken in the same run as the figures.
+//! A shared machine is slower than its data sheet, so the peak is measured in the run of the bench.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,17 +9,19 @@ use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_scene::model::Precision;
 
-/// Chains side by side: as many as fill two pipes of four cycles, and fit into the sixteen registers of AVX2.
+/// Number of independent chains: they fill two pipes of four cycles and fit into the sixteen
+/// registers of AVX2.
 const CHAINS: usize = 12;
 
-/// Rounds of a repetition: some milliseconds, so that a repetition is not all clock.
+/// Rounds of a repetition: some milliseconds, far above the resolution of the clock.
 const ROUNDS: usize = 1 << 20;
 
 /// Repetitions, of which the fastest counts.
 const REPETITIONS: usize = 15;
 
-/// Chains of dependent multiply-adds, independent of one another. What it returns is the number of floating-point
-/// operations done: two per lane and multiply-add.
+/// Independent chains of dependent multiply-adds.
+///
+/// Returns the number of floating-point operations, two per lane and multiply-add.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Chains;
 
@@ -40,7 +42,7 @@ impl<R: Real> Vectorised<R> for Chains {
     }
 }
 
-/// Multiply-adds of a core, in floating-point operations a second (two each).
+/// Floating-point operations per second of a core, two per multiply-add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peaks {
     /// In f32, 1/s.
@@ -50,12 +52,12 @@ pub struct Peaks {
 }
 
 impl Peaks {
-    /// Measures both on the present thread.
+    /// Measures both rates on the current thread.
     pub fn measure() -> Self {
         Self { single: fastest::<f32>(), double: fastest::<f64>() }
     }
 
-    /// That of a precision, 1/s.
+    /// Returns the rate of a precision, 1/s.
     pub fn of(&self, precision: Precision) -> f64 {
         match precision {
             Precision::F32 => self.single,
@@ -64,7 +66,7 @@ impl Peaks {
     }
 }
 
-/// Floating-point operations a second of the fastest repetition.
+/// Returns the floating-point operations per second of the fastest repetition.
 fn fastest<R: Real>() -> f64 {
     let mut best: f64 = 0.0;
     for _ in 0..REPETITIONS {
@@ -80,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn peak_is_a_positive_figure_and_counts_the_lanes() {
+    fn peak_is_positive_and_counts_the_lanes() {
         let peaks = Peaks::measure();
         for peak in [peaks.single, peaks.double] {
             assert!(peak > 0.0 && peak.is_finite(), "{peak} operations/s");

@@ -1,7 +1,8 @@
-//! The baseline: density and forces neighbour by neighbour, in plain f64, over the same cells.
+//! Baseline of the bench: density and forces neighbour by neighbour in plain f64 over the cells of
+//! the engine.
 //!
-//! What a straightforward code does: no packs, no lanes, no walls, no shifting. Every ratio to it is the gain of the
-//! engine's pair loops over such a code on the same machine, in the same minute.
+//! A straightforward code without packs, lanes, walls and shifting. Ratios to it are the gain of
+//! the pair loops of the engine on this machine in the same minute.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -13,13 +14,14 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_core::pass::settings::PairSettings;
 
-/// Ordered pairs of a repetition: some 0.1 s on one core.
+/// Number of ordered pairs of a repetition: some 0.1 s on one core.
 const PAIRS: usize = 2_000_000;
 
 /// Repetitions, of which the fastest counts.
 const REPETITIONS: usize = 3;
 
-/// Ordered pairs a second, 1/s, on the present thread, of the fluid rows from the middle of the arrays on.
+/// Returns the ordered pairs per second, 1/s, on the current thread, of the fluid from the middle
+/// of the arrays on.
 pub fn pair_rate<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -41,7 +43,8 @@ pub fn pair_rate<R: Real, const D: usize>(
     fastest
 }
 
-/// Ordered pairs of a row, and the sum of its density and force components, so that nothing is left out.
+/// Returns the ordered pairs of a row and the sum of its density and force components, so that no
+/// term is optimised out.
 pub fn density_and_force<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,

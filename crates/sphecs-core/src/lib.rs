@@ -4,6 +4,7 @@
 
 pub mod boundary;
 pub mod discretisation;
+pub mod format;
 pub mod math;
 pub mod particles;
 pub mod pass;

@@ -1,34 +1,34 @@
-//! What can go wrong with files, said with the path and the cause.
+//! Errors of input and output, each with its path and cause.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::disk::bytes;
+use sphecs_core::format::bytes;
 
-/// A fault of input or output.
+/// Error of input or output.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The system refused to read or write.
+    /// A system call failed.
     #[error("`{path}`: cannot {doing}: {cause}", path = path.display())]
     Io {
         /// File or folder.
         path: PathBuf,
-        /// What was tried, as a verb: "write", "rename".
+        /// Action that failed, as a verb: "write", "rename".
         doing: &'static str,
-        /// The system's answer.
+        /// Error of the system.
         cause: io::Error,
     },
-    /// The NetCDF library refused to read or write.
+    /// The NetCDF library failed to read or write.
     #[error("`{path}`: {what}", path = path.display())]
     NetCdf {
         /// File.
         path: PathBuf,
-        /// The library's message, with the system's where one is found.
+        /// Message of the library, with the error of the system where one is found.
         what: String,
     },
     /// The folder holds an earlier run.
     #[error(
-        "`{path}`: holds an earlier run, which is kept; give `--force` to replace it or `--out` for another folder",
+        "`{path}`: holds an earlier run; give `--force` to replace it or `--out` for another folder",
         path = path.display()
     )]
     Exists {
@@ -37,16 +37,16 @@ pub enum OutputError {
     },
     /// The folder holds something that is not a run, which no option replaces.
     #[error(
-        "`{path}`: is not empty and not a run of sphecs, so that it is not replaced; give another folder by `--out`",
+        "`{path}`: is not empty and not a run of sphecs, so it is never replaced; give another folder by `--out`",
         path = path.display()
     )]
     Foreign {
         /// Folder or file.
         path: PathBuf,
     },
-    /// Another process writes the run.
+    /// Another process is writing the run.
     #[error(
-        "`{path}`: is being written by another process; wait for its end or stop it first",
+        "`{path}`: is being written by another process; wait for it to end or stop it first",
         path = path.display()
     )]
     Busy {
@@ -61,43 +61,43 @@ pub enum OutputError {
     NotARun {
         /// Folder.
         path: PathBuf,
-        /// The file that every run has.
+        /// File that every run has.
         missing: &'static str,
     },
-    /// A file of the run does not read as it should.
+    /// A file of the run cannot be read or is damaged.
     #[error("`{path}`: {what}", path = path.display())]
     Damaged {
         /// File.
         path: PathBuf,
-        /// What was found.
+        /// Damage found.
         what: String,
     },
-    /// What is to be written is larger than what is free.
+    /// The free disk space is too small.
     #[error(
-        "`{path}`: {what} needs about {}, {} are free there; {cure}",
+        "`{path}`: {what} needs about {}, {} are free; {cure}",
         bytes(*needed),
         bytes(*free),
         path = path.display()
     )]
-    NoRoom {
+    DiskFull {
         /// File or folder.
         path: PathBuf,
-        /// What is to be written.
+        /// Data to be written.
         what: String,
-        /// Bytes needed.
+        /// Space needed, bytes.
         needed: u64,
-        /// Bytes free.
+        /// Free space, bytes.
         free: u64,
-        /// What a user can do about it.
+        /// Advice to the user.
         cure: String,
     },
-    /// The request does not fit the run.
+    /// The request does not match the run.
     #[error("{0}")]
     Request(String),
 }
 
 impl OutputError {
-    /// A system fault while doing something with a path.
+    /// Returns a closure that adds path and action to a system error.
     pub fn io(path: &Path, doing: &'static str) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
         move |cause| Self::Io { path, doing, cause }

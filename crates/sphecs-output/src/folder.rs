@@ -1,22 +1,23 @@
-//! The folder of a run: `particles.nc`, `monitor.nc`, `probes.nc` with their CSV twins, `scene.ron` (and `tables.json` with the
-//! tables that it names), `summary.json`, `checkpoints/`, `journal/` while it runs, and `blow_up.nc` and `blow_up.png` of a flow that blew up.
+//! Run folder that a run writes into; [`paths`](super::paths) has the names of its files.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use super::blow_up;
 use super::checkpoint::store::Store;
-use super::checkpoint::{Checkpoint, Facts, cut};
-use super::disk;
+use super::checkpoint::{Checkpoint, Facts};
+use super::cut_back::cut_back;
+use super::disk::{self, remove_folder};
+use super::divergence;
 use super::error::OutputError;
 use super::forces::ForcesWriter;
 use super::frame::Frame;
 use super::header::Header;
-use super::journal::{self, FrameWriter};
+use super::journal::FrameWriter;
 use super::lock::Lock;
 use super::monitor::MonitorWriter;
-use super::pack::{Packed, pack_locked, remove_folder};
+use super::pack::{Packed, pack_locked};
+use super::paths::{JOURNAL, SCENE, TABLES};
 use super::probes::ProbeSample;
 use super::probes::ProbeSet;
 use super::probes::writer::ProbeWriter;
@@ -29,13 +30,7 @@ use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::systems::body_forces::BodyForcesRow;
 use sphecs_engine::systems::monitor::MonitorRow;
 
-/// Name of the scene in the run folder.
-pub const SCENE: &str = "scene.ron";
-
-/// Name of the file of the scene's tables in the run folder.
-pub const TABLES: &str = "tables.json";
-
-/// The folder of a run that goes on.
+/// Run folder while the run is under way.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -44,16 +39,17 @@ pub struct RunFolder {
     monitor: MonitorWriter,
     probes: Option<ProbeWriter>,
     forces: Option<ForcesWriter>,
-    /// Frames handed over.
+    /// Number of frames submitted.
     submitted: u64,
     _lock: Lock,
 }
 
-/// Whether a run may be written to a folder: to be asked before time is spent on the scene.
+/// Checks that a run may be written to a folder, before time is spent on the scene.
 ///
 /// # Errors
-/// [`OutputError::Exists`] when it holds an earlier run and `force` is not given, [`OutputError::Foreign`] when it
-/// holds something else, [`OutputError::Busy`] when another process writes it.
+/// [`OutputError::Exists`] when it holds an earlier run and `force` is not given,
+/// [`OutputError::Foreign`] when it holds something else, [`OutputError::Busy`] when another
+/// process writes it.
 pub fn check_free(path: &Path, force: bool) -> Result<(), OutputError> {
     if !path.exists() {
         return Ok(());
@@ -72,58 +68,61 @@ pub fn check_free(path: &Path, force: bool) -> Result<(), OutputError> {
     if !force {
         return Err(OutputError::Exists { path: path.to_path_buf() });
     }
-    Lock::take(path).map(drop)
+    Lock::acquire(path).map(drop)
 }
 
 impl RunFolder {
-    /// Makes the folder of a run. With `force` an earlier run there is replaced, in the moment that the new folder
-    /// stands; so call this when the scene is built and the first step is next.
+    /// Makes the folder of a run.
+    ///
+    /// With `force` an earlier run is replaced once the new folder is complete, so call this after
+    /// the scene is built and before the first step.
     ///
     /// # Errors
-    /// As [`check_free`], or [`OutputError::Io`]; what was there is then untouched.
+    /// As [`check_free`], or [`OutputError::Io`]; an earlier run is then untouched.
     pub fn create(path: &Path, force: bool, header: &Header, probes: &ProbeSet) -> Result<Self, OutputError> {
         check_free(path, force)?;
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         fs::create_dir_all(parent).map_err(OutputError::io(parent, "make the folder"))?;
-        // Two processes that make the same folder take turns: the second finds the run of the first.
-        let turn = File::open(parent).map_err(OutputError::io(parent, "read"))?;
+        // Processes that make the same folder wait for each other: the second finds the run of the
+        // first.
+        let parent_lock = File::open(parent).map_err(OutputError::io(parent, "read"))?;
         // A file system without locks must not stop a run.
-        let _turn = turn.lock().is_ok().then_some(turn);
+        let _parent_lock = parent_lock.lock().is_ok().then_some(parent_lock);
         check_free(path, force)?;
-        let _replaced = if path.join(SCENE).exists() { Some(Lock::take(path)?) } else { None };
-        let fresh = sibling(path, "new");
-        let stale = sibling(path, "old");
-        remove_folder(&fresh)?;
-        remove_folder(&stale)?;
-        let made = furnish(&fresh, header).and_then(|()| {
-            // The lock comes along with its folder.
-            let lock = Lock::take(&fresh)?;
+        let _replaced = if path.join(SCENE).exists() { Some(Lock::acquire(path)?) } else { None };
+        let new = sibling(path, "new");
+        let old = sibling(path, "old");
+        remove_folder(&new)?;
+        remove_folder(&old)?;
+        let made = write_initial_files(&new, header).and_then(|()| {
+            // The lock is renamed with its folder.
+            let lock = Lock::acquire(&new)?;
             if path.exists() {
-                fs::rename(path, &stale).map_err(OutputError::io(path, "replace"))?;
+                fs::rename(path, &old).map_err(OutputError::io(path, "replace"))?;
             }
-            fs::rename(&fresh, path).map_err(OutputError::io(path, "make the folder"))?;
+            fs::rename(&new, path).map_err(OutputError::io(path, "make the folder"))?;
             disk::sync_folder(parent)?;
             Ok(lock)
         });
         let lock = match made {
             Ok(lock) => lock,
             Err(error) => {
-                if !path.exists() && stale.exists() {
-                    fs::rename(&stale, path).map_err(OutputError::io(path, "restore"))?;
+                if !path.exists() && old.exists() {
+                    fs::rename(&old, path).map_err(OutputError::io(path, "restore"))?;
                 }
-                remove_folder(&fresh)?;
+                remove_folder(&new)?;
                 return Err(error);
             }
         };
-        remove_folder(&stale)?;
-        Self::begin(path, header, probes, &Facts::default(), lock)
+        remove_folder(&old)?;
+        Self::open(path, header, probes, &Facts::default(), lock)
     }
 
-    /// Goes on in the folder of a run whose lock is held: cuts its output back to what a checkpoint counts.
+    /// Opens the folder of a run whose lock is held and cuts its output back to a checkpoint.
     ///
     /// # Errors
-    /// [`OutputError`] with path and cause; the folder can be gone on from again.
-    pub fn go_on(
+    /// [`OutputError`] with path and cause; resuming can be tried again.
+    pub fn resume(
         path: &Path,
         header: &Header,
         probes: &ProbeSet,
@@ -131,30 +130,30 @@ impl RunFolder {
         lock: Lock,
     ) -> Result<Self, OutputError> {
         Summary { run: header.clone(), ..Summary::default() }.write(path)?;
-        cut::cut_back(path, header, facts)?;
-        blow_up::remove(path)?;
-        Self::begin(path, header, probes, facts, lock)
+        cut_back(path, header, facts)?;
+        divergence::remove(path)?;
+        Self::open(path, header, probes, facts, lock)
     }
 
-    fn begin(
+    fn open(
         path: &Path,
         header: &Header,
         probes: &ProbeSet,
         facts: &Facts,
         lock: Lock,
     ) -> Result<Self, OutputError> {
-        let journal = path.join(journal::FOLDER);
+        let journal = path.join(JOURNAL);
         let probes = match probes.is_empty() {
             true => None,
-            false => Some(ProbeWriter::go_on(path, header, probes, facts.probes_bytes)?),
+            false => Some(ProbeWriter::resume(path, header, probes, facts.probes_bytes)?),
         };
         let forces = match header.bodies.is_empty() {
             true => None,
-            false => Some(ForcesWriter::go_on(path, header, facts.forces_bytes)?),
+            false => Some(ForcesWriter::resume(path, header, facts.forces_bytes)?),
         };
         Ok(Self {
             frames: Some(FrameWriter::start(&journal, header, facts.frames, Store::of(path))?),
-            monitor: MonitorWriter::go_on(path, header, facts.monitor_bytes)?,
+            monitor: MonitorWriter::resume(path, header, facts.monitor_bytes)?,
             probes,
             forces,
             submitted: facts.frames,
@@ -164,20 +163,20 @@ impl RunFolder {
         })
     }
 
-    /// Where it is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Facts of the run.
+    /// Returns the header of the run.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// Hands a frame to the thread that writes frames.
+    /// Submits a frame to the writer thread.
     ///
     /// # Errors
-    /// The error that stopped the writing of an earlier frame.
+    /// The error of an earlier frame that stopped the writer thread.
     pub fn submit(&mut self, frame: Frame) -> Result<(), OutputError> {
         self.submitted += 1;
         match &mut self.frames {
@@ -186,7 +185,7 @@ impl RunFolder {
         }
     }
 
-    /// Hands a state to the thread that writes frames, behind the frames before it; the output that there is by now belongs to it.
+    /// Submits a checkpoint of the state and of the output written so far to the writer thread.
     ///
     /// # Errors
     /// The error that stopped the writing of an earlier frame, or [`OutputError::Io`].
@@ -212,12 +211,12 @@ impl RunFolder {
         frames.checkpoint(Checkpoint { facts, state }, handles)
     }
 
-    /// Step of the last checkpoint that is whole and durable.
+    /// Returns the step of the last checkpoint that is complete and durable.
     pub fn last_checkpoint(&self) -> Option<u64> {
         self.frames.as_ref().and_then(FrameWriter::last_checkpoint)
     }
 
-    /// Frames that are whole and durable.
+    /// Returns the number of frames that are complete and durable.
     pub fn frames_written(&self) -> u64 {
         self.frames.as_ref().map_or(0, FrameWriter::written)
     }
@@ -225,7 +224,7 @@ impl RunFolder {
     /// Appends a row to `monitor.csv`.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn monitor(&mut self, row: &MonitorRow) -> Result<(), OutputError> {
         self.monitor.append(row)
     }
@@ -233,7 +232,7 @@ impl RunFolder {
     /// Appends a row to `forces.csv`, in a run that has bodies.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn forces(&mut self, row: &BodyForcesRow) -> Result<(), OutputError> {
         match &mut self.forces {
             Some(forces) => forces.append(row),
@@ -244,7 +243,7 @@ impl RunFolder {
     /// Appends to `probes.csv`.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn probe(&mut self, sample: &ProbeSample) -> Result<(), OutputError> {
         match &mut self.probes {
             Some(probes) => probes.append(sample),
@@ -252,26 +251,27 @@ impl RunFolder {
         }
     }
 
-    /// Ends the run: waits for the frames, writes `summary.json` (its frames and facts are put in here) and packs.
+    /// Waits for the frames, writes `summary.json` with its frame count and header set, and packs
+    /// the run.
     ///
     /// # Errors
-    /// The first error; every frame written and the journal stay readable, and `sphecs pack` can be tried again.
+    /// The first error; the journal stays readable, and `sphecs pack` can be tried again.
     pub fn finish(mut self, mut summary: Summary) -> Result<Packed, OutputError> {
         let frames = self.frames.take();
         let written = frames.as_ref().map(FrameWriter::written);
         let ended = frames.map_or(Ok(0), FrameWriter::finish);
         summary.frames = *ended.as_ref().unwrap_or(&written.unwrap_or(0));
         summary.run = self.header.clone();
-        // The summary first: it says how the run ended even when there is no room to pack.
+        // The summary first: it has the reason of the end even when the disk is too full to pack.
         summary.write(&self.path)?;
         ended?;
         pack_locked(&self.path, &self.header)
     }
 }
 
-/// What a run folder has before the first frame.
-fn furnish(folder: &Path, header: &Header) -> Result<(), OutputError> {
-    let journal = folder.join(journal::FOLDER);
+/// Writes the files that a run folder has before the first frame.
+fn write_initial_files(folder: &Path, header: &Header) -> Result<(), OutputError> {
+    let journal = folder.join(JOURNAL);
     fs::create_dir_all(&journal).map_err(OutputError::io(&journal, "make the folder"))?;
     disk::write_whole(&folder.join(SCENE), header.text.as_bytes())?;
     if !header.tables.is_empty() {
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn earlier_run_is_replaced_by_force_only() {
+    fn earlier_run_is_replaced_only_by_force() {
         let parent = tempfile::tempdir().expect("a folder");
         let path = parent.path().join("deep/run");
         let run = start(&path, false, "first").expect("created");
@@ -318,11 +318,11 @@ mod tests {
         assert_eq!(fs::read(run.path().join(SCENE)).expect("read"), b"second");
         assert!(!path.join("particles.nc").exists());
         let siblings = fs::read_dir(parent.path().join("deep")).expect("read").count();
-        assert_eq!(siblings, 1, "nothing of the replacement is left over");
+        assert_eq!(siblings, 1, "the replacement leaves no other folder");
     }
 
     #[test]
-    fn folder_of_another_kind_is_never_replaced() {
+    fn folder_without_a_run_is_never_replaced() {
         let parent = tempfile::tempdir().expect("a folder");
         fs::write(parent.path().join("thesis.tex"), "years").expect("written");
         for force in [false, true] {
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn empty_folder_is_taken() {
+    fn empty_folder_is_used() {
         let parent = tempfile::tempdir().expect("a folder");
         start(parent.path(), false, "scene").expect("created");
         assert!(parent.path().join(SCENE).exists());

@@ -1,4 +1,5 @@
-//! Everything of one instant in the order of the particle numbers: what is written, drawn and exported.
+//! State of all particles at one time in the order of their numbers, for files, pictures and
+//! export.
 
 use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
@@ -10,14 +11,15 @@ use sphecs_engine::components::{
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::entity_index::EntityIndex;
 
-/// The number stored in `zone` for a slot that no particle has: the reservoir may grow during a run, and particles be deleted.
+/// Value of `zone` for a slot without a particle: the reservoir may grow during a run, and
+/// particles may be deleted.
 pub const ABSENT: u8 = 255;
 
-/// One instant. Row i is the particle with number i.
+/// State at one time; slot i belongs to the particle with number i.
 ///
-/// Positions are f64, everything else f32: its last digit, 6e-8 of the value, is far below the error
-/// of the scheme, while a position in f32 would lose neighbours' distances in a long domain.
-/// Reservoir particles and absent slots have NaN in all floating-point columns: they are nowhere.
+/// Positions are f64, all other columns f32. The last digit of f32, 6e-8 of the value, is far below
+/// the error of the scheme, but positions in f32 would lose the distances of neighbours in a long
+/// domain. Reservoir particles and absent slots have NaN in all floating-point columns.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// Time, s.
@@ -34,35 +36,35 @@ pub struct Frame {
     pub density: Vec<f32>,
     /// Pressure, Pa.
     pub pressure: Vec<f32>,
-    /// Zone, the numbers of [`Zone`] or [`ABSENT`].
+    /// Zone, a number of [`Zone`] or [`ABSENT`].
     pub zone: Vec<u8>,
     /// Index of the inlet, outlet or wall part; 0 for the others.
     pub patch: Vec<u16>,
-    /// Injections from the reservoir, or how often the number was given anew.
+    /// Number of injections from the reservoir, or of times that the particle number was reused.
     pub passage: Vec<u32>,
     /// Passive scalar.
     pub tag: Vec<f32>,
 }
 
 impl Frame {
-    /// A frame of `slots` absent particles.
+    /// Returns a frame of `slots` absent particles.
     pub fn absent(slots: usize) -> Self {
         let mut frame = Self::default();
         frame.resize(slots);
         frame
     }
 
-    /// Number of slots.
+    /// Returns the number of slots.
     pub fn len(&self) -> usize {
         self.zone.len()
     }
 
-    /// Whether there is no slot.
+    /// Returns true without slots.
     pub fn is_empty(&self) -> bool {
         self.zone.is_empty()
     }
 
-    /// Makes room for `slots` slots; new ones are absent.
+    /// Changes the number of slots; new ones are absent.
     pub fn resize(&mut self, slots: usize) {
         for column in &mut self.position {
             column.resize(slots, f64::NAN);
@@ -75,12 +77,12 @@ impl Frame {
         self.passage.resize(slots, 0);
     }
 
-    /// Slots of a zone.
+    /// Returns the slots of a zone.
     pub fn slots_of(&self, zone: Zone) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).filter(move |&slot| self.zone[slot] == zone as u8)
     }
 
-    /// Slots by zone, in the order of [`Zone::ALL`].
+    /// Returns the number of slots by zone, in the order of [`Zone::ALL`].
     pub fn counts(&self) -> [u64; 5] {
         let mut counts = [0; 5];
         for &zone in &self.zone {
@@ -91,18 +93,19 @@ impl Frame {
         counts
     }
 
-    /// Lower and upper corner of the box around all particles that are somewhere, m; None without any.
+    /// Returns the lower and upper corner of the box around all particles with a position, m; None
+    /// without any.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for (axis, column) in self.position.iter().enumerate() {
-            // `min` and `max` pass over NaN.
+            // `min` and `max` ignore NaN.
             corners[0][axis] = column.iter().copied().fold(f64::INFINITY, f64::min);
             corners[1][axis] = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         }
         corners.as_flattened().iter().all(|x| x.is_finite()).then_some(corners)
     }
 
-    /// The state of a world: its particles and its [`Clock`].
+    /// Returns the state of a world at the time of its [`Clock`].
     pub fn from_world(world: &mut World) -> Self {
         type Roles<'w> = (Option<&'w Wall>, Option<&'w Inflow>, Option<&'w Outflow>, Has<Reservoir>);
         let clock = world.resource::<Clock>();
@@ -110,7 +113,7 @@ impl Frame {
             Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
         let mut particles =
             world.query::<(&ParticleId, &Position, &Velocity, &Thermodynamics, &Tracer, Roles)>();
-        let numbers = world.get_resource::<EntityIndex>().map_or(0, |seats| seats.0.len());
+        let numbers = world.get_resource::<EntityIndex>().map_or(0, |entities| entities.0.len());
         frame.resize(numbers.max(particles.iter(world).count()));
         for (id, position, velocity, thermodynamics, tracer, roles) in particles.iter(world) {
             let slot = id.0 as usize;
@@ -160,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_follow_the_numbers_whatever_the_order_of_the_tables() {
+    fn slots_follow_the_particle_numbers_in_any_order_of_the_tables() {
         let mut world = World::new();
         world.insert_resource(Clock { time: 0.5, step: 7, time_step: 1e-4 });
         world.spawn((particle(3), Wall { part: 2 }));
@@ -182,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_in_the_numbers_is_absent() {
+    fn missing_particle_number_is_absent() {
         let mut world = World::new();
         world.insert_resource(Clock::default());
         world.spawn((particle(2), Fluid));

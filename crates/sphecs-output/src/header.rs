@@ -1,4 +1,4 @@
-//! What a run is: the facts that `summary.json` and the attributes of the NetCDF files state.
+//! Header of a run: its properties in `summary.json` and in the attributes of the NetCDF files.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -7,28 +7,28 @@ use super::frame::Frame;
 use sphecs_core::particles::zone::Zone;
 use sphecs_scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
 
-/// Facts of a run that stand from its first step.
+/// Properties of a run that are known at its first step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// File stem of the scene.
     pub scene: String,
-    /// One line for people.
+    /// Title of the scene.
     pub title: String,
-    /// The scene as run, RON. Stored as `scene.ron`, not in `summary.json`.
+    /// Scene as run, RON. Stored as `scene.ron`, not in `summary.json`.
     #[serde(skip)]
     pub text: String,
-    /// The tables that the scene names: the path as written, and the text. Stored as `tables.json`.
+    /// Tables that the scene names: path as written, and text. Stored as `tables.json`.
     #[serde(skip)]
     pub tables: Vec<(String, String)>,
-    /// What was changed in the scene since, by `sphecs resume --set`: path and value, in their order.
+    /// Changes to the scene by `sphecs resume --set`: path and value, in their order.
     #[serde(default)]
     pub changes: Vec<(String, String)>,
     /// End that the user gave in place of the scene's, s.
     #[serde(default)]
     pub until: Option<f64>,
-    /// Most steps that the user gave.
-    #[serde(default)]
-    pub most_steps: Option<u64>,
+    /// Largest number of steps that the user gave.
+    #[serde(default, rename = "most_steps")]
+    pub max_steps: Option<u64>,
     /// SHA-256 of `text`, hexadecimal.
     pub sha256: String,
     /// Version of sphecs.
@@ -49,11 +49,11 @@ pub struct Header {
     pub reference_density: f64,
     /// Kinematic viscosity ν, m²/s.
     pub viscosity: f64,
-    /// Velocity of the Reynolds and Mach numbers, m/s.
+    /// Velocity in the Reynolds and Mach numbers, m/s.
     pub reference_velocity: f64,
-    /// Length of the Reynolds number, m.
+    /// Length in the Reynolds number, m.
     pub reference_length: f64,
-    /// End of the run as the scene has it, s.
+    /// End of the run in the scene, s.
     pub end: f64,
     /// Interval between frames, s.
     pub every: f64,
@@ -76,7 +76,7 @@ pub struct Header {
     pub bodies: Vec<BodyHeader>,
 }
 
-/// A body as its results need it.
+/// Body of the walls whose forces are written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyHeader {
     /// Name of the part of the walls.
@@ -85,7 +85,7 @@ pub struct BodyHeader {
     pub reference: Option<BodyReference>,
     /// Interval of the time mean and of the spectrum, s.
     pub mean: (f64, f64),
-    /// Whether means and spectrum are of the running mean over five rows.
+    /// True if means and spectrum are computed from the running mean over five rows.
     pub five_point_mean: bool,
 }
 
@@ -100,7 +100,7 @@ impl BodyHeader {
     }
 }
 
-/// A probe as its results need it.
+/// Probe of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProbeHeader {
     /// Name in the scene.
@@ -124,7 +124,7 @@ pub enum ProbeShape {
 }
 
 impl ProbeShape {
-    /// Shape of a scene's probe.
+    /// Returns the shape of a probe of the scene.
     pub fn of(kind: &ProbeKind) -> Self {
         match kind {
             ProbeKind::Point(_) => Self::Point,
@@ -135,7 +135,7 @@ impl ProbeShape {
 }
 
 impl Header {
-    /// The facts of a scene whose state at the start is `first`.
+    /// Returns the header of a scene with the initial state `first`.
     pub fn new(scene: &Scene, first: &Frame) -> Self {
         Self {
             scene: scene.name.clone(),
@@ -144,7 +144,7 @@ impl Header {
             tables: scene.tables.clone(),
             changes: Vec::new(),
             until: None,
-            most_steps: None,
+            max_steps: None,
             sha256: hexadecimal(&Sha256::digest(scene.text.as_bytes())),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             dimensions: scene.dimensions,
@@ -182,33 +182,33 @@ impl Header {
         }
     }
 
-    /// SHA-256 of the scene and its tables, hexadecimal: a checkpoint goes on only with what it was written with.
+    /// Returns the SHA-256 of the scene and its tables, hexadecimal, which a checkpoint must match.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
         let parts = self.tables.iter().flat_map(|(path, text)| [path, text]);
         for part in std::iter::once(&self.text).chain(parts) {
-            // With its length, so that no two lists of texts run together to the same bytes.
+            // The lengths make the bytes of different lists of texts different.
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part.as_bytes());
         }
         hexadecimal(&hash.finalize())
     }
 
-    /// Whether `scene.ron` is as it was when the run began.
+    /// Returns true if `scene.ron` is unchanged since the start of the run.
     pub fn is_scene_unchanged(&self) -> bool {
         hexadecimal(&Sha256::digest(self.text.as_bytes())) == self.sha256
     }
 
-    /// Takes over what a resumed run may change.
+    /// Applies the changes of a resumed run.
     pub fn change(&mut self, scene: &Scene, changes: Vec<(String, String)>) {
         self.end = finite(scene.time.end);
         self.every = finite(scene.output.every);
-        // The interval of a mean may follow from the end.
+        // The interval of a mean may depend on the end.
         self.bodies = scene.bodies.iter().map(BodyHeader::of).collect();
         self.changes = changes;
     }
 
-    /// Names of the present axes.
+    /// Returns the names of the axes.
     pub fn axes(&self) -> &'static [&'static str] {
         if self.dimensions == 2 { &["x", "y"] } else { &["x", "y", "z"] }
     }
@@ -218,7 +218,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// JSON has no infinity: "for ever" is the largest number.
+/// Returns the value with infinities replaced by the largest numbers, as JSON has no infinity.
 fn finite(value: f64) -> f64 {
     value.clamp(-f64::MAX, f64::MAX)
 }

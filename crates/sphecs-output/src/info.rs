@@ -1,4 +1,4 @@
-//! `sphecs info`: a run in one screen of text.
+//! Description of a run in one screen of text, for `sphecs info`.
 
 use std::fmt::Write;
 
@@ -8,10 +8,11 @@ use super::results::Results;
 use super::summary::Status;
 use sphecs_core::particles::zone::Zone;
 
-/// Describes a run: scene, status, frames, counts, ledger, ranges of the last frame's fields.
+/// Returns scene, status, frames, particle counts, ledger and the ranges of the fields in the last
+/// frame.
 ///
 /// # Errors
-/// [`OutputError`] when the last frame does not read.
+/// [`OutputError`] when the last frame cannot be read.
 pub fn describe(results: &Results) -> Result<String, OutputError> {
     let mut text = String::new();
     // Writing to a String cannot fail.
@@ -68,7 +69,7 @@ fn status(results: &Results) -> String {
     match (&summary.message, summary.status) {
         (Some(message), status) => format!("{}: {message}", status.word()),
         (None, Status::Running) => {
-            "running, or killed: `sphecs resume` goes on with a run that was killed, `sphecs pack` gathers its frames"
+            "running, or killed: `sphecs resume` continues a killed run, `sphecs pack` packs its frames"
                 .to_owned()
         }
         (None, status) => status.word().to_owned(),

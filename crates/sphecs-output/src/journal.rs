@@ -1,8 +1,8 @@
-//! The journal of a run: one whole NetCDF file per frame, written by a thread of its own.
+//! Journal of a run: one complete NetCDF file per frame, written by a thread of its own.
 //!
-//! A NetCDF-4 file that grows is not crash-safe: a kill between two frames can cost all of them, and on a
-//! full disk the loss shows at the close only. A file per frame that gets its name when it is complete and
-//! durable cannot be lost by what comes after (test `tests/killed_run.rs`).
+//! A growing NetCDF-4 file is not crash-safe: a kill between two frames can lose all of them, and a
+//! full disk is noticed at the close only. A file per frame that gets its name when it is complete
+//! and durable cannot be lost by later writes (test `tests/killed_run.rs`).
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -17,47 +17,27 @@ use super::error::OutputError;
 use super::frame::Frame;
 use super::header::Header;
 use super::netcdf::particles;
+use super::paths;
 
-/// Name of the journal's folder in the run folder.
-pub const FOLDER: &str = "journal";
-
-/// Frames that wait at most: one is written while the next is ready. More would only hide a slow disk.
+/// Largest number of waiting frames: one is written while the next is ready. More would only hide a
+/// slow disk.
 const QUEUE: usize = 1;
 
-/// Path of the walls in a journal.
-pub fn walls_path(journal: &Path) -> PathBuf {
-    journal.join("walls.nc")
-}
-
-/// Path of a frame in a journal.
-fn frame_path(journal: &Path, index: u64) -> PathBuf {
-    journal.join(format!("frame-{index:08}.nc"))
-}
-
-/// The whole frames of a journal in their order.
+/// Returns the complete frames of a journal in order of time.
 ///
 /// # Errors
-/// [`OutputError::Io`] when the folder does not read.
+/// [`OutputError::Io`] when the folder cannot be read.
 pub fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
-    let mut paths = Vec::new();
+    let mut found = Vec::new();
     for entry in fs::read_dir(journal).map_err(OutputError::io(journal, "read"))? {
         let path = entry.map_err(OutputError::io(journal, "read"))?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with("frame-") && name.ends_with(".nc") {
-            paths.push(path);
-        }
+        found.extend(paths::frame_index(&path).is_some().then_some(path));
     }
-    paths.sort();
-    Ok(paths)
+    found.sort();
+    Ok(found)
 }
 
-/// Index of a frame by the name of its file.
-pub fn frame_index(path: &Path) -> Option<u64> {
-    let name = path.file_name()?.to_str()?;
-    name.strip_prefix("frame-")?.strip_suffix(".nc")?.parse().ok()
-}
-
-/// Writes the walls and the frames of a run into the folder `journal`, from the first on.
+/// Writes the walls and the first `count` frames of a run into the folder `journal`.
 ///
 /// # Errors
 /// [`OutputError`] of a frame, or with path and cause.
@@ -70,27 +50,27 @@ pub fn write_all(
     (0..count).try_for_each(|index| write_frame(journal, header, index as u64, &frame(index)?))
 }
 
-/// Something to be written.
-enum Work {
+/// Item for the writer thread.
+enum Item {
     Frame(Box<Frame>),
-    /// A checkpoint, and the tables that must be durable before it.
+    /// A checkpoint and the tables that must be durable before it.
     Checkpoint(Box<Checkpoint>, Vec<File>),
 }
 
-/// No checkpoint yet.
-const NONE: u64 = u64::MAX;
+/// Step that stands for no checkpoint.
+const NO_STEP: u64 = u64::MAX;
 
-/// Hands frames and checkpoints to the thread that writes them, so that the flow goes on meanwhile.
+/// Submits frames and checkpoints to the writer thread, so that the flow advances meanwhile.
 #[derive(Debug)]
 pub struct FrameWriter {
-    sender: Option<SyncSender<Work>>,
+    sender: Option<SyncSender<Item>>,
     thread: Option<JoinHandle<Result<(), OutputError>>>,
     written: Arc<AtomicU64>,
     checkpoint: Arc<AtomicU64>,
 }
 
-/// What the thread writes into.
-struct Desk {
+/// State of the writer thread.
+struct WriterThread {
     journal: PathBuf,
     header: Header,
     store: Store,
@@ -99,14 +79,15 @@ struct Desk {
 }
 
 impl FrameWriter {
-    /// Starts the thread that writes into the folder `journal`, which has so many frames, and the checkpoints beside it.
+    /// Starts the writer thread for the folder `journal`, which already has `frames` frames, and
+    /// for the checkpoints.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when no thread can be started.
+    /// [`OutputError::Io`] when the thread cannot be started.
     pub fn start(journal: &Path, header: &Header, frames: u64, store: Store) -> Result<Self, OutputError> {
-        let (sender, work) = sync_channel(QUEUE);
-        let (written, checkpoint) = (Arc::new(AtomicU64::new(frames)), Arc::new(AtomicU64::new(NONE)));
-        let desk = Desk {
+        let (sender, items) = sync_channel(QUEUE);
+        let (written, checkpoint) = (Arc::new(AtomicU64::new(frames)), Arc::new(AtomicU64::new(NO_STEP)));
+        let writer = WriterThread {
             journal: journal.to_path_buf(),
             header: header.clone(),
             store,
@@ -115,46 +96,46 @@ impl FrameWriter {
         };
         let thread = std::thread::Builder::new()
             .name("frames".to_owned())
-            .spawn(move || desk.write(&work))
-            .map_err(OutputError::io(journal, "start a thread to write"))?;
+            .spawn(move || writer.write(&items))
+            .map_err(OutputError::io(journal, "start the writer thread"))?;
         Ok(Self { sender: Some(sender), thread: Some(thread), written, checkpoint })
     }
 
-    /// Hands over a frame; waits only while an earlier one still queues.
+    /// Submits a frame; waits only while an earlier one is queued.
     ///
     /// # Errors
-    /// The error that stopped the writing of an earlier frame.
+    /// The error of an earlier frame that stopped the writer thread.
     pub fn submit(&mut self, frame: Frame) -> Result<(), OutputError> {
-        self.send(Work::Frame(Box::new(frame)))
+        self.send(Item::Frame(Box::new(frame)))
     }
 
-    /// Hands over a checkpoint and the tables that must be durable before it.
+    /// Submits a checkpoint and the tables that must be durable before it.
     ///
     /// # Errors
     /// As [`Self::submit`].
     pub fn checkpoint(&mut self, checkpoint: Checkpoint, tables: Vec<File>) -> Result<(), OutputError> {
-        self.send(Work::Checkpoint(Box::new(checkpoint), tables))
+        self.send(Item::Checkpoint(Box::new(checkpoint), tables))
     }
 
-    fn send(&mut self, work: Work) -> Result<(), OutputError> {
-        let accepted = self.sender.as_ref().is_some_and(|sender| sender.send(work).is_ok());
+    fn send(&mut self, item: Item) -> Result<(), OutputError> {
+        let accepted = self.sender.as_ref().is_some_and(|sender| sender.send(item).is_ok());
         if accepted { Ok(()) } else { self.stop().and(Err(gone())) }
     }
 
-    /// Frames that are whole and durable: what may be reported as written.
+    /// Returns the number of frames that are complete and durable.
     pub fn written(&self) -> u64 {
         self.written.load(Ordering::Acquire)
     }
 
-    /// Step of the last checkpoint that is whole and durable.
+    /// Returns the step of the last checkpoint that is complete and durable.
     pub fn last_checkpoint(&self) -> Option<u64> {
-        Some(self.checkpoint.load(Ordering::Acquire)).filter(|&step| step != NONE)
+        Some(self.checkpoint.load(Ordering::Acquire)).filter(|&step| step != NO_STEP)
     }
 
-    /// Waits for the last frame; the number of frames written.
+    /// Waits for the last frame and returns the number of frames written.
     ///
     /// # Errors
-    /// The error that stopped the writing.
+    /// The error that stopped the writer thread.
     pub fn finish(mut self) -> Result<u64, OutputError> {
         self.stop()?;
         Ok(self.written())
@@ -172,29 +153,28 @@ impl FrameWriter {
 
 impl Drop for FrameWriter {
     fn drop(&mut self) {
-        // A frame handed over is written even when the run ends by an error elsewhere, which is the one to report.
+        // Submitted frames are written even when the run ends by another error, which is the one to
+        // report.
         let _ = self.stop();
     }
 }
 
 fn gone() -> OutputError {
-    OutputError::Request("frames are no longer written after an earlier error".to_owned())
+    OutputError::Request("no frames are written after an earlier error".to_owned())
 }
 
-impl Desk {
-    fn write(self, work: &Receiver<Work>) -> Result<(), OutputError> {
-        for work in work {
-            match work {
-                Work::Frame(frame) => {
+impl WriterThread {
+    fn write(self, items: &Receiver<Item>) -> Result<(), OutputError> {
+        for item in items {
+            match item {
+                Item::Frame(frame) => {
                     let index = self.written.load(Ordering::Relaxed);
                     write_frame(&self.journal, &self.header, index, &frame)?;
                     self.written.store(index + 1, Ordering::Release);
                 }
-                Work::Checkpoint(checkpoint, tables) => {
+                Item::Checkpoint(checkpoint, tables) => {
                     for table in tables {
-                        table
-                            .sync_all()
-                            .map_err(OutputError::io(&self.journal, "write the tables beside"))?;
+                        table.sync_all().map_err(OutputError::io(&self.journal, "write the tables"))?;
                     }
                     self.store.write(&checkpoint)?;
                     self.checkpoint.store(checkpoint.facts.step, Ordering::Release);
@@ -207,7 +187,7 @@ impl Desk {
 
 fn write_frame(journal: &Path, header: &Header, index: u64, frame: &Frame) -> Result<(), OutputError> {
     if index == 0 {
-        particles::write_walls(&walls_path(journal), header, frame)?;
+        particles::write_walls(&paths::walls(journal), header, frame)?;
     }
-    particles::write_frame(&frame_path(journal, index), header, frame)
+    particles::write_frame(&paths::frame(journal, index), header, frame)
 }

@@ -1,15 +1,19 @@
-//! Floor 6: reads the world, never writes it.
+//! Output layer: reads the simulation, never changes it.
 //!
-//! A run writes into a [`RunFolder`](folder::RunFolder): frames go to a journal of one whole file per instant,
-//! rows to CSV files that are flushed line by line, so that a kill at any moment loses nothing that was
-//! reported as written. [`pack`](pack::pack) turns both into `particles.nc`, `monitor.nc` and `probes.nc`.
-//! A [checkpoint] goes the same way behind the frames, and holds all that the run needs to go on.
-//! Of a flow that [blew up](blow_up) it keeps what stood around the particle that showed it.
-//! [`Results`](results::Results) reads packed and unfinished runs alike, for pictures, export and people.
+//! A run writes into a [`RunFolder`](folder::RunFolder). Frames go to a journal with one complete
+//! file per frame, rows to CSV files that are flushed line by line. A kill at any moment loses
+//! nothing that was reported as written. [`pack`](pack::pack) turns both into `particles.nc`,
+//! `monitor.nc` and `probes.nc`.
+//!
+//! A [checkpoint] is written after the frames that it counts and holds everything that the run
+//! needs to resume. A flow that diverged leaves the particles around the first invalid one
+//! ([`divergence`]). [`Results`](results::Results) reads packed and unfinished runs for pictures,
+//! export and `sphecs info`.
 
-pub mod blow_up;
 pub mod checkpoint;
+pub mod cut_back;
 pub mod disk;
+pub mod divergence;
 pub mod error;
 pub mod folder;
 pub mod forces;
@@ -21,6 +25,7 @@ pub mod lock;
 pub mod monitor;
 mod netcdf;
 pub mod pack;
+pub mod paths;
 pub mod picture;
 pub mod probes;
 pub mod results;

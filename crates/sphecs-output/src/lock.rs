@@ -1,28 +1,32 @@
-//! The lock of a run folder: one process at a time, and nothing in the folder that leads out of it.
+//! Lock of a run folder: one process writes at a time, and no symbolic link leads out of the
+//! folder.
 
 use std::fs::{self, File, TryLockError};
 use std::path::Path;
 
-use super::checkpoint::store;
+use super::disk;
 use super::error::OutputError;
-use super::pack::PACKED_JOURNAL;
-use super::{disk, journal};
+use super::paths::{CHECKPOINTS, JOURNAL, LOCK, PACKED_JOURNAL};
 
-/// Says to other processes that a run is being written; freed by the system whatever ends the process.
+/// Lock file held while a run is written; the system releases it when the process ends.
 #[derive(Debug)]
 pub struct Lock {
     _file: File,
 }
 
 impl Lock {
-    /// Takes the lock of a run folder.
+    /// Acquires the lock of a run folder.
     ///
     /// # Errors
-    /// [`OutputError::Busy`] when another process has it, [`OutputError::Request`] when it is a link: what that leads to would be emptied.
-    pub fn take(folder: &Path) -> Result<Self, OutputError> {
-        let path = folder.join(".lock");
+    /// [`OutputError::Busy`] when another process holds it; [`OutputError::Request`] when the lock
+    /// file is a link, whose target would be emptied.
+    pub fn acquire(folder: &Path) -> Result<Self, OutputError> {
+        let path = folder.join(LOCK);
         if disk::is_link(&path) {
-            return Err(OutputError::Request(format!("`{}`: is a link: remove it", path.display())));
+            return Err(OutputError::Request(format!(
+                "`{}`: is a link, must be a file of the run folder: remove it",
+                path.display()
+            )));
         }
         let file = File::create(&path).map_err(OutputError::io(&path, "write"))?;
         match file.try_lock() {
@@ -33,21 +37,21 @@ impl Lock {
         }
     }
 
-    /// Takes the lock of a run that is gone on with or packed where it stands.
+    /// Acquires the lock of a run that is resumed or packed in place.
     ///
     /// # Errors
-    /// As [`Lock::take`]; [`OutputError::Request`] with a link in it, as what is cut back, removed and written there would be elsewhere;
-    /// [`OutputError::Io`] when a folder does not read.
-    pub fn take_plain(run: &Path) -> Result<Self, OutputError> {
-        let lock = Self::take(run)?;
-        let folders =
-            [run.to_path_buf(), run.join(journal::FOLDER), run.join(PACKED_JOURNAL), run.join(store::FOLDER)];
+    /// As [`Lock::acquire`]. [`OutputError::Request`] when the folder has a link, since files would
+    /// be cut back, removed and written outside it; [`OutputError::Io`] when a folder cannot be
+    /// read.
+    pub fn acquire_without_links(run: &Path) -> Result<Self, OutputError> {
+        let lock = Self::acquire(run)?;
+        let folders = [run.to_path_buf(), run.join(JOURNAL), run.join(PACKED_JOURNAL), run.join(CHECKPOINTS)];
         for folder in folders.iter().filter(|folder| folder.exists()) {
             for entry in fs::read_dir(folder).map_err(OutputError::io(folder, "read"))? {
                 let path = entry.map_err(OutputError::io(folder, "read"))?.path();
                 if disk::is_link(&path) {
                     return Err(OutputError::Request(format!(
-                        "`{}`: is a link, and a run is not gone on with in another place: put the file itself there, or remove the link",
+                        "`{}`: is a link, must be a file of the run folder: put the file itself there, or remove the link",
                         path.display()
                     )));
                 }

@@ -1,21 +1,18 @@
-//! `monitor.csv` and `monitor.nc`: integral figures of the flow over time.
+//! Integral quantities of the flow over time: `monitor.csv` and `monitor.nc`.
 //!
-//! The CSV file is written row by row while the run goes on, its columns are named `name [unit]`; the NetCDF file
-//! is made from it when the run is packed and has the same columns as variables over `time`.
+//! The CSV file is written row by row during the run, its columns are named `name [unit]`. The
+//! NetCDF file is made from it when the run is packed and has the same columns as variables over
+//! `time`.
 
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
 use super::header::Header;
 use super::netcdf::dataset::Dataset;
+use super::paths::{MONITOR_CSV, MONITOR_NETCDF};
 use super::table::{Column, Table, TableWriter, number, safe_names};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::systems::monitor::MonitorRow;
-
-/// Name of the CSV file in the run folder.
-pub const CSV: &str = "monitor.csv";
-/// Name of the NetCDF file in the run folder.
-pub const NETCDF: &str = "monitor.nc";
 
 /// Appends rows to `monitor.csv`.
 #[derive(Debug)]
@@ -24,9 +21,9 @@ pub struct MonitorWriter {
     dimensions: usize,
 }
 
-/// Column name, unit and long name of everything that a row has.
+/// Returns column and long name of each quantity of a row.
 fn columns(header: &Header) -> Vec<(Column, String)> {
-    // In 2D all extensive figures are per metre of depth.
+    // In 2D all extensive quantities are per metre of depth.
     let planar = header.dimensions == 2;
     let [mass, mass_flow, energy, momentum] =
         if planar { ["kg m-1", "kg m-1 s-1", "J m-1", "kg s-1"] } else { ["kg", "kg s-1", "J", "kg m s-1"] };
@@ -73,35 +70,41 @@ fn columns(header: &Header) -> Vec<(Column, String)> {
 }
 
 impl MonitorWriter {
-    /// Starts `monitor.csv` in a run folder.
+    /// Creates `monitor.csv` in a run folder.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn create(folder: &Path, header: &Header) -> Result<Self, OutputError> {
         let columns: Vec<Column> = columns(header).into_iter().map(|(column, _)| column).collect();
-        Ok(Self { table: TableWriter::create(&folder.join(CSV), &columns)?, dimensions: header.dimensions })
+        Ok(Self {
+            table: TableWriter::create(&folder.join(MONITOR_CSV), &columns)?,
+            dimensions: header.dimensions,
+        })
     }
 
-    /// Goes on behind the first `length` bytes of `monitor.csv`, or starts it where there are none.
+    /// Continues `monitor.csv` after its first `length` bytes, or creates it if `length` is 0.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
-    pub fn go_on(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
+    /// [`OutputError::Io`] when the write fails.
+    pub fn resume(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
         if length == 0 {
             return Self::create(folder, header);
         }
-        Ok(Self { table: TableWriter::go_on(&folder.join(CSV), length)?, dimensions: header.dimensions })
+        Ok(Self {
+            table: TableWriter::resume(&folder.join(MONITOR_CSV), length)?,
+            dimensions: header.dimensions,
+        })
     }
 
-    /// The table, for its length.
+    /// Returns the table of the file.
     pub(crate) fn table(&self) -> &TableWriter {
         &self.table
     }
 
-    /// Appends a row, which is in the file when this returns.
+    /// Appends a row, which is written to the file when this returns.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn append(&mut self, row: &MonitorRow) -> Result<(), OutputError> {
         let mut cells = vec![number(row.time), row.step.to_string(), number(row.time_step)];
         cells.extend(row.count.iter().map(u64::to_string));
@@ -118,12 +121,12 @@ impl MonitorWriter {
     }
 }
 
-/// The columns of `monitor.csv`, by name without the unit.
+/// Returns the columns of `monitor.csv` with their names, without units.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
 pub fn read_history(folder: &Path) -> Result<Vec<(String, Vec<f64>)>, OutputError> {
-    let table = Table::read(&folder.join(CSV))?;
+    let table = Table::read(&folder.join(MONITOR_CSV))?;
     let numbers = |index: usize| table.numbers(index);
     Ok(table
         .columns
@@ -133,12 +136,12 @@ pub fn read_history(folder: &Path) -> Result<Vec<(String, Vec<f64>)>, OutputErro
         .collect())
 }
 
-/// Makes `monitor.nc` from `monitor.csv`; its path, or None when there is no CSV file.
+/// Writes `monitor.nc` from `monitor.csv` and returns its path; None without a CSV file.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
 pub fn pack(folder: &Path, header: &Header) -> Result<Option<PathBuf>, OutputError> {
-    let source = folder.join(CSV);
+    let source = folder.join(MONITOR_CSV);
     if !source.exists() {
         return Ok(None);
     }
@@ -147,7 +150,7 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Option<PathBuf>, OutputErr
     for variable in dataset.variables.iter_mut().filter(|variable| variable.name.contains("mass_flow")) {
         variable.attributes.push(("cell_methods", "time: mean".to_owned()));
     }
-    let target = folder.join(NETCDF);
+    let target = folder.join(MONITOR_NETCDF);
     dataset.write(&target, header)?;
     Ok(Some(target))
 }
@@ -158,7 +161,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn row_lands_under_its_names() {
+    fn values_are_written_under_their_names() {
         let folder = tempfile::tempdir().expect("a folder");
         let header = Header {
             dimensions: 2,
@@ -179,7 +182,7 @@ mod tests {
         };
         let mut writer = MonitorWriter::create(folder.path(), &header).expect("created");
         writer.append(&row).expect("written");
-        let table = Table::read(&folder.path().join(CSV)).expect("read");
+        let table = Table::read(&folder.path().join(MONITOR_CSV)).expect("read");
         let value = |name: &str| {
             let column = table.columns.iter().position(|column| column.name == name);
             table.numbers(column.expect(name))[0]

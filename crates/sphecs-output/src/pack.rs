@@ -1,31 +1,29 @@
-//! `sphecs pack`: the journal and the CSV files become `particles.nc`, `monitor.nc`, `probes.nc` and `forces.nc`.
+//! Packing of the journal and the CSV files into `particles.nc`, `monitor.nc`, `probes.nc` and
+//! `forces.nc`.
 //!
-//! Nothing is removed before what replaces it is whole and durable, so that a kill during the packing costs
-//! nothing either: packing again starts from the journal.
+//! A file is removed only after its replacement is complete and durable. A kill during packing
+//! loses nothing: packing again starts from the journal.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::disk;
+use super::disk::{self, remove_folder};
 use super::error::OutputError;
 use super::frame::Frame;
 use super::header::Header;
-use super::journal;
+use super::journal::frame_paths;
 use super::lock::Lock;
-use super::netcdf::particles::{self, ParticleFile, Slots};
+use super::netcdf::particles::{self, ParticleFile};
+use super::netcdf::slots::Slots;
+use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 use super::results::read_header;
 use super::{forces, monitor, probes};
 
-/// Name of the file of all frames in the run folder.
-pub const PARTICLES: &str = "particles.nc";
-
-/// The journal's name between the moment that `particles.nc` stands and its removal.
-pub const PACKED_JOURNAL: &str = "journal.packed";
-
-/// What packing made.
+/// Files and frames that packing produced.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Packed {
-    /// Frames that went from the journal into `particles.nc`; 0 when the run was packed already.
+    /// Number of frames moved from the journal into `particles.nc`; 0 when the run was packed
+    /// already.
     pub frames: usize,
     /// Files written.
     pub files: Vec<PathBuf>,
@@ -34,17 +32,21 @@ pub struct Packed {
 /// Packs the run in a folder.
 ///
 /// # Errors
-/// [`OutputError::Busy`] while another process writes the run, or [`OutputError`] with path and cause; the journal stays.
+/// [`OutputError::Busy`] while another process writes the run, or [`OutputError`] with path and
+/// cause; the journal stays.
 pub fn pack(folder: &Path) -> Result<Packed, OutputError> {
     let header = read_header(folder)?;
-    let _lock = Lock::take_plain(folder)?;
+    let _lock = Lock::acquire_without_links(folder)?;
     pack_locked(folder, &header)
 }
 
 /// Packs a run whose lock is held.
+///
+/// # Errors
+/// [`OutputError`] with path and cause; the journal stays.
 pub fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError> {
     let mut packed = Packed::default();
-    let journal = folder.join(journal::FOLDER);
+    let journal = folder.join(JOURNAL);
     if journal.exists() {
         packed.frames = pack_frames(folder, &journal, header)?;
         if packed.frames > 0 {
@@ -59,11 +61,11 @@ pub fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError
 }
 
 fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, OutputError> {
-    let paths = journal::frame_paths(journal)?;
+    let paths = frame_paths(journal)?;
     let target = folder.join(PARTICLES);
     if !paths.is_empty() {
-        ensure_room(&target, &paths)?;
-        let walls: Frame = ParticleFile::open(&journal::walls_path(journal))?.walls()?;
+        check_free_space(&target, &paths)?;
+        let walls: Frame = ParticleFile::open(&paths::walls(journal))?.walls()?;
         let mut slots = Slots { particles: Vec::new(), walls: Slots::of(&walls).walls };
         for path in &paths {
             let file = ParticleFile::open(path)?;
@@ -75,40 +77,27 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
             ParticleFile::open(&paths[index])?.frame(0, &walls)
         })?;
     }
-    let retired = folder.join(PACKED_JOURNAL);
-    // Left over when an earlier removal was cut short.
-    remove_folder(&retired)?;
-    fs::rename(journal, &retired).map_err(OutputError::io(journal, "rename"))?;
+    let packed_journal = folder.join(PACKED_JOURNAL);
+    // Left by an earlier removal that was interrupted.
+    remove_folder(&packed_journal)?;
+    fs::rename(journal, &packed_journal).map_err(OutputError::io(journal, "rename"))?;
     disk::sync_folder(folder)?;
     Ok(paths.len())
 }
 
-/// Whether there is room for all frames in one file, as large as they are one by one: asked before it is begun, since a journal is larger
-/// than the file only by the heads of its files.
-fn ensure_room(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
+/// Checks that the disk has space for `particles.nc`, which is about as large as the files of the
+/// journal together.
+fn check_free_space(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
     let size = |path: &PathBuf| fs::metadata(path).map_or(0, |data| data.len());
     let needed: u64 = frames.iter().map(size).sum();
     match disk::free_space(target.parent().unwrap_or(Path::new("."))) {
-        Some(free) if free < needed => Err(OutputError::NoRoom {
+        Some(free) if free < needed => Err(OutputError::DiskFull {
             path: target.to_path_buf(),
             what: format!("packing {} frames", frames.len()),
             needed,
             free,
-            cure: "all frames are safe in the journal: make room, then `sphecs pack` or `sphecs resume` this run".to_owned(),
+            cure: "the frames stay in the journal; free disk space, then `sphecs pack` or `sphecs resume` this run".to_owned(),
         }),
-        _ => Ok(()),
-    }
-}
-
-/// Removes a folder, if it is there.
-///
-/// # Errors
-/// [`OutputError::Io`] when the system refuses.
-pub fn remove_folder(path: &Path) -> Result<(), OutputError> {
-    match fs::remove_dir_all(path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(OutputError::io(path, "remove")(error))
-        }
         _ => Ok(()),
     }
 }

@@ -1,20 +1,19 @@
-//! Reading a run, packed or not: what pictures, export and `sphecs info` start from.
+//! Results of a run, packed or not, read for pictures, export and `sphecs info`.
 
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
-use super::folder::{SCENE, TABLES};
 use super::frame::Frame;
 use super::header::Header;
-use super::journal;
+use super::journal::frame_paths;
 use super::netcdf::particles::ParticleFile;
-use super::pack::{PACKED_JOURNAL, PARTICLES};
+use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES, SCENE, SUMMARY, TABLES};
 use super::summary::Summary;
 
-/// The facts of a run, with the scene's text.
+/// Returns the header of a run with the text of its scene and tables.
 ///
 /// # Errors
-/// [`OutputError::NotARun`] when the folder is none, or [`OutputError`] with path and cause.
+/// [`OutputError::NotARun`] when the folder has no run, or [`OutputError`] with path and cause.
 pub fn read_header(folder: &Path) -> Result<Header, OutputError> {
     let path = folder.join(SCENE);
     let mut header = Summary::read(folder)?.run;
@@ -28,14 +27,14 @@ pub fn read_header(folder: &Path) -> Result<Header, OutputError> {
     Ok(header)
 }
 
-/// A run opened for reading.
+/// Run opened for reading.
 #[derive(Debug)]
 pub struct Results {
     /// Run folder.
     pub folder: PathBuf,
-    /// How it stands or ended.
+    /// State of the run or how it ended.
     pub summary: Summary,
-    /// Facts of the run.
+    /// Header of the run.
     pub header: Header,
     walls: Frame,
     frames: Vec<(Source, f64)>,
@@ -52,7 +51,7 @@ impl Results {
     /// Opens the run in a folder.
     ///
     /// # Errors
-    /// [`OutputError::NotARun`] when the folder is none, or [`OutputError`] with path and cause.
+    /// [`OutputError::NotARun`] when the folder has no run, or [`OutputError`] with path and cause.
     pub fn open(folder: &Path) -> Result<Self, OutputError> {
         let mut results = Self {
             folder: folder.to_path_buf(),
@@ -62,14 +61,14 @@ impl Results {
             frames: Vec::new(),
             packed: None,
         };
-        // While a journal stands it has everything: `particles.nc` beside it is a copy that a kill left half way.
-        let journal = folder.join(journal::FOLDER);
+        // A journal has all frames: `particles.nc` beside it is an incomplete copy after a kill.
+        let journal = folder.join(JOURNAL);
         if journal.exists() {
-            let walls = journal::walls_path(&journal);
+            let walls = paths::walls(&journal);
             if walls.exists() {
                 results.walls = ParticleFile::open(&walls)?.walls()?;
             }
-            for path in journal::frame_paths(&journal)? {
+            for path in frame_paths(&journal)? {
                 let file = ParticleFile::open(&path)?;
                 let time = file.times.first().copied().unwrap_or(f64::NAN);
                 results.frames.push((Source::Journal(path), time));
@@ -87,27 +86,27 @@ impl Results {
         Ok(results)
     }
 
-    /// Number of frames.
+    /// Returns the number of frames.
     pub fn len(&self) -> usize {
         self.frames.len()
     }
 
-    /// Whether no frame was written.
+    /// Returns true without frames.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Times of the frames, s.
+    /// Returns the times of the frames, s.
     pub fn times(&self) -> Vec<f64> {
         self.frames.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Whether the frames are in `particles.nc`.
+    /// Returns true if the frames are in `particles.nc`.
     pub fn is_packed(&self) -> bool {
         self.packed.is_some()
     }
 
-    /// The frame nearest to a time, s.
+    /// Returns the index of the frame nearest to a time, s.
     ///
     /// # Errors
     /// [`OutputError::Request`] when there is no frame.
@@ -116,12 +115,12 @@ impl Results {
         (0..self.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).ok_or_else(|| self.no_frames())
     }
 
-    /// The error of a run without frames.
+    /// Returns the error of a run without frames.
     pub fn no_frames(&self) -> OutputError {
         OutputError::Request(format!("`{}`: has no frames yet", self.folder.display()))
     }
 
-    /// A frame, walls included: of a wall only position and part are known.
+    /// Returns a frame, walls included; of a wall particle only position and part are known.
     ///
     /// # Errors
     /// [`OutputError`] with path and cause.
@@ -136,7 +135,7 @@ impl Results {
         match (source, &self.packed) {
             (Source::Packed(index), Some(file)) => file.frame(*index, &self.walls),
             (Source::Journal(path), _) => match ParticleFile::open(path) {
-                // The run was packed meanwhile.
+                // The run was packed in the meantime.
                 Err(_) if !path.exists() => Results::open(&self.folder)?.frame(index),
                 file => file?.frame(0, &self.walls),
             },
@@ -144,7 +143,7 @@ impl Results {
         }
     }
 
-    /// Bytes on the disk of all frames.
+    /// Returns the size of all frames on the disk, bytes.
     pub fn bytes(&self) -> u64 {
         let size = |path: &Path| std::fs::metadata(path).map_or(0, |data| data.len());
         let packed = self.folder.join(PARTICLES);
@@ -161,8 +160,8 @@ impl Results {
     }
 }
 
-/// Whether a folder looks like a run of sphecs: only such folders are replaced.
+/// Returns true if a folder holds a run of sphecs; only such folders are replaced.
 pub fn is_run(folder: &Path) -> bool {
     let has = |name: &str| folder.join(name).exists();
-    has(SCENE) && (has(super::summary::FILE) || has(PARTICLES) || has(journal::FOLDER) || has(PACKED_JOURNAL))
+    has(SCENE) && (has(SUMMARY) || has(PARTICLES) || has(JOURNAL) || has(PACKED_JOURNAL))
 }

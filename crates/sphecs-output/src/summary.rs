@@ -1,4 +1,4 @@
-//! `summary.json`: how a run stands or how it ended.
+//! Contents of `summary.json`: state of a run or how it ended.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -8,17 +8,15 @@ use serde::{Deserialize, Serialize};
 use super::disk;
 use super::error::OutputError;
 use super::header::Header;
+use super::paths::SUMMARY;
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::resources::ledger::Ledger;
 
-/// Name of the file in the run folder.
-pub const FILE: &str = "summary.json";
-
-/// How a run stands or ended.
+/// State of a run or reason of its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
-    /// Not ended, or killed without a chance to say so.
+    /// Not ended, or killed before it could write its end.
     #[default]
     Running,
     /// Reached its end.
@@ -27,18 +25,18 @@ pub enum Status {
     Interrupted,
     /// Stopped by SIGTERM.
     Terminated,
-    /// Stopped at the wall time that the user gave.
+    /// Stopped at the wall-time limit.
     #[serde(rename = "out of time")]
     OutOfTime,
     /// A value left its bounds.
-    #[serde(rename = "blown up")]
-    BlownUp,
-    /// Stopped by another fault, such as a full disk or an empty reservoir.
+    #[serde(alias = "blown up")]
+    Diverged,
+    /// Stopped by another error, such as a full disk or an empty reservoir.
     Failed,
 }
 
 impl Status {
-    /// The word that `summary.json` has.
+    /// Returns the word in `summary.json`.
     pub fn word(self) -> &'static str {
         match self {
             Status::Running => "running",
@@ -46,18 +44,18 @@ impl Status {
             Status::Interrupted => "interrupted",
             Status::Terminated => "terminated",
             Status::OutOfTime => "out of time",
-            Status::BlownUp => "blown up",
+            Status::Diverged => "diverged",
             Status::Failed => "failed",
         }
     }
 }
 
-/// The ledger's counts as stored.
+/// Counts of the ledger as stored.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LedgerCounts {
     /// Particles at the start, reservoir included.
     pub initial: u64,
-    /// Particles that an empty reservoir grew.
+    /// Particles by which an empty reservoir grew.
     pub grown: u64,
     /// Particles created other than from the reservoir.
     pub created: u64,
@@ -81,7 +79,7 @@ pub struct LedgerCounts {
     pub left: Vec<u64>,
     /// Outflow → fluid crossings of each outlet.
     pub left_back: Vec<u64>,
-    /// Whether total = initial + grown + created − deleted.
+    /// True if total = initial + grown + created − deleted.
     pub balances: bool,
 }
 
@@ -111,11 +109,12 @@ impl From<&Ledger> for LedgerCounts {
 pub struct StageTime {
     /// Stage.
     pub stage: String,
-    /// Seconds of wall time.
+    /// Wall time, s.
     pub seconds: f64,
 }
 
-/// What tells one build of the program from another of the same version: the checksum of the running file, empty where it cannot be read.
+/// Returns the checksum of the running executable, which differs between builds of one version;
+/// empty if unreadable.
 pub fn this_build() -> &'static str {
     static BUILD: OnceLock<String> = OnceLock::new();
     BUILD.get_or_init(|| {
@@ -124,21 +123,21 @@ pub fn this_build() -> &'static str {
     })
 }
 
-/// The contents of `summary.json`.
+/// Contents of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// How it stands or ended.
+    /// State or reason of the end.
     pub status: Status,
-    /// Why it ended before its end.
+    /// Reason of an early end.
     #[serde(default)]
     pub message: Option<String>,
-    /// What outlets were seen to do that they should not.
+    /// Notes on outlets that did not act as intended.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// The build of the program that ended it ([`this_build`]).
+    /// Build of the program that ended the run ([`this_build`]).
     #[serde(default)]
     pub build: String,
-    /// Seconds of wall time.
+    /// Wall time, s.
     pub wall_time: f64,
     /// Steps done.
     pub steps: u64,
@@ -146,7 +145,7 @@ pub struct Summary {
     pub time: f64,
     /// Frames written.
     pub frames: u64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
     /// Name of the lanes (instruction set) that the pair sums ran on.
     pub lanes: String,
@@ -154,17 +153,17 @@ pub struct Summary {
     pub ledger: LedgerCounts,
     /// Wall time by stage, in the order of the step.
     pub stages: Vec<StageTime>,
-    /// Facts of the run.
+    /// Header of the run.
     pub run: Header,
 }
 
 impl Summary {
-    /// Writes the file whole or not at all.
+    /// Writes the file completely or not at all.
     ///
     /// # Errors
-    /// [`OutputError`] when the system refuses.
+    /// [`OutputError`] when the write fails.
     pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
-        let path = folder.join(FILE);
+        let path = folder.join(SUMMARY);
         let mut text = serde_json::to_string_pretty(self)
             .map_err(|error| OutputError::Damaged { path: path.clone(), what: error.to_string() })?;
         text.push('\n');
@@ -174,13 +173,14 @@ impl Summary {
     /// Reads the file of a run folder.
     ///
     /// # Errors
-    /// [`OutputError::NotARun`] without such a file, [`OutputError::Damaged`] when it does not read.
+    /// [`OutputError::NotARun`] without such a file, [`OutputError::Damaged`] when it cannot be
+    /// parsed.
     pub fn read(folder: &Path) -> Result<Self, OutputError> {
-        let path = folder.join(FILE);
+        let path = folder.join(SUMMARY);
         let text = match std::fs::read_to_string(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Err(OutputError::NotARun { path: folder.to_path_buf(), missing: FILE });
+                return Err(OutputError::NotARun { path: folder.to_path_buf(), missing: SUMMARY });
             }
             Err(error) => return Err(OutputError::io(&path, "read")(error)),
         };
@@ -197,7 +197,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let ledger = Ledger { initial: 10, grown: 2, by_zone: [5, 3, 2, 1, 1], ..Ledger::default() };
         let summary = Summary {
-            status: Status::BlownUp,
+            status: Status::Diverged,
             message: Some("density of particle 7 is NaN".to_owned()),
             ledger: LedgerCounts::from(&ledger),
             stages: vec![StageTime { stage: "rates".to_owned(), seconds: 1.5 }],

@@ -1,4 +1,4 @@
-//! Tables as CSV: a plain header of `name [unit]` that pandas reads, one flushed line per row.
+//! Tables as CSV: one header line of `name [unit]` that pandas reads, and one flushed line per row.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -8,7 +8,7 @@ use csv::StringRecord;
 
 use super::error::OutputError;
 
-/// A column: its name and its unit as UDUNITS writes it; text columns have none.
+/// Column with its name and its unit in UDUNITS notation; text columns have no unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
     pub name: String,
@@ -39,7 +39,8 @@ impl Column {
     }
 }
 
-/// A number as text: the shortest that reads back as the same double, without long rows of zeros.
+/// Returns the shortest text that reads back as the same double, with an exponent for very small
+/// and large numbers.
 pub fn number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-4..1e15).contains(&size) || !value.is_finite() {
@@ -58,7 +59,7 @@ pub struct TableWriter {
 }
 
 impl TableWriter {
-    /// Starts a file with its header.
+    /// Creates a file with its header.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, OutputError> {
         let file = File::create(path).map_err(OutputError::io(path, "write"))?;
         let mut writer = Self { path: path.to_path_buf(), file, length: 0 };
@@ -66,8 +67,8 @@ impl TableWriter {
         Ok(writer)
     }
 
-    /// Goes on behind the first `length` bytes of a file; what stands there beyond is cut off.
-    pub fn go_on(path: &Path, length: u64) -> Result<Self, OutputError> {
+    /// Opens a file and cuts it off after its first `length` bytes.
+    pub fn resume(path: &Path, length: u64) -> Result<Self, OutputError> {
         let refused = || OutputError::io(path, "cut back");
         let mut file = File::options().write(true).open(path).map_err(refused())?;
         file.set_len(length).map_err(refused())?;
@@ -75,23 +76,23 @@ impl TableWriter {
         Ok(Self { path: path.to_path_buf(), file, length })
     }
 
-    /// Bytes written so far.
+    /// Returns the number of bytes written.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// The file once more, for a thread that makes it durable.
+    /// Returns a second handle of the file, for the thread that makes it durable.
     pub fn handle(&self) -> Result<File, OutputError> {
         self.file.try_clone().map_err(OutputError::io(&self.path, "open"))
     }
 
-    /// Appends rows in one write, so that a kill leaves at most one unfinished line at the end.
+    /// Appends rows in one write, so that a kill leaves at most one incomplete line at the end.
     pub fn append(&mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
         let lines: String = rows.into_iter().map(|row| line(&row) + "\n").collect();
         self.append_lines(&lines)
     }
 
-    /// Appends whole lines in one write.
+    /// Appends complete lines in one write.
     pub fn append_lines(&mut self, lines: &str) -> Result<(), OutputError> {
         let written = self.file.write_all(lines.as_bytes());
         written.map_err(OutputError::io(&self.path, "write"))?;
@@ -100,7 +101,7 @@ impl TableWriter {
     }
 }
 
-/// The cells of a row as CSV, without an end of line.
+/// Returns the cells of a row as CSV, without an end of line.
 pub fn line(cells: &[String]) -> String {
     let quoted = cells.iter().map(|cell| {
         if cell.contains([',', '"', '\n', '\r']) {
@@ -120,22 +121,24 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file; a last line that was cut off by a kill is left out.
+    /// Reads a file; an incomplete last line, as after a kill, is omitted.
     pub fn read(path: &Path) -> Result<Self, OutputError> {
         let mut rows = Vec::new();
         let columns = for_each_row(path, |row| rows.push(row.iter().map(str::to_owned).collect()))?;
         Ok(Self { columns, rows })
     }
 
-    /// The numbers of a column; NaN where a cell is empty or text.
+    /// Returns the numbers of a column; NaN for empty cells and text.
     pub fn numbers(&self, column: usize) -> Vec<f64> {
         self.rows.iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
     }
 }
 
-/// Hands over the rows of a file one by one, which may be more than fit into memory; its columns. A last line that was
-/// cut off by a kill is left out.
-pub fn for_each_row(path: &Path, mut take: impl FnMut(&StringRecord)) -> Result<Vec<Column>, OutputError> {
+/// Calls `visit` for each row of a file, which may be larger than the memory, and returns the
+/// columns.
+///
+/// An incomplete last line, as after a kill, is omitted.
+pub fn for_each_row(path: &Path, mut visit: impl FnMut(&StringRecord)) -> Result<Vec<Column>, OutputError> {
     let open = || {
         let mut file = File::open(path)?;
         let length = whole_lines(&mut file)?;
@@ -148,12 +151,12 @@ pub fn for_each_row(path: &Path, mut take: impl FnMut(&StringRecord)) -> Result<
     let columns = reader.headers().map_err(damaged)?.iter().map(Column::from_title).collect();
     let mut row = StringRecord::new();
     while reader.read_record(&mut row).map_err(damaged)? {
-        take(&row);
+        visit(&row);
     }
     Ok(columns)
 }
 
-/// Bytes up to the end of the last whole line.
+/// Returns the number of bytes up to the end of the last complete line.
 fn whole_lines(file: &mut File) -> std::io::Result<u64> {
     const BLOCK: u64 = 4096;
     let mut end = file.seek(SeekFrom::End(0))?;
@@ -170,7 +173,8 @@ fn whole_lines(file: &mut File) -> std::io::Result<u64> {
     Ok(0)
 }
 
-/// Names of patches and probes as parts of variable names: letters, digits and `_`, no two alike.
+/// Returns distinct names of letters, digits and `_` for patches and probes, as parts of variable
+/// names.
 pub fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut safe: Vec<String> = Vec::new();
     for name in names {
@@ -202,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn cut_off_line_is_left_out() {
+    fn incomplete_last_line_is_omitted() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table.csv");
         let columns = vec![Column::new("time", "s"), Column::of_text("probe, or so")];
@@ -216,21 +220,21 @@ mod tests {
     }
 
     #[test]
-    fn rows_beyond_a_length_are_cut_off_and_new_ones_follow() {
+    fn rows_beyond_the_length_are_cut_off_and_new_ones_follow() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table.csv");
         let mut writer = TableWriter::create(&path, &[Column::new("time", "s")]).expect("created");
         writer.append([vec!["0.5".to_owned()]]).expect("written");
         let length = writer.length();
         writer.append([vec!["0.75".to_owned()], vec!["1".to_owned()]]).expect("written");
-        let mut writer = TableWriter::go_on(&path, length).expect("opened");
+        let mut writer = TableWriter::resume(&path, length).expect("opened");
         writer.append([vec!["0.625".to_owned()]]).expect("written");
         assert_eq!(Table::read(&path).expect("read").numbers(0), [0.5, 0.625]);
         assert_eq!(writer.length(), std::fs::metadata(&path).expect("its size").len());
     }
 
     #[test]
-    fn names_become_safe_and_differ() {
+    fn safe_names_are_distinct() {
         assert_eq!(
             safe_names(["inlet", "left side", "left-side", "2"]),
             ["inlet", "left_side", "left_side_2", "at_2"]

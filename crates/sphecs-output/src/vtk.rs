@@ -1,8 +1,8 @@
-//! `sphecs export --vtu`: particles as VTK unstructured grids with a `.pvd` series, for ParaView.
+//! Particles as VTK unstructured grids with a `.pvd` series for ParaView.
 //!
-//! Each frame becomes a file of points without those that are nowhere (reservoir, absent slots); the walls stand once in
-//! `walls.vtu`. Arrays are inline base64: larger by a third than appended raw bytes, but well-formed XML that every
-//! reader takes. The positions are f64, as in `particles.nc`.
+//! Each frame becomes a file of points without reservoir particles and absent slots; the walls are
+//! written once, to `walls.vtu`. Arrays are inline base64: a third larger than appended raw bytes,
+//! but well-formed XML that every reader accepts. The positions are f64, as in `particles.nc`.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -17,11 +17,11 @@ use super::frame::{ABSENT, Frame};
 use super::results::Results;
 use sphecs_core::particles::zone::Zone;
 
-/// Writes all frames into a folder; the path of the series, to be opened in ParaView. Calls `done` with the number of
-/// frames written and of all.
+/// Writes all frames into a folder; the path of the series, to be opened in ParaView. Calls `done`
+/// with the number of frames written and of all.
 ///
 /// # Errors
-/// [`OutputError`] when the run has no frames, or a file does not read or write.
+/// [`OutputError`] when the run has no frames, or a file cannot be read or written.
 pub fn export_vtu(
     results: &Results,
     folder: &Path,
@@ -117,7 +117,7 @@ fn pick<T: Copy>(column: &[T], slots: &[usize]) -> Vec<T> {
     slots.iter().map(|&slot| column[slot]).collect()
 }
 
-/// A number as VTK names and stores it.
+/// Number type of VTK.
 trait VtkNumber: Copy {
     const NAME: &'static str;
     fn put(self, out: &mut impl Write) -> std::io::Result<()>;
@@ -136,7 +136,7 @@ macro_rules! vtk_number {
 
 vtk_number!(u8 => "UInt8", u16 => "UInt16", u32 => "UInt32", i64 => "Int64", f32 => "Float32", f64 => "Float64");
 
-/// One array: its length in bytes as UInt64, then its bytes, as one base64 text.
+/// Writes an array: its length in bytes as UInt64 and its bytes, as one base64 text.
 fn array<T: VtkNumber>(
     out: &mut impl Write,
     name: &str,
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_has_only_the_particles_asked_for() {
+    fn grid_has_only_the_given_slots() {
         let mut frame = Frame::absent(4);
         frame.zone[..3].copy_from_slice(&[0, 1, 4]);
         let mut text = Vec::new();

@@ -1,4 +1,4 @@
-//! Why a run ended before its end.
+//! Errors that stop a run.
 
 use miette::Diagnostic;
 
@@ -6,27 +6,27 @@ use sphecs_engine::simulation::{BuildError, Stop};
 use sphecs_output::error::OutputError;
 use sphecs_scene::faults::SceneErrors;
 
-/// Why a run ended before its end.
+/// Error that stops a run.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum RunError {
-    /// The flow cannot go on; everything written before is readable.
+    /// The flow cannot be advanced further; everything written before is readable.
     #[error("{stop}")]
-    #[diagnostic(help("{cure}{kept}"))]
+    #[diagnostic(help("{cure}{report}"))]
     Flow {
-        /// What happened, with step, time, particle, zone and position.
+        /// Reason, with step, time, particle, zone and position.
         stop: Stop,
-        /// What a user can do about it.
+        /// Advice to the user.
         cure: String,
-        /// What is left of the run, as a sentence after the cure.
-        kept: String,
+        /// Particle that diverged and the results kept, printed after the advice.
+        report: String,
     },
     /// The simulation could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// A file could not be written.
+    /// A file could not be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The scene of a run that is to be gone on with has faults, as by `--set`.
+    /// The scene of a run to be resumed has faults, for example a value given by `--set`.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneErrors),
@@ -35,6 +35,6 @@ pub enum RunError {
     #[diagnostic(help("give a smaller number by `--threads`"))]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The signal handlers could not be set.
-    #[error("cannot listen to signals: {0}")]
+    #[error("cannot set the signal handlers: {0}")]
     Signals(std::io::Error),
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 /// Returns the memory that is free for this process, B; None where the system does not say.
 ///
-/// The limit of the process's control group counts where it is lower than the free memory of the machine, as
-/// under a batch system.
+/// The limit of the process's control group counts where it is lower than the free memory of the
+/// machine, as under a batch system.
 pub fn available() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
@@ -14,7 +14,8 @@ pub fn available() -> Option<f64> {
     Some(group_memory(Path::new("/sys/fs/cgroup")).map_or(free, |left| left.min(free)))
 }
 
-/// Returns the memory that the control group of this process and those above it leave, B; None without a limit.
+/// Returns the memory that the control group of this process and those above it leave, B; None
+/// without a limit.
 fn group_memory(root: &Path) -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/cgroup").ok()?;
     let own = text.lines().find_map(|line| line.strip_prefix("0::/"))?;

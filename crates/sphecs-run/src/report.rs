@@ -1,17 +1,77 @@
-//! What a run says at its opening and at its close.
+//! Text of a run: summary at the start, summary at the end, and the report on a flow that stopped.
 
 use std::path::Path;
 
-use super::words::{columns, duration, figure, grouped};
+use glam::DVec3;
+
+use super::RunOptions;
+use sphecs_core::format::{bytes, duration, grouped, significant, two_columns};
+use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::ledger::Ledger;
-use sphecs_output::disk::bytes;
+use sphecs_engine::simulation::Stop;
+use sphecs_engine::systems::divergence::DivergedParticle;
+use sphecs_engine::systems::divergence::NearbyParticle;
+use sphecs_output::divergence;
+use sphecs_output::error::OutputError;
+use sphecs_output::header::Header;
 use sphecs_output::pack::Packed;
-use sphecs_scene::model::Scene;
+use sphecs_output::summary::Status;
+use sphecs_scene::model::{Patch, Scene};
+use sphecs_scene::summary::{Summary, summary};
 
-/// Counts of all zones that hold particles: `35 112 fluid, 4 020 wall`.
-pub fn counts(by_zone: [u64; 5]) -> String {
+/// Returns the summary of a run to `until`, s, printed before its first step.
+pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOptions) -> String {
+    // The ledger has the particles: placing them once more would take as long as filling the
+    // domain.
+    let figures = summary(scene, &[]);
+    let mut rows = scene_rows(scene, &figures, ledger.by_zone, until, options.max_steps);
+    let machine = format!(
+        "{} threads, {:?} on {} lanes",
+        rayon::current_num_threads(),
+        scene.precision,
+        InstructionSet::best().name()
+    );
+    rows.extend([("machine", machine), ("results", options.folder.display().to_string())]);
+    scene_table(scene, &figures, &rows) + "\n"
+}
+
+/// Returns particles, resolution, flow and steps of a run to `until`, s, as rows of a table.
+pub fn scene_rows(
+    scene: &Scene,
+    figures: &Summary,
+    by_zone: [u64; 5],
+    until: f64,
+    max_steps: Option<u64>,
+) -> Vec<(&'static str, String)> {
+    let step = figures.courant_step.min(figures.viscous_step);
+    let limit = if figures.viscous_step < figures.courant_step { "viscosity" } else { "sound speed" };
+    let steps = ((until / step).ceil() as u64).min(max_steps.unwrap_or(u64::MAX));
+    vec![
+        ("particles", counts(by_zone)),
+        ("spacing", resolution(scene)),
+        ("flow", format!("Re = {}, Mach = {}", significant(figures.reynolds), significant(figures.mach))),
+        (
+            "time",
+            format!(
+                "{} s in about {} steps of {} s, limited by the {limit}",
+                significant(until),
+                grouped(steps),
+                significant(step)
+            ),
+        ),
+    ]
+}
+
+/// Returns a table of rows below the title of the scene, followed by the notes on the scene.
+pub fn scene_table(scene: &Scene, figures: &Summary, rows: &[(&str, String)]) -> String {
+    let notes: String = figures.notes.iter().map(|note| format!("\n  note: {note}")).collect();
+    format!("{} ({}D)\n{}{notes}", scene.title, scene.dimensions, two_columns(rows))
+}
+
+/// Returns the counts of all zones that have particles: `35 112 fluid, 4 020 wall`.
+fn counts(by_zone: [u64; 5]) -> String {
     Zone::ALL
         .iter()
         .zip(by_zone)
@@ -21,25 +81,71 @@ pub fn counts(by_zone: [u64; 5]) -> String {
         .join(", ")
 }
 
-/// Spacing, smoothing length and kernel.
-pub fn resolution(scene: &Scene) -> String {
+/// Returns spacing, smoothing length and kernel.
+fn resolution(scene: &Scene) -> String {
     let h = scene.discretisation.smoothing_length;
-    format!("Δ = {} m, h = {} m ({:?})", figure(scene.spacing), figure(h), scene.scheme.kernel())
+    format!("Δ = {} m, h = {} m ({:?})", significant(scene.spacing), significant(h), scene.scheme.kernel())
 }
 
-/// Wall time by stage in the order of the step, with its part of the whole.
-pub fn stages(times: &[(&str, f64)], total: f64) -> String {
+/// State of a run at its end.
+#[derive(Clone, Debug)]
+pub struct EndState<'a> {
+    /// Reason of the end.
+    pub status: Status,
+    /// Time and steps reached.
+    pub clock: Clock,
+    /// Wall time of the run, s.
+    pub wall_time: f64,
+    /// Steps × particles, reservoir not counted.
+    pub particle_steps: f64,
+    /// Wall time by stage, s, in the order of the step.
+    pub stages: &'a [(&'a str, f64)],
+    /// Particle counts.
+    pub ledger: &'a Ledger,
+}
+
+/// Returns the summary printed at the end of a run.
+pub fn end_summary(end: &EndState<'_>, header: &Header, folder: &Path, packed: &Packed) -> String {
+    let speed = end.particle_steps / end.wall_time.max(f64::MIN_POSITIVE);
+    let mut text = format!(
+        "{}: {}, {} particle-steps/s\n\n{}\n\n{}\n\n{}",
+        end.status.word(),
+        reached(&end.clock, end.wall_time),
+        significant(speed),
+        stages(end.stages, end.wall_time),
+        ledger(end.ledger, &header.inlets, &header.outlets),
+        results(folder, packed),
+    );
+    if end.status != Status::Completed {
+        text += &format!("\n\nto continue: sphecs resume {}", folder.display());
+    }
+    text
+}
+
+/// Returns the time and the steps reached: `t = 6 s after 123 456 steps in 12 min 03 s`.
+fn reached(clock: &Clock, wall_time: f64) -> String {
+    let plural = if clock.step == 1 { "" } else { "s" };
+    format!(
+        "t = {} s after {} step{plural} in {}",
+        significant(clock.time),
+        grouped(clock.step),
+        duration(wall_time)
+    )
+}
+
+/// Returns the wall time by stage in the order of the step, with its share of the whole.
+fn stages(times: &[(&str, f64)], total: f64) -> String {
     let rows: Vec<(&str, String)> = times
         .iter()
         .map(|(name, seconds)| {
             (*name, format!("{seconds:>10.2} s  {:>5.1} %", 100.0 * seconds / total.max(f64::MIN_POSITIVE)))
         })
         .collect();
-    columns(&rows)
+    two_columns(&rows)
 }
 
-/// The balance of particles as a table.
-pub fn ledger(ledger: &Ledger, inlets: &[String], outlets: &[String]) -> String {
+/// Returns the balance of particles as a table.
+fn ledger(ledger: &Ledger, inlets: &[String], outlets: &[String]) -> String {
     let balance = format!(
         "{} = {} at the start + {} grown + {} created − {} deleted{}",
         grouped(ledger.total()),
@@ -60,10 +166,10 @@ pub fn ledger(ledger: &Ledger, inlets: &[String], outlets: &[String]) -> String 
     for (at, name) in outlets.iter().enumerate() {
         rows.push((name, crossings(&ledger.left, &ledger.left_back, at)));
     }
-    columns(&rows)
+    two_columns(&rows)
 }
 
-/// Where the results lie and how large they are.
+/// Returns the folder of the results and the sizes of its files.
 pub fn results(folder: &Path, packed: &Packed) -> String {
     let mut rows = vec![("results", format!("{} ({} frames)", folder.display(), packed.frames))];
     for file in &packed.files {
@@ -71,18 +177,111 @@ pub fn results(folder: &Path, packed: &Packed) -> String {
         let name = file.strip_prefix(folder).unwrap_or(file);
         rows.push(("", format!("{}  {}", name.display(), bytes(size))));
     }
-    columns(&rows)
+    two_columns(&rows)
 }
 
-/// How far a run came: `t = 6 s after 123 456 steps in 12 min 03 s`.
-pub fn reached(clock: &Clock, wall_time: f64) -> String {
-    let plural = if clock.step == 1 { "" } else { "s" };
-    format!(
-        "t = {} s after {} step{plural} in {}",
-        figure(clock.time),
-        grouped(clock.step),
-        duration(wall_time)
-    )
+/// Returns the status of a run that the flow stopped, and advice to the user.
+pub fn status_and_cure(stop: &Stop) -> (Status, String) {
+    match stop {
+        Stop::Diverged { advice, .. } => (Status::Diverged, (*advice).to_owned()),
+        Stop::Drained { .. } => {
+            (Status::Failed, "lengthen its `depth`, lower `time.end`, or make it `Fed`".to_owned())
+        }
+        Stop::ReservoirEmpty { .. } => (
+            Status::Failed,
+            "raise `reservoir.particles`, or let the reservoir grow by `when_empty: Grow`".to_owned(),
+        ),
+    }
+}
+
+/// Writes the particles around the one that diverged and returns a report on it, one fact a line.
+///
+/// Called after the results are closed, since the last frame is read.
+pub fn failure_report(
+    folder: &Path,
+    header: &Header,
+    scene: &Scene,
+    clock: &Clock,
+    diverged: &DivergedParticle,
+) -> String {
+    let vector = |vector: DVec3| {
+        let parts: Vec<String> =
+            vector.to_array().into_iter().take(header.dimensions).map(significant).collect();
+        format!("({})", parts.join(", "))
+    };
+    let mut text = String::new();
+    if let Some(own) = diverged.neighbourhood.particle(diverged.id) {
+        text += &format!(
+            "\nin the step: density {} kg/m³, pressure {} Pa, acceleration {} m/s²; velocity {} m/s after it, {} m/s before",
+            significant(own.density),
+            significant(own.pressure),
+            vector(own.acceleration),
+            vector(own.velocity),
+            vector(own.previous_velocity),
+        );
+    }
+    // A frame that cannot be read is no reason to omit the other facts.
+    if let Ok(Some((time, last))) = divergence::in_last_frame(folder, diverged.id) {
+        text += &format!(
+            "\nin the last frame, t = {} s: {} at {} m, velocity {} m/s, density {} kg/m³, pressure {} Pa",
+            significant(time),
+            last.zone.name(),
+            vector(last.position),
+            vector(last.velocity),
+            significant(last.density),
+            significant(last.pressure),
+        );
+    }
+    text += &near_outlet(scene, diverged).unwrap_or_default();
+    let nearest = |(near, distance): (&NearbyParticle, f64)| {
+        format!(
+            ", the nearest is {} particle {} at a distance of {} Δ",
+            near.zone.name(),
+            near.id,
+            significant(distance / header.spacing)
+        )
+    };
+    let (count, closest) = diverged.neighbourhood.neighbours(diverged.id);
+    text += &format!("\n{} neighbours{}", grouped(count as u64), closest.map_or_else(String::new, nearest));
+    text + &match divergence::write(folder, header, clock, diverged) {
+        Ok([data, picture]) => {
+            format!("\nthe particles around it are in `{}`, drawn in `{}`", data.display(), picture.display())
+        }
+        Err(error) => format!("\nthe particles around it could not be written: {error}"),
+    }
+}
+
+/// Returns a line on the outlet near a particle that diverged, whose condition is the first
+/// suspect.
+///
+/// Near means in the zone of the outlet or within two kernel supports upstream of it.
+fn near_outlet(scene: &Scene, diverged: &DivergedParticle) -> Option<String> {
+    let reach = 2.0 * scene.discretisation.support;
+    let near = |patch: &Patch| {
+        let along = patch.along(diverged.position);
+        along > -reach && along < patch.depth + reach && patch.covers(diverged.position, reach)
+    };
+    let (number, outlet) = scene.outlets.iter().enumerate().find(|(_, outlet)| near(&outlet.patch))?;
+    let along = outlet.patch.along(diverged.position) / scene.spacing;
+    let side = if along < 0.0 { "upstream" } else { "downstream" };
+    Some(format!(
+        "\nit is {} Δ {side} of the plane of outlet {number}, `{}`, which may be the cause: see docs/which_outlet.md",
+        significant(along.abs()),
+        outlet.condition.parameters().name()
+    ))
+}
+
+/// Returns a line on the frames and the checkpoint that a stopped run left.
+pub fn results_kept(folder: &Path, frames: u64, last_checkpoint: Option<u64>) -> String {
+    let path = folder.display();
+    let checkpoint = last_checkpoint
+        .map_or_else(String::new, |step| format!("; the last checkpoint is of step {}", grouped(step)));
+    format!("\n{frames} frames are in `{path}`, to draw them: `sphecs render {path} --all`{checkpoint}")
+}
+
+/// Returns a line on results that could not be closed.
+pub fn results_not_closed(error: &OutputError) -> String {
+    format!("\nthe results could not be closed: {error}")
 }
 
 #[cfg(test)]
@@ -90,18 +289,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ledger_that_does_not_balance_is_shouted() {
-        let sound =
+    fn ledger_that_does_not_balance_is_marked() {
+        let balanced =
             Ledger { initial: 5, grown: 1, by_zone: [4, 0, 1, 0, 1], entered: vec![7], ..Ledger::default() };
-        let text = ledger(&sound, &["left".to_owned()], &[]);
+        let text = ledger(&balanced, &["left".to_owned()], &[]);
         assert!(text.contains("6 = 5 at the start + 1 grown + 0 created − 0 deleted"), "{text}");
         assert!(text.contains("7 through, 0 back"), "{text}");
-        let lost = Ledger { by_zone: [3, 0, 1, 0, 1], ..sound };
+        let lost = Ledger { by_zone: [3, 0, 1, 0, 1], ..balanced };
         assert!(ledger(&lost, &[], &[]).contains("DOES NOT BALANCE"));
     }
 
     #[test]
-    fn counts_name_what_is_there() {
+    fn counts_omit_empty_zones() {
         assert_eq!(counts([35_112, 4020, 0, 9, 0]), "35 112 fluid, 4 020 wall, 9 outflow");
     }
 }

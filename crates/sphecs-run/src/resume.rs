@@ -1,23 +1,25 @@
-//! `sphecs resume`: a run gone on with from its last checkpoint, to the same bits as if it had never been broken off.
+//! Continuation of a run from its last checkpoint, bitwise identical to an uninterrupted run.
 //!
-//! Nothing in the folder is touched before a checkpoint is found that is whole, of this scene and this instruction set, and whose
-//! output is there. Then the output is cut back to it. A run that was killed before its first checkpoint begins anew.
+//! The folder is left alone until a checkpoint is found that is complete, belongs to this scene and
+//! this instruction set, and whose output is there. Then the output is cut back to it. A run that
+//! was killed before its first checkpoint starts again.
 
 use std::path::PathBuf;
 
 use super::error::RunError;
-use super::log::{self, Log};
 use super::memory;
+use super::run_loop::RunLoop;
+use super::run_state::{self, RunState};
 use super::signals::Signals;
 use super::threads::on_threads;
-use super::voyage::Voyage;
-use super::words::{figure, grouped};
-use super::{Ending, RunOptions, opening};
+use super::{Ending, RunOptions, report};
+use sphecs_core::format::{grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_engine::saved_state::decode_record;
 use sphecs_engine::simulation::Simulation;
-use sphecs_output::checkpoint::store::{Refused, Store};
-use sphecs_output::checkpoint::{Checkpoint, Facts, cut};
+use sphecs_output::checkpoint::store::{Rejected, Store};
+use sphecs_output::checkpoint::{Checkpoint, Facts};
+use sphecs_output::cut_back::has_output;
 use sphecs_output::error::OutputError;
 use sphecs_output::folder::RunFolder;
 use sphecs_output::header::Header;
@@ -28,89 +30,92 @@ use sphecs_output::results::read_header;
 use sphecs_output::summary::{Status, Summary};
 use sphecs_scene::model::Scene;
 
-/// Paths of a scene that a resumed run may change: they say how long it goes and what is written when, not what flows.
+/// Scene values that a resumed run may change: the end and the output intervals, which do not
+/// change the flow.
 pub const CHANGEABLE: [&str; 4] =
     ["time.end", "output.every", "output.monitor_every", "output.checkpoint_every"];
 
-/// What the user asks of a run that is gone on with.
+/// Options of a resumed run.
 #[derive(Clone, Debug)]
 pub struct ResumeOptions {
-    /// The folder, and the rest as of any run. An end by `until` or `steps` replaces that of the run.
+    /// Options as of any run. An end given by `until` or `max_steps` replaces that of the run.
     pub run: RunOptions,
-    /// Changes of the scene: path and value.
+    /// Changes to the scene: path and value.
     pub sets: Vec<(String, String)>,
-    /// Go on although another instruction set gives other bits.
+    /// Resume on another instruction set, although the results will then differ bitwise.
     pub allow_other_isa: bool,
 }
 
-/// Goes on with a run.
+/// Resumes a run.
 ///
 /// # Errors
-/// [`RunError`]; before the first step the folder is as it was, unless its output could not be cut back.
+/// [`RunError`]; before the first step the folder is unchanged, unless cutting back its output
+/// failed.
 pub fn resume(options: &ResumeOptions) -> Result<Ending, RunError> {
     let signals = Signals::listen().map_err(RunError::Signals)?;
-    on_threads(options.run.threads, || resume_here(options, signals))?
+    on_threads(options.run.threads, || resume_on_current_pool(options, signals))?
 }
 
-/// The same on the pool of the thread that calls, whatever threads the options ask for, until these signals stop it.
+/// Resumes a run as [`resume`] does, on the thread pool of the caller and until these signals stop
+/// it.
 ///
 /// # Errors
-/// As those of [`resume`].
-pub fn resume_here(options: &ResumeOptions, signals: Signals) -> Result<Ending, RunError> {
-    match board(options, signals)? {
-        Some(voyage) => voyage.sail(),
+/// As [`resume`].
+pub fn resume_on_current_pool(options: &ResumeOptions, signals: Signals) -> Result<Ending, RunError> {
+    match prepare(options, signals)? {
+        Some(run_loop) => run_loop.run(),
         None => Ok(Ending::Completed),
     }
 }
 
-/// The run ready for its next step; None when it is at its end.
-fn board(options: &ResumeOptions, signals: Signals) -> Result<Option<Voyage>, RunError> {
+/// Returns the run ready for its next step; None when it is complete.
+fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>, RunError> {
     let path = options.run.folder.as_path();
     let mut header = read_header(path)?;
-    let lock = Lock::take_plain(path)?;
+    let lock = Lock::acquire_without_links(path)?;
     let status = Summary::read(path)?.status;
     let (scene, changes) = changed_scene(options, &header)?;
-    let (last, facts, simulation, log) = match latest(options, &header)? {
+    let (last, facts, simulation, state) = match latest(options, &header)? {
         Some((last, checkpoint)) => {
-            let (facts, simulation, log) = restored(scene, checkpoint)?;
-            (Some(last), facts, simulation, log)
+            let (facts, simulation, state) = restored(scene, checkpoint)?;
+            (Some(last), facts, simulation, state)
         }
         None => {
-            let log = Log::new(scene.output.every, scene.output.monitor_every);
-            (None, Facts::default(), Simulation::builder(scene).build()?, log)
+            let state = RunState::new(scene.output.every, scene.output.monitor_every);
+            (None, Facts::default(), Simulation::builder(scene).build()?, state)
         }
     };
     let (scene, clock) = (simulation.scene(), simulation.clock());
-    let new_end = options.run.until.is_some() || options.run.steps.is_some();
+    let new_end = options.run.until.is_some() || options.run.max_steps.is_some();
     if new_end || options.sets.iter().any(|(path, _)| path == "time.end") {
-        (header.until, header.most_steps) = (options.run.until, options.run.steps);
+        (header.until, header.max_steps) = (options.run.until, options.run.max_steps);
     }
     header.change(scene, changes);
     let until = header.until.unwrap_or(scene.time.end);
-    let at_end = clock.time >= until || header.most_steps.is_some_and(|most| clock.step >= most);
+    let at_end = clock.time >= until || header.max_steps.is_some_and(|limit| clock.step >= limit);
     if at_end && status == Status::Completed {
-        // It may have been killed while it was packed.
+        // The process may have been killed while it packed the run.
         pack_locked(path, &header)?;
-        options.run.console.say(&format!(
-            "`{}` is at its end, t = {} s after {} steps: give a later one by `--until` or `--set time.end=…`",
+        options.run.console.print(&format!(
+            "`{}`: is complete, t = {} s after {} steps; to continue it, give a later end by `--until` or `--set time.end=…`",
             path.display(),
-            figure(clock.time),
+            significant(clock.time),
             grouped(clock.step),
         ));
         return Ok(None);
     }
     let console = options.run.console;
-    console.say(&opening::text(scene, simulation.ledger(), until, &options.run));
-    console.say(&match facts.step {
-        0 => "no checkpoint yet: the run begins anew\n".to_owned(),
-        step => format!("goes on at t = {} s, step {}\n", figure(facts.time), grouped(step)),
+    console.print(&report::start_summary(scene, simulation.ledger(), until, &options.run));
+    console.print(&match facts.step {
+        0 => "no checkpoint was written: the run starts again\n".to_owned(),
+        step => format!("resumes at t = {} s, step {}\n", significant(facts.time), grouped(step)),
     });
     Store::of(path).cut_back(last.as_deref())?;
-    let folder = RunFolder::go_on(path, &header, &ProbeSet::new(scene), &facts, lock)?;
-    Ok(Some(Voyage::go_on(simulation, folder, log, &options.run, signals)))
+    let folder = RunFolder::resume(path, &header, &ProbeSet::new(scene), &facts, lock)?;
+    Ok(Some(RunLoop::resume(simulation, folder, state, &options.run, signals)))
 }
 
-/// The scene of the run with all changes, and those changes.
+/// Returns the scene of the run with all changes, and the changes.
 fn changed_scene(
     options: &ResumeOptions,
     header: &Header,
@@ -118,13 +123,13 @@ fn changed_scene(
     let folder = options.run.folder.display();
     if !header.is_scene_unchanged() {
         return Err(request(format!(
-            "`{folder}/scene.ron`: has been changed since the run began, so that the run would be of two flows: put it back, or run \
-             the changed scene into another folder"
+            "`{folder}/scene.ron`: was changed after the run started, must be the scene of the run: restore it, \
+             or run the changed scene into another folder"
         )));
     }
     if let Some((path, _)) = options.sets.iter().find(|(path, _)| !CHANGEABLE.contains(&path.as_str())) {
         return Err(request(format!(
-            "--set {path}: cannot be changed in a run that goes on, only `{}` can: run the changed scene anew",
+            "--set {path}: cannot be changed when a run is resumed, only `{}` can: run the changed scene from its start",
             CHANGEABLE.join("`, `")
         )));
     }
@@ -137,64 +142,70 @@ fn changed_scene(
     Ok((scene, changes))
 }
 
-/// The latest checkpoint that can be gone on from, with its path; None when the run has none yet.
+/// Returns the latest checkpoint that the run can resume from, with its path; None when there is
+/// none yet.
 fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<(PathBuf, Checkpoint)>, RunError> {
     let run = options.run.folder.as_path();
     let store = Store::of(run);
     let fingerprint = header.fingerprint();
-    let fits = |checkpoint: &Checkpoint| match &checkpoint.facts {
-        facts if facts.scene_sha256 != fingerprint => Err("is of another scene".to_owned()),
-        facts => cut::has_output(run, facts),
+    let is_usable = |checkpoint: &Checkpoint| match &checkpoint.facts {
+        facts if facts.scene_sha256 != fingerprint => Err("belongs to another scene".to_owned()),
+        facts => has_output(run, facts),
     };
-    let (found, refused) = store.latest(fits)?;
-    let named = |Refused { path, why }: &Refused| format!("`{}`: {why}", path.display());
+    let (found, rejected) = store.latest(is_usable)?;
+    let named = |Rejected { path, reason }: &Rejected| format!("`{}`: {reason}", path.display());
     let Some((path, checkpoint)) = found else {
-        if refused.is_empty() {
+        if rejected.is_empty() {
             return Ok(None);
         }
-        let refused: Vec<String> = refused.iter().map(named).collect();
+        let rejected: Vec<String> = rejected.iter().map(named).collect();
         return Err(request(format!(
-            "no checkpoint can be gone on from, run the scene anew:\n{}",
-            refused.join("\n")
+            "no checkpoint can be resumed from, run the scene from its start:\n{}",
+            rejected.join("\n")
         )));
     };
     let lanes = InstructionSet::best().name();
     if checkpoint.facts.lanes != lanes {
         let differ = format!(
-            "`{}`: was written on {} lanes, this process has {lanes}: the bits will differ",
+            "`{}`: was written on {} lanes, this process has {lanes}: the results will differ bitwise",
             path.display(),
             checkpoint.facts.lanes
         );
         if !options.allow_other_isa {
-            // On a line of its own: in the middle of one it might be broken at a hyphen.
-            return Err(request(format!("{differ};\n`--allow-other-isa` goes on nevertheless")));
+            // On a line of its own: within a longer line it might be broken at a hyphen.
+            return Err(request(format!("{differ};\nto resume anyway, give `--allow-other-isa`")));
         }
         options.run.console.warn(&format!("note: {differ}"));
     }
     if checkpoint.facts.version != env!("CARGO_PKG_VERSION") {
         options.run.console.warn(&format!(
-            "note: `{}`: was written by sphecs {}, this is {}: the bits may differ",
+            "note: `{}`: was written by sphecs {}, this is {}: the results may differ bitwise",
             path.display(),
             checkpoint.facts.version,
             env!("CARGO_PKG_VERSION")
         ));
     }
-    for refused in &refused {
+    for rejected in &rejected {
         let step = grouped(checkpoint.facts.step);
-        options.run.console.warn(&format!("note: {}; the one of step {step} is taken", named(refused)));
+        options
+            .run
+            .console
+            .warn(&format!("note: {}; resuming from the checkpoint of step {step}", named(rejected)));
     }
     Ok(Some((path, checkpoint)))
 }
 
-fn restored(scene: Scene, checkpoint: Checkpoint) -> Result<(Facts, Simulation, Log), RunError> {
+/// Rebuilds the simulation and the state of the run loop from a checkpoint.
+fn restored(scene: Scene, checkpoint: Checkpoint) -> Result<(Facts, Simulation, RunState), RunError> {
     let Checkpoint { facts, mut state } = checkpoint;
-    let misfit =
-        |what: String| request(format!("the checkpoint of step {} does not fit: {what}", facts.step));
-    let log = state.take::<u8>(log::NAME).map_err(|error| misfit(error.to_string()))?;
-    let log = decode_record(&log).map_err(misfit)?;
+    let mismatch = |what: String| {
+        request(format!("the checkpoint of step {} does not match the scene: {what}", facts.step))
+    };
+    let run_state = state.take::<u8>(run_state::COLUMN).map_err(|error| mismatch(error.to_string()))?;
+    let run_state = decode_record(&run_state).map_err(mismatch)?;
     let simulation = Simulation::builder(scene).state(state).build();
-    let simulation = simulation.map_err(|error| misfit(error.to_string()))?;
-    Ok((facts, simulation, log))
+    let simulation = simulation.map_err(|error| mismatch(error.to_string()))?;
+    Ok((facts, simulation, run_state))
 }
 
 fn request(what: String) -> RunError {

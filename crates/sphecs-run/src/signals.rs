@@ -1,4 +1,8 @@
-//! Ctrl-C and SIGTERM end a run with whole files and a checkpoint; a second one ends it at once. SIGUSR1 asks for a checkpoint.
+//! Signals that a run obeys: SIGINT and SIGTERM stop it after its step, SIGUSR1 asks for a
+//! checkpoint.
+//!
+//! The first SIGINT or SIGTERM ends the run with complete files and a checkpoint, the second ends
+//! the process at once.
 
 use std::io;
 use std::sync::Arc;
@@ -7,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 
-/// A request to stop that a run heeds after its step.
+/// Request to stop, obeyed after the current step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Signal {
     /// Ctrl-C.
@@ -17,17 +21,9 @@ pub enum Signal {
 }
 
 impl Signal {
-    /// Exit code by the custom of shells: 128 + the number of the signal.
+    /// Returns the exit code by the convention of shells: 128 + the number of the signal.
     pub fn exit_code(self) -> u8 {
         128 + self.number() as u8
-    }
-
-    /// Word for messages and `summary.json`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Signal::Interrupt => "interrupted",
-            Signal::Terminate => "terminated",
-        }
     }
 
     fn number(self) -> i32 {
@@ -38,7 +34,7 @@ impl Signal {
     }
 }
 
-/// What has been asked for since the handlers were set.
+/// Requests received since the handlers were set.
 #[derive(Debug)]
 pub struct Signals {
     received: Arc<AtomicUsize>,
@@ -46,15 +42,16 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// Sets the handlers. They stay for the life of the process.
+    /// Sets the handlers, which stay for the life of the process.
     ///
     /// # Errors
-    /// When the system refuses a handler.
+    /// The system refuses a handler.
     pub fn listen() -> io::Result<Self> {
         let armed = Arc::new(AtomicBool::new(false));
         let received = Arc::new(AtomicUsize::new(0));
         for signal in [Signal::Interrupt, Signal::Terminate] {
-            // The order matters: the first signal finds the flag down, passes the shutdown and arms it for the second.
+            // The order matters: the first signal finds the flag unset, so the process survives,
+            // and sets it for the second.
             flag::register_conditional_shutdown(
                 signal.number(),
                 i32::from(signal.exit_code()),
@@ -66,32 +63,33 @@ impl Signals {
         Ok(Self { received, checkpoint: checkpoint_flag()? })
     }
 
-    /// Those of a run beside others: what stops one stops all, a checkpoint is asked of each.
+    /// Returns the signals of a concurrent run: stop requests are shared, each run has its own
+    /// checkpoint flag.
     ///
     /// # Errors
-    /// When the system refuses a handler.
-    pub fn beside(&self) -> io::Result<Self> {
+    /// The system refuses a handler.
+    pub fn for_concurrent_run(&self) -> io::Result<Self> {
         Ok(Self { received: Arc::clone(&self.received), checkpoint: checkpoint_flag()? })
     }
 
-    /// Whether a checkpoint has been asked for since this was asked last.
-    pub fn take_checkpoint(&self) -> bool {
+    /// Returns true if a checkpoint was requested since the last call.
+    pub fn take_checkpoint_request(&self) -> bool {
         self.checkpoint.swap(false, Ordering::Relaxed)
     }
 
-    /// As if this signal had come: all that heed these signals stop.
-    pub fn ask(&self, signal: Signal) {
+    /// Stops all runs that share these signals, as if the signal had been received.
+    pub fn raise(&self, signal: Signal) {
         self.received.store(signal.number() as usize, Ordering::Relaxed);
     }
 
-    /// The signal received last, if any.
+    /// Returns the last stop request.
     pub fn received(&self) -> Option<Signal> {
         let number = self.received.load(Ordering::Relaxed);
         [Signal::Interrupt, Signal::Terminate].into_iter().find(|signal| signal.number() as usize == number)
     }
 }
 
-/// A flag that each SIGUSR1 raises.
+/// Returns a flag that each SIGUSR1 sets.
 fn checkpoint_flag() -> io::Result<Arc<AtomicBool>> {
     let flag = Arc::new(AtomicBool::new(false));
     flag::register(SIGUSR1, Arc::clone(&flag))?;

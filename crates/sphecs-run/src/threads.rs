@@ -1,23 +1,25 @@
-//! The threads that a run computes on. They have ended when it returns.
+//! Thread pool of a run, whose threads have ended when the run returns.
 //!
-//! A dropped pool only tells its threads to end, and does not wait. A thread that has used NetCDF has something to free as it ends:
-//! libcrypto, which NetCDF brings in by libcurl, keeps notes for each thread. If `main` returned meanwhile, the exit handler of
-//! libcrypto would free the same notes, and the allocator would end a process whose results are whole.
+//! Dropping a rayon pool tells its threads to end but does not wait for them. A thread that has
+//! used NetCDF frees memory as it ends: libcrypto, which NetCDF loads through libcurl, has
+//! thread-local data. If `main` returned meanwhile, the exit handler of libcrypto would free the
+//! same data, and the allocator would abort a process whose results are complete.
 
 use std::thread::{Builder, JoinHandle};
 
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
-/// Does some work on a pool of so many threads, None: one for each core. No thread is left when this returns or unwinds, nor its
-/// thread-local values.
+/// Runs `work` on a pool of `count` threads; None: one for each core.
+///
+/// All threads and their thread-local values are gone when this returns or unwinds.
 ///
 /// # Errors
-/// When the system refuses a thread.
+/// The system refuses a thread.
 pub fn on_threads<T: Send>(
     count: Option<usize>,
     work: impl FnOnce() -> T + Send,
 ) -> Result<T, ThreadPoolBuildError> {
-    // Dropped after the pool, which tells them to end.
+    // Dropped after the pool, which tells the threads to end.
     let mut threads = Threads::default();
     let pool = ThreadPoolBuilder::new()
         .num_threads(count.unwrap_or(0))
@@ -30,14 +32,15 @@ pub fn on_threads<T: Send>(
     Ok(pool.install(work))
 }
 
-/// Threads that are waited for until the system knows them no more: a scope would wait for their work only.
+/// Threads joined on drop: a scope would wait for their work only, not for their thread-local
+/// values.
 #[derive(Default)]
 struct Threads(Vec<JoinHandle<()>>);
 
 impl Drop for Threads {
     fn drop(&mut self) {
         for thread in self.0.drain(..) {
-            // A panic of the work has been handed on by the pool.
+            // The pool has passed on a panic of the work.
             let _ended = thread.join();
         }
     }
@@ -53,10 +56,10 @@ mod tests {
 
     use super::*;
 
-    /// Something that a library frees as a thread ends, and takes its time.
-    struct Notes(Arc<AtomicUsize>);
+    /// Thread-local value that a library frees slowly as the thread ends.
+    struct LocalValue(Arc<AtomicUsize>);
 
-    impl Drop for Notes {
+    impl Drop for LocalValue {
         fn drop(&mut self) {
             std::thread::sleep(Duration::from_millis(50));
             self.0.fetch_sub(1, SeqCst);
@@ -64,33 +67,33 @@ mod tests {
     }
 
     thread_local! {
-        static NOTES: RefCell<Option<Notes>> = const { RefCell::new(None) };
+        static LOCAL: RefCell<Option<LocalValue>> = const { RefCell::new(None) };
     }
 
-    fn take_notes(left: &Arc<AtomicUsize>) {
+    fn set_local_values(left: &Arc<AtomicUsize>) {
         rayon::broadcast(|_| {
             left.fetch_add(1, SeqCst);
-            NOTES.set(Some(Notes(Arc::clone(left))));
+            LOCAL.set(Some(LocalValue(Arc::clone(left))));
         });
         assert_eq!(left.load(SeqCst), 3);
     }
 
     #[test]
-    fn nothing_of_its_threads_outlives_the_work() {
+    fn no_thread_local_value_outlives_the_work() {
         let left = Arc::new(AtomicUsize::new(0));
         let count = on_threads(Some(3), || {
-            take_notes(&left);
+            set_local_values(&left);
             rayon::current_num_threads()
         });
         assert_eq!((count.expect("three threads"), left.load(SeqCst)), (3, 0));
     }
 
     #[test]
-    fn nor_work_that_panics() {
+    fn no_thread_local_value_outlives_a_panic() {
         let left = Arc::new(AtomicUsize::new(0));
         let work = || {
-            take_notes(&left);
-            panic!("as asked for");
+            set_local_values(&left);
+            panic!("intended");
         };
         assert!(catch_unwind(AssertUnwindSafe(|| on_threads::<()>(Some(3), work))).is_err());
         assert_eq!(left.load(SeqCst), 0);

@@ -1,8 +1,10 @@
-//! Cases: shipped with the program or read from a file, checked before anything runs.
+//! Validation cases, shipped with the program or read from a file, and checked before the first
+//! run.
 
 use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
+use miette::Diagnostic;
 
 use super::check;
 use super::schema::{CaseFile, RunFile, Tier};
@@ -13,25 +15,42 @@ use sphecs_scene::faults::{Fault, SceneErrors, advice};
 use sphecs_scene::model::Scene;
 use sphecs_scene::notation::{reader, typed};
 
-/// The cases with their tables, part of the program.
+/// Shipped cases with their tables, part of the program.
 static CASES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/validation");
-/// The scenes that they run.
+/// Scenes of the shipped cases, part of the program.
 static SCENES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../scenes");
 
-/// A checked case.
+/// Checked case.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Name: stem of its file.
+    /// Name, the stem of its file.
     pub name: String,
-    /// What stands in the file.
+    /// Contents of the file.
     pub file: CaseFile,
-    /// Its constants.
+    /// Constants.
     pub constants: Constants,
     /// Folder of its scenes and tables; None for a shipped case.
     folder: Option<PathBuf>,
 }
 
-/// Names of the shipped cases, sorted.
+/// Faults of a case file, with their places.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error(transparent)]
+#[diagnostic(transparent)]
+pub struct CaseFaults(SceneErrors);
+
+impl CaseFaults {
+    fn new(name: &str, text: &str, faults: Vec<Fault>) -> Self {
+        Self(SceneErrors::new(name, text, faults))
+    }
+
+    /// Returns the faults in the order of the text.
+    pub fn faults(&self) -> &[Fault] {
+        self.0.faults()
+    }
+}
+
+/// Returns the names of the shipped cases, sorted.
 pub fn shipped() -> Vec<String> {
     let ron = CASES.files().filter(|file| file.path().extension().is_some_and(|found| found == "ron"));
     let mut names: Vec<String> =
@@ -41,12 +60,12 @@ pub fn shipped() -> Vec<String> {
 }
 
 impl Case {
-    /// The case of a name, or of a path that ends in `.ron`.
+    /// Returns the case of a name, or of a path that ends in `.ron`.
     ///
     /// # Errors
-    /// All faults of the case, those of its scenes too.
-    pub fn load(name: &str) -> Result<Self, SceneErrors> {
-        let refused = |fault: Fault| SceneErrors::new(name, "", vec![fault]);
+    /// All faults of the case and of its scenes.
+    pub fn load(name: &str) -> Result<Self, CaseFaults> {
+        let refused = |fault: Fault| CaseFaults::new(name, "", vec![fault]);
         if let Some(stem) = name.strip_suffix(".ron") {
             let path = Path::new(name);
             let text = std::fs::read_to_string(path)
@@ -65,24 +84,24 @@ impl Case {
         Self::read(name, text, None)
     }
 
-    fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, SceneErrors> {
+    fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, CaseFaults> {
         let reader::Reading { root, mut faults, lost } = reader::read(text);
         let shown = format!("{name}.ron");
         if lost {
-            return Err(SceneErrors::new(&shown, text, faults));
+            return Err(CaseFaults::new(&shown, text, faults));
         }
         let constants = constants::read(&root, &mut faults);
         let (file, typed_faults) = typed::read::<CaseFile>(&root, &constants);
         faults.extend(typed_faults);
         let Some(file) = file.filter(|_| faults.is_empty()) else {
-            return Err(SceneErrors::new(&shown, text, faults));
+            return Err(CaseFaults::new(&shown, text, faults));
         };
         let case = Self { name: name.to_owned(), file, constants, folder };
         let faults = check::faults(&case);
-        if faults.is_empty() { Ok(case) } else { Err(SceneErrors::new(&shown, text, faults)) }
+        if faults.is_empty() { Ok(case) } else { Err(CaseFaults::new(&shown, text, faults)) }
     }
 
-    /// The scene of a run, with its values put in.
+    /// Returns the scene of a run with its values applied.
     ///
     /// # Errors
     /// All faults of the scene.
@@ -90,7 +109,7 @@ impl Case {
         self.member_scene(run, &run.members(Tier::Quick)[0])
     }
 
-    /// The scene of a run, with the values of one of its members put in.
+    /// Returns the scene of a run with the values of one of its members applied.
     ///
     /// # Errors
     /// All faults of the scene.
@@ -111,10 +130,10 @@ impl Case {
         }
     }
 
-    /// The text of a table beside the case.
+    /// Returns the text of a table beside the case.
     ///
     /// # Errors
-    /// Why it cannot be read.
+    /// Reason why it cannot be read.
     pub fn table(&self, name: &str) -> Result<String, String> {
         match &self.folder {
             Some(folder) => {
@@ -144,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_of_a_case_are_all_named() {
+    fn all_faults_of_a_case_are_reported() {
         let text = r#"Case(
             title: "", source: "", setting: "",
             runs: [(name: "a", scene: "poiseuille"), (name: "a", scene: "nowhere")],
@@ -159,21 +178,19 @@ mod tests {
         )"#;
         let faults = Case::read("bad", text, None).expect_err("faults");
         let titles: Vec<String> = faults.faults().iter().map(ToString::to_string).collect();
-        for words in [
-            "called `a`",
-            "no scene `nowhere`",
-            "no run `b`",
-            "no probe `acros`",
-            "as many spacings",
-            "`sin`",
-        ] {
-            assert!(titles.iter().any(|title| title.contains(words)), "nothing about {words} in {titles:#?}");
+        for words in
+            ["named `a`", "no scene `nowhere`", "no run `b`", "no probe `acros`", "as many spacings", "`sin`"]
+        {
+            assert!(
+                titles.iter().any(|title| title.contains(words)),
+                "no fault about {words} in {titles:#?}"
+            );
         }
         assert_eq!(titles.len(), 8, "{titles:#?}");
     }
 
     #[test]
-    fn faults_of_ensembles_features_and_pictures_are_named() {
+    fn faults_of_ensembles_features_and_pictures_are_reported() {
         let text = r#"Case(
             title: "", source: "", setting: "",
             runs: [
@@ -198,20 +215,23 @@ mod tests {
         let faults = Case::read("bad", text, None).expect_err("faults");
         let titles: Vec<String> = faults.faults().iter().map(ToString::to_string).collect();
         for words in [
-            "run `a.2` does not read",
+            "run `a.2` has faults",
             "no probe `nowhere*`",
             "no other members",
-            "no unit vector",
-            "asked of many profiles",
-            "share of a width",
+            "not a unit vector",
+            "needs one profile",
+            "fraction of a width",
             "no coefficients of a body `cylinder`",
-            "held against another run",
-            "drawings are called `p`",
+            "compared with another run",
+            "drawings are named `p`",
             "`sped` is not a field",
             "does not rise",
             "width of a picture",
         ] {
-            assert!(titles.iter().any(|title| title.contains(words)), "nothing about {words} in {titles:#?}");
+            assert!(
+                titles.iter().any(|title| title.contains(words)),
+                "no fault about {words} in {titles:#?}"
+            );
         }
         assert_eq!(titles.len(), 12, "{titles:#?}");
     }

@@ -1,23 +1,24 @@
-//! What is wrong with a case: names that are given twice or not at all, formulas that do not read, scenes with faults.
+//! Faults of a case: repeated and unknown names, formulas that cannot be parsed, scenes with
+//! faults.
 
 use std::collections::{HashMap, HashSet};
 
 use super::case::Case;
+use super::measures::measurement::error_of;
+use super::measures::{FORCES, MONITOR, fields};
 use super::picture;
 use super::schema::{
     CurveFile, FeatureFile, FieldFile, PictureFile, ReferenceFile, RunFile, ValueFile, WhenFile,
 };
-use super::value::reading::error_of;
-use super::value::{FORCES, MONITOR, fields};
 use sphecs_scene::expression::Constants;
 use sphecs_scene::faults::{Fault, advice};
 use sphecs_scene::notation::typed::Spanned;
 use sphecs_scene::schema::{FormulaText, Text};
 
-/// A direction may be longer or shorter than 1 by this.
+/// Tolerance of the length of a direction, which must be 1.
 const UNIT: f64 = 1e-3;
 
-/// All faults of a case that reads.
+/// Returns all faults of a case that was parsed.
 pub fn faults(case: &Case) -> Vec<Fault> {
     let file = &case.file;
     let mut check = Check { case, probes: HashMap::new(), bodies: HashMap::new(), faults: Vec::new() };
@@ -42,9 +43,9 @@ pub fn faults(case: &Case) -> Vec<Fault> {
 
 struct Check<'a> {
     case: &'a Case,
-    /// Names of the probes of each run's scene, of those that read.
+    /// Names of the probes in the scene of each run without faults.
     probes: HashMap<&'a str, Vec<String>>,
-    /// Names of the bodies that have coefficients, likewise.
+    /// Names of the bodies with coefficients, likewise.
     bodies: HashMap<&'a str, Vec<String>>,
     faults: Vec<Fault>,
 }
@@ -58,18 +59,21 @@ impl<'a> Check<'a> {
         let mut seen = HashSet::new();
         for name in names {
             if !seen.insert(&name.value) {
-                self.fault(name, format!("two of the case's {what}s are called `{}`", name.value));
+                self.fault(
+                    name,
+                    format!("two {what}s of the case are named `{}`, names must differ", name.value),
+                );
             }
-            // Folders and files are named by it: it must not lead out of theirs.
+            // Folders and files have this name, so it must not lead out of the run folder.
             let plain = |c: char| c.is_alphanumeric() || " _-+".contains(c);
             if name.value.is_empty() || !name.value.chars().all(plain) {
-                let may = "may have letters, digits, spaces, `_`, `-` and `+`";
+                let may = "must have only letters, digits, spaces, `_`, `-` and `+`";
                 self.fault(name, format!("the name `{}` of a {what} {may}", name.value));
             }
         }
     }
 
-    /// The scene of a run and of its members.
+    /// Checks the scenes of a run and of its members.
     fn scenes(&mut self, run: &'a RunFile) {
         for (member, set) in run.members(super::Tier::Full).iter().enumerate() {
             let faults = match self.case.member_scene(run, set) {
@@ -86,7 +90,7 @@ impl<'a> Check<'a> {
             let first = faults.faults().first().map_or(String::new(), ToString::to_string);
             let at = run.again.as_ref().filter(|_| member > 0).map_or(&run.scene, |again| &again.set);
             let name = run.member_name(member);
-            self.fault(at, format!("the scene of run `{name}` does not read: {first}"));
+            self.fault(at, format!("the scene of run `{name}` has faults: {first}"));
             return;
         }
     }
@@ -107,7 +111,7 @@ impl<'a> Check<'a> {
             return;
         }
         let Some(names) = self.probes.get(run.value.as_str()) else { return };
-        if !names.iter().any(|name| fields::fits(&probe.value, name)) {
+        if !names.iter().any(|name| fields::matches(&probe.value, name)) {
             let title = format!("run `{}` has no probe `{}`", run.value, probe.value);
             let help = advice(&probe.value, names.iter().map(String::as_str));
             self.faults.push(Fault::new(title, probe.span, "here").help(help));
@@ -118,7 +122,7 @@ impl<'a> Check<'a> {
         if table.value != MONITOR && table.value != FORCES {
             self.probe(run, table);
         } else {
-            let _faults_are_noted = self.run(run);
+            let _is_reported = self.run(run);
         }
     }
 
@@ -139,8 +143,8 @@ impl<'a> Check<'a> {
         let square: f64 = direction.value.iter().map(|component| component.value.powi(2)).sum();
         if !(2..=3).contains(&direction.value.len()) || (square.sqrt() - 1.0).abs() > UNIT {
             let label =
-                format!("is `{:.4}` long, must have two or three components and length 1", square.sqrt());
-            self.faults.push(Fault::new("a direction is no unit vector", direction.span, label));
+                format!("has length `{:.4}`, must have two or three components and length 1", square.sqrt());
+            self.faults.push(Fault::new("a direction is not a unit vector", direction.span, label));
         }
     }
 
@@ -154,7 +158,7 @@ impl<'a> Check<'a> {
                 }
             }
             ReferenceFile::Run(run) => {
-                let _faults_are_noted = self.run(run);
+                let _is_reported = self.run(run);
             }
             ReferenceFile::Table { file, .. } => {
                 if let Err(reason) = self.case.table(&file.value) {
@@ -165,26 +169,26 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A run that is held against its other members must have some.
+    /// Checks that a run compared with its other members has some.
     fn members(&mut self, run: &Text) {
         let alone = |file: &RunFile| file.members(super::Tier::Full).len() < 2;
         if self.case.file.runs.iter().any(|file| file.name.value == run.value && alone(file)) {
             let title = format!("run `{}` has no other members", run.value);
-            self.faults.push(Fault::new(title, run.span, "here").help("give it some with `again`"));
+            self.faults.push(Fault::new(title, run.span, "here").help("add members by `again`"));
         }
     }
 
     fn feature(&mut self, when: &Spanned<WhenFile>, take: &FeatureFile) {
         let of_many = matches!(take, FeatureFile::Largest | FeatureFile::Smallest);
         if matches!(when.value, WhenFile::Every(..)) && !of_many {
-            let label = "must be `At` or `Mean`: a place is that of one profile";
-            self.faults.push(Fault::new("a feature is asked of many profiles", when.span, label));
+            let label = "must be `At` or `Mean`, which give one profile";
+            self.faults.push(Fault::new("a position or a width needs one profile", when.span, label));
         }
         if let FeatureFile::Width(share) = take
             && !(0.0..1.0).contains(&share.value)
         {
-            let label = format!("is `{}`, must be at least 0 and less than 1", share.value);
-            self.faults.push(Fault::new("the share of a width is out of bounds", share.span, label));
+            let label = format!("is `{}`, must be at least 0 and below 1", share.value);
+            self.faults.push(Fault::new("the fraction of a width is out of bounds", share.span, label));
         }
     }
 
@@ -245,8 +249,8 @@ impl<'a> Check<'a> {
                 self.field(field);
                 self.reference(reference);
                 if matches!(**reference, ReferenceFile::Run(_) | ReferenceFile::Members) {
-                    let title = format!("the curve `{label}` over time is held against another run");
-                    let help = "two runs have no samples at the same times: give a formula, a table or an exact solution";
+                    let title = format!("the curve `{label}` over time is compared with another run");
+                    let help = "two runs have no samples at equal times: give a formula, a table or an exact solution";
                     self.faults.push(Fault::new(title, run.span, "of this one").help(help));
                 }
             }
@@ -254,7 +258,7 @@ impl<'a> Check<'a> {
     }
 
     fn picture(&mut self, picture: &PictureFile) {
-        let _faults_are_noted = self.run(&picture.run);
+        let _is_reported = self.run(&picture.run);
         if let Err(reason) = picture::options(picture) {
             self.fault(&picture.field, reason);
         }
@@ -262,7 +266,7 @@ impl<'a> Check<'a> {
             && low.value >= high.value
         {
             let label = format!("is `{}`, must be less than `{}`", low.value, high.value);
-            self.faults.push(Fault::new("the range of a picture does not rise", low.span, label));
+            self.faults.push(Fault::new("the range of a picture is not ascending", low.span, label));
         }
         if let Some(width) = picture.width.filter(|width| !(200..=4000).contains(&width.value)) {
             let label = format!("is `{}`, must be from 200 to 4000", width.value);

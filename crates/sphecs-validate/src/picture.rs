@@ -1,19 +1,20 @@
-//! Maps of a case's runs: frames of the particles as `sphecs render` draws them.
+//! Pictures of the runs of a case: frames of the particles as `sphecs render` draws them.
 
 use std::path::Path;
 
 use super::schema::{AxisFile, PictureFile};
-use super::verdict::number;
+use sphecs_core::format::significant;
 use sphecs_output::error::OutputError;
 use sphecs_output::picture::{RenderOptions, Slice, render};
 use sphecs_output::results::Results;
 use sphecs_scene::schema::Number;
 
-/// Width of a picture where the case gives none, pixels: half a page, and some tens of kilobytes.
+/// Default width of a picture, pixels: half a page at some tens of kilobytes.
 const WIDTH: u32 = 900;
 
-/// Draws the pictures of a run folder into `target`, one for each time: the name of each file, and its title with the
-/// frame's own time, or why there is none.
+/// Draws the pictures of a run folder into `target`, one for each time.
+///
+/// Returns the name of each file, and its title with the time of the frame or the error.
 pub fn draw(
     file: &PictureFile,
     run: &Path,
@@ -25,7 +26,7 @@ pub fn draw(
         let name = format!("{stem}_{}.png", index + 1);
         let drawn = match (&results, options(file)) {
             (Ok(results), Ok(options)) => render(results, Some(time), &options, &target.join(&name))
-                .map(|time| format!("{}, t = {} s", file.title, number(time))),
+                .map(|time| format!("{}, t = {} s", file.title, significant(time))),
             (Err(error), _) => Err(OutputError::Request(error.to_string())),
             (_, Err(reason)) => Err(OutputError::Request(reason)),
         };
@@ -34,10 +35,10 @@ pub fn draw(
     file.times.iter().map(|time| time.value).enumerate().map(picture).collect()
 }
 
-/// How the pictures are drawn.
+/// Returns the options of the pictures.
 ///
 /// # Errors
-/// That there is no such field.
+/// The field is unknown.
 pub fn options(file: &PictureFile) -> Result<RenderOptions, String> {
     let slice = |(axis, at): &(AxisFile, Number)| Slice { axis: *axis as usize, at: Some(at.value) };
     Ok(RenderOptions {

@@ -1,4 +1,4 @@
-//! Plots of a case as vector graphics.
+//! Plots of a case as SVG.
 
 use std::path::Path;
 
@@ -9,17 +9,17 @@ use plotters::element::PathElement;
 use plotters::series::{DashedLineSeries, LineSeries};
 use plotters::style::{BLACK, Color, RGBColor, WHITE};
 
+use super::measures::profile::{distance_over_time, profiles};
+use super::measures::reference::{self, coordinate};
+use super::measures::{Context, series};
 use super::schema::{CurveFile, PlotFile};
-use super::value::profile::{distance_over_time, profiles};
-use super::value::reference::{self, coordinate};
-use super::value::{Context, series};
-use super::verdict::number;
+use sphecs_core::format::significant;
 
-/// Size, points: twice what it is looked at, since coordinates are whole points.
+/// Size, points: twice the display size, since coordinates are whole points.
 const SIZE: (u32, u32) = (1440, 960);
-/// Size of letters, points.
-const LETTERS: u32 = 26;
-/// Colours of the curves, in turn: told apart by people who do not tell red from green (Okabe and Ito).
+/// Font size, points.
+const FONT_SIZE: u32 = 26;
+/// Colours of the curves in turn, distinguishable to colour-blind readers (Okabe and Ito).
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -29,28 +29,28 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
 ];
-/// Points of a dashed stroke.
+/// Lengths of dash and gap, points.
 const DASH: (i32, i32) = (10, 14);
-/// Length of a key in the legend, points.
+/// Length of a line in the legend, points.
 const KEY: i32 = 40;
 
-/// A curve with its points.
+/// Curve with its points.
 struct Curve {
     label: String,
     points: Vec<(f64, f64)>,
-    /// What should be there.
+    /// Points of the reference.
     reference: Vec<(f64, f64)>,
 }
 
 /// Draws the curves of a plot whose runs have results to an SVG file.
 ///
 /// # Errors
-/// What is missing, or that the file cannot be written.
+/// Missing results, or the reason why the file cannot be written.
 pub fn draw(plot: &PlotFile, context: Context<'_>, path: &Path) -> Result<(), String> {
     let present = plot.curves.iter().filter(|curve| context.runs.contains_key(&curve.run().value));
     let mut curves = present.map(|curve| gather(curve, context)).collect::<Result<Vec<_>, _>>()?;
     if plot.logarithmic {
-        // A magnitude of nothing has no logarithm.
+        // A magnitude of zero has no logarithm.
         for curve in &mut curves {
             for points in [&mut curve.points, &mut curve.reference] {
                 points.iter_mut().for_each(|point| point.1 = point.1.abs().log10());
@@ -68,18 +68,18 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
             let found = profiles(&probe, field, &when.value)?;
             let profile = found.first().ok_or("no samples")?;
             let along = probe.places.iter().map(|&place| coordinate(place, *axis));
-            let laid = |(at, value): (f64, f64)| match upright {
+            let oriented = |(at, value): (f64, f64)| match upright {
                 Some((station, scale)) => (station.value + scale.value * value, at),
                 None => (at, value),
             };
-            let points = along.clone().zip(profile.values.iter().copied()).map(laid).collect();
+            let points = along.clone().zip(profile.values.iter().copied()).map(oriented).collect();
             let function = match reference {
                 Some(reference) => reference::function(reference, context.case)?,
                 None => None,
             };
             let line = function.map_or_else(Vec::new, |function| {
                 let values = probe.places.iter().map(|&place| function(place, profile.time));
-                along.zip(values).map(laid).collect()
+                along.zip(values).map(oriented).collect()
             });
             Ok(Curve { label: label.clone(), points, reference: line })
         }
@@ -107,7 +107,8 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
     }
 }
 
-/// What a picture can show of a column over time: of the points that fall on one of its columns the first, the least, the largest and the last.
+/// Returns the points of a curve that a plot can resolve: first, smallest, largest and last of each
+/// pixel column.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Vec::new() };
     let column = |point: &(f64, f64)| {
@@ -126,15 +127,15 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     kept
 }
 
-/// Least and largest of one coordinate, with a margin.
+/// Returns the range of one coordinate of all curves, with a margin.
 fn range(curves: &[Curve], of: fn(&(f64, f64)) -> f64, margin: f64) -> std::ops::Range<f64> {
     let all = || curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.reference)).map(of);
     let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
     if low > high {
         return 0.0..1.0;
     }
-    let room = margin * if high > low { high - low } else { high.abs().max(1e-300) };
-    low - room..high + room
+    let padding = margin * if high > low { high - low } else { high.abs().max(1e-300) };
+    low - padding..high + padding
 }
 
 fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn std::error::Error>> {
@@ -143,15 +144,16 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
     let (across, upward) = (range(curves, |point| point.0, 0.0), range(curves, |point| point.1, 0.05));
     let corner = emptiest_corner(curves, &across, &upward);
     let logarithmic = plot.logarithmic;
-    // A line of the mesh at zero is a rounding error beside it.
+    // The grid line at zero may be a rounding error.
     let spans = [across.end - across.start, upward.end - upward.start];
-    let plain =
-        move |value: f64, axis: usize| number(if value.abs() < 1e-9 * spans[axis] { 0.0 } else { value });
+    let plain = move |value: f64, axis: usize| {
+        significant(if value.abs() < 1e-9 * spans[axis] { 0.0 } else { value })
+    };
     let label = |value: &f64| {
         if logarithmic { format!("{:.1e}", 10_f64.powf(*value)) } else { plain(*value, 1) }
     };
     let mut chart = ChartBuilder::on(&root)
-        .caption(&plot.title, ("sans-serif", LETTERS + 8))
+        .caption(&plot.title, ("sans-serif", FONT_SIZE + 8))
         .margin(24)
         .margin_right(60)
         .x_label_area_size(88)
@@ -161,13 +163,13 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
         .configure_mesh()
         .x_desc(&plot.across)
         .y_desc(&plot.upward)
-        .label_style(("sans-serif", LETTERS))
+        .label_style(("sans-serif", FONT_SIZE))
         .x_labels(8)
         .x_label_formatter(&|value| plain(*value, 0))
         .y_label_formatter(&label)
         .light_line_style(WHITE.mix(0.0))
         .draw()?;
-    // Curves of one label have one colour and one line in the legend.
+    // Curves with equal labels have one colour and one line in the legend.
     let mut labels: Vec<&str> = Vec::new();
     for curve in curves {
         let known = labels.iter().position(|label| *label == curve.label);
@@ -178,7 +180,7 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
             drawn.label(&curve.label).legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
         }
     }
-    // On top: where both agree the dashes show it.
+    // On top, so that the dashes show where both agree.
     let style = BLACK.stroke_width(2);
     for (number, curve) in curves.iter().filter(|curve| !curve.reference.is_empty()).enumerate() {
         let dashed = DashedLineSeries::new(curve.reference.iter().copied(), DASH.0, DASH.1, style);
@@ -190,7 +192,7 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
     chart
         .configure_series_labels()
         .position(corner)
-        .label_font(("sans-serif", LETTERS))
+        .label_font(("sans-serif", FONT_SIZE))
         .legend_area_size(KEY + 14)
         .margin(20)
         .background_style(WHITE.mix(0.85))
@@ -200,7 +202,7 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
     Ok(())
 }
 
-/// The corner of the plot with the fewest points of curves, for the legend.
+/// Returns the corner of the plot with the fewest points of curves, for the legend.
 fn emptiest_corner(
     curves: &[Curve],
     across: &std::ops::Range<f64>,
@@ -227,7 +229,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_long_series_keeps_its_ends_and_its_peaks() {
+    fn long_series_keeps_its_ends_and_peaks() {
         let wave = |step: u32| (f64::from(step) * 1e-3, (f64::from(step) * 0.7).sin());
         let mut points: Vec<(f64, f64)> = (0..100_000).map(wave).collect();
         points[54_321].1 = 3.0;
@@ -241,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_hold_all_points_and_are_never_empty() {
+    fn ranges_contain_all_points_and_are_never_empty() {
         let curve = |points: &[(f64, f64)]| Curve {
             label: String::new(),
             points: points.to_vec(),

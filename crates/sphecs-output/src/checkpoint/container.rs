@@ -1,4 +1,4 @@
-//! The file of a checkpoint.
+//! File format of a checkpoint.
 //!
 //! ```text
 //! magic      8 bytes, "\x89sphecs\n"
@@ -9,8 +9,9 @@
 //! digest     32 bytes, SHA-256 of all before it
 //! ```
 //!
-//! Little-endian, columns in their order. The CRC of a block says which one is damaged, the digest that the whole is whole. The digest
-//! ends the file in every version, so that a version that a flipped bit made is told from one of another program.
+//! Little-endian, columns in their order. The CRC of a block locates damage, the digest covers the
+//! whole file. The digest ends the file in every version, so that a version number with a flipped
+//! bit is distinguishable from the version of another program.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -22,24 +23,24 @@ use super::{Checkpoint, Facts};
 use sphecs_core::math::column::{Column, Columns};
 use sphecs_engine::saved_state::{decode_record, encode_record};
 
-/// Version of the layout, and of what a state consists of: raised with every change of either.
+/// Version of the file format and of the columns of a state, raised with every change of either.
 pub const VERSION: u32 = 4;
 
 const MAGIC: [u8; 8] = *b"\x89sphecs\n";
 const DIGEST: usize = 32;
 
-/// Why a file is no checkpoint to go on from.
+/// Reason why the run cannot resume from a file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unfit {
-    /// It is not what was written.
+pub enum Rejection {
+    /// The file differs from the one written.
     #[error("is damaged: {0}")]
     Damaged(String),
-    /// It is whole and does not belong here.
+    /// The file is intact but does not belong to the run.
     #[error("{0}")]
     Foreign(String),
     /// Another version of the program wrote it.
     #[error(
-        "is of schema version {found}, this sphecs reads version {VERSION}: go on with the version of sphecs that wrote it"
+        "has schema version {found}, this sphecs reads version {VERSION}: resume with the version of sphecs that wrote it"
     )]
     Version {
         /// Version of the file.
@@ -47,14 +48,14 @@ pub enum Unfit {
     },
 }
 
-/// Writes and takes the checksums on the way.
-struct Summing<W> {
+/// Writer that computes the checksums.
+struct ChecksumWriter<W> {
     to: W,
     whole: Sha256,
     block: crc32fast::Hasher,
 }
 
-impl<W: Write> Summing<W> {
+impl<W: Write> ChecksumWriter<W> {
     fn put(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.block.update(bytes);
         self.whole.update(bytes);
@@ -73,13 +74,13 @@ impl<W: Write> Summing<W> {
 /// Writes a checkpoint.
 ///
 /// # Errors
-/// The system's.
+/// The error of the system.
 pub fn write(checkpoint: &Checkpoint, to: impl Write) -> io::Result<()> {
     write_version(checkpoint, VERSION, to)
 }
 
 fn write_version(checkpoint: &Checkpoint, version: u32, to: impl Write) -> io::Result<()> {
-    let mut file = Summing { to, whole: Sha256::new(), block: crc32fast::Hasher::new() };
+    let mut file = ChecksumWriter { to, whole: Sha256::new(), block: crc32fast::Hasher::new() };
     file.put(&MAGIC)?;
     file.put(&version.to_le_bytes())?;
     let facts = encode_record(&checkpoint.facts);
@@ -103,56 +104,56 @@ fn write_version(checkpoint: &Checkpoint, version: u32, to: impl Write) -> io::R
     file.to.flush()
 }
 
-/// Writes the file of a checkpoint under a path, not yet durable.
+/// Writes the file of a checkpoint without making it durable.
 ///
 /// # Errors
-/// The system's.
+/// The error of the system.
 pub(super) fn write_file(checkpoint: &Checkpoint, path: &Path) -> io::Result<()> {
     write(checkpoint, BufWriter::with_capacity(1 << 20, File::create(path)?))
 }
 
-/// Bytes that are read one after the other.
+/// Reader of consecutive bytes.
 struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Reader<'a> {
-    fn take(&mut self, count: usize, what: &str) -> Result<&'a [u8], Unfit> {
+    fn take(&mut self, count: usize, what: &str) -> Result<&'a [u8], Rejection> {
         let end = self.at.checked_add(count).filter(|end| *end <= self.bytes.len());
-        let end = end.ok_or_else(|| Unfit::Damaged(format!("it ends within {what}")))?;
+        let end = end.ok_or_else(|| Rejection::Damaged(format!("it ends within {what}")))?;
         let taken = &self.bytes[self.at..end];
         self.at = end;
         Ok(taken)
     }
 
-    fn number<const N: usize>(&mut self, what: &str) -> Result<u64, Unfit> {
+    fn number<const N: usize>(&mut self, what: &str) -> Result<u64, Rejection> {
         let mut bytes = [0; 8];
         bytes[..N].copy_from_slice(self.take(N, what)?);
         Ok(u64::from_le_bytes(bytes))
     }
 
-    fn text(&mut self, length: u64, what: &str) -> Result<&'a str, Unfit> {
+    fn text(&mut self, length: u64, what: &str) -> Result<&'a str, Rejection> {
         let bytes = self.take(length as usize, what)?;
-        std::str::from_utf8(bytes).map_err(|_| Unfit::Damaged(format!("{what} is no text")))
+        std::str::from_utf8(bytes).map_err(|_| Rejection::Damaged(format!("{what} is not text")))
     }
 
-    /// Checks the CRC-32 that ends the block begun at `start`.
-    fn end_block(&mut self, start: usize, what: &str) -> Result<(), Unfit> {
+    /// Checks the CRC-32 of the block from `start` on.
+    fn end_block(&mut self, start: usize, what: &str) -> Result<(), Rejection> {
         let found = crc32fast::hash(&self.bytes[start..self.at]);
         match self.number::<4>(what)? {
             sum if sum == u64::from(found) => Ok(()),
-            _ => Err(Unfit::Damaged(format!("the checksum of {what} is wrong"))),
+            _ => Err(Rejection::Damaged(format!("the checksum of {what} is wrong"))),
         }
     }
 }
 
-/// The checkpoint of a file's bytes.
+/// Returns the checkpoint in the bytes of a file.
 ///
 /// # Errors
-/// [`Unfit`] with what is wrong.
-pub fn read(bytes: &[u8]) -> Result<Checkpoint, Unfit> {
-    let damaged = |what: &str| Unfit::Damaged(what.to_owned());
+/// [`Rejection`] with the reason.
+pub fn read(bytes: &[u8]) -> Result<Checkpoint, Rejection> {
+    let damaged = |what: &str| Rejection::Damaged(what.to_owned());
     if bytes.is_empty() {
         return Err(damaged("it is empty"));
     }
@@ -160,30 +161,30 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, Unfit> {
         return Err(damaged("it is cut off"));
     };
     let (body, digest) = bytes.split_at(rest);
-    let whole = Sha256::digest(body).as_slice() == digest;
+    let is_intact = Sha256::digest(body).as_slice() == digest;
     let mut reader = Reader { bytes: body, at: 0 };
-    if reader.take(MAGIC.len(), "its mark")? != MAGIC {
-        return Err(damaged("it does not begin as a checkpoint does"));
+    if reader.take(MAGIC.len(), "its magic number")? != MAGIC {
+        return Err(damaged("it does not start as a checkpoint does"));
     }
     let version = reader.number::<4>("its version")? as u32;
-    if whole && version != VERSION {
-        return Err(Unfit::Version { found: version });
+    if is_intact && version != VERSION {
+        return Err(Rejection::Version { found: version });
     }
     let checkpoint = blocks(&mut reader)?;
-    // The blocks say more closely what is damaged; the digest has the last word.
-    if !whole || reader.at != body.len() {
+    // The blocks locate damage; the digest also covers bytes outside them.
+    if !is_intact || reader.at != body.len() {
         return Err(damaged("its digest is wrong"));
     }
     Ok(checkpoint)
 }
 
-fn blocks(reader: &mut Reader<'_>) -> Result<Checkpoint, Unfit> {
+fn blocks(reader: &mut Reader<'_>) -> Result<Checkpoint, Rejection> {
     let start = 0;
     let length = reader.number::<4>("its facts")?;
     let facts = reader.take(length as usize, "its facts")?;
     reader.end_block(start, "its facts")?;
-    let facts: Facts =
-        decode_record(facts).map_err(|what| Unfit::Damaged(format!("its facts do not read: {what}")))?;
+    let facts: Facts = decode_record(facts)
+        .map_err(|what| Rejection::Damaged(format!("its facts cannot be read: {what}")))?;
     let mut state = Columns::default();
     for _ in 0..reader.number::<4>("its number of columns")? {
         let start = reader.at;
@@ -193,13 +194,14 @@ fn blocks(reader: &mut Reader<'_>) -> Result<Checkpoint, Unfit> {
         let length = reader.number::<1>(&what)?;
         let type_name = reader.text(length, &what)?;
         let length = reader.number::<8>(&what)?;
-        let length = usize::try_from(length).map_err(|_| Unfit::Damaged(format!("{what} is too long")))?;
+        let length =
+            usize::try_from(length).map_err(|_| Rejection::Damaged(format!("{what} is too long")))?;
         let values = reader.take(length, &what)?;
         reader.end_block(start, &what)?;
         let column = Column::from_bytes(type_name, values)
-            .ok_or_else(|| Unfit::Damaged(format!("{what} is of no known type")))?;
+            .ok_or_else(|| Rejection::Damaged(format!("{what} has an unknown type")))?;
         if state.iter().any(|(known, _)| known == name) {
-            return Err(Unfit::Damaged(format!("{what} is there twice")));
+            return Err(Rejection::Damaged(format!("{what} occurs twice")));
         }
         state.put_column(name, column);
     }
@@ -222,44 +224,44 @@ mod tests {
 
     fn bytes(version: u32) -> Vec<u8> {
         let mut bytes = Vec::new();
-        write_version(&checkpoint(), version, &mut bytes).expect("memory takes it");
+        write_version(&checkpoint(), version, &mut bytes).expect("written to memory");
         bytes
     }
 
     #[test]
-    fn a_checkpoint_reads_back_as_written() {
+    fn checkpoint_reads_back_as_written() {
         assert_eq!(read(&bytes(VERSION)), Ok(checkpoint()));
     }
 
     #[test]
-    fn every_flipped_bit_and_every_cut_is_found() {
-        let sound = bytes(VERSION);
-        for at in 0..sound.len() {
+    fn every_flipped_bit_and_every_truncation_is_detected() {
+        let intact = bytes(VERSION);
+        for at in 0..intact.len() {
             for bit in 0..8 {
-                let mut flipped = sound.clone();
+                let mut flipped = intact.clone();
                 flipped[at] ^= 1 << bit;
-                assert!(matches!(read(&flipped), Err(Unfit::Damaged(_))), "bit {bit} of byte {at}");
+                assert!(matches!(read(&flipped), Err(Rejection::Damaged(_))), "bit {bit} of byte {at}");
             }
-            assert!(matches!(read(&sound[..at]), Err(Unfit::Damaged(_))), "cut at {at}");
+            assert!(matches!(read(&intact[..at]), Err(Rejection::Damaged(_))), "cut at {at}");
         }
-        let longer = [sound.clone(), vec![0]].concat();
-        assert!(matches!(read(&longer), Err(Unfit::Damaged(_))));
+        let longer = [intact.clone(), vec![0]].concat();
+        assert!(matches!(read(&longer), Err(Rejection::Damaged(_))));
     }
 
     #[test]
-    fn the_damaged_block_is_named() {
-        let sound = bytes(VERSION);
+    fn damaged_block_is_named() {
+        let intact = bytes(VERSION);
         let name = b"arrays.velocity.0";
-        let at = sound.windows(name.len()).position(|window| window == name).expect("its name");
-        let mut flipped = sound;
-        // Behind the name stand a length, a type of three letters, eight bytes of length.
+        let at = intact.windows(name.len()).position(|window| window == name).expect("its name");
+        let mut flipped = intact;
+        // The name is followed by a length, a type of three letters and eight bytes of length.
         flipped[at + name.len() + 13] ^= 4;
         let message = read(&flipped).expect_err("damaged").to_string();
         assert!(message.contains("arrays.velocity.0") && message.contains("checksum"), "{message}");
     }
 
     #[test]
-    fn another_version_is_named_with_ours() {
+    fn other_version_is_named_with_ours() {
         let message = read(&bytes(VERSION + 6)).expect_err("another version").to_string();
         assert!(
             message.contains(&format!("version {}", VERSION + 6))

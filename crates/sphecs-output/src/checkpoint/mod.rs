@@ -1,21 +1,21 @@
-//! Checkpoints: the whole state of a run in one file, from which it goes on to the same bits.
+//! Checkpoints: the whole state of a run in one file, from which the run resumes bitwise
+//! identically.
 //!
-//! - [`container`]: the file, its checksums and what can be wrong with it
-//! - [`store`]: the folder of a run's checkpoints, of which the last two are kept
-//! - `cut`: output cut back to a checkpoint
+//! - [`container`]: file format, checksums and reasons to reject a file
+//! - [`store`]: folder of the checkpoints of a run, of which the last two are kept
 //!
-//! A checkpoint is written by the thread that writes the frames, behind every frame that it counts and with the tables made durable
-//! before it: what it says of the output is on the disk when it has its name.
+//! The writer thread of the frames writes a checkpoint after every frame that it counts, and makes
+//! the tables durable before it. The output that a checkpoint counts is on the disk once the
+//! checkpoint has its name.
 
 pub mod container;
-pub mod cut;
 pub mod store;
 
 use serde::{Deserialize, Serialize};
 
 use sphecs_core::math::column::Columns;
 
-/// What a checkpoint says of itself and of the output at its step.
+/// Origin of a checkpoint and the output written up to its step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Facts {
@@ -23,28 +23,28 @@ pub struct Facts {
     pub scene_sha256: String,
     /// Version of sphecs that wrote it.
     pub version: String,
-    /// Name of the instruction set that the pair sums ran on: others give other bits.
+    /// Name of the instruction set of the pair sums; others give results that differ bitwise.
     pub lanes: String,
     /// Time, s.
     pub time: f64,
     /// Steps done.
     pub step: u64,
-    /// Frames written up to there.
+    /// Frames written up to the step.
     pub frames: u64,
-    /// Bytes of `monitor.csv` up to there.
+    /// Bytes of `monitor.csv` up to the step.
     pub monitor_bytes: u64,
-    /// Bytes of `probes.csv` up to there; 0 without probes.
+    /// Bytes of `probes.csv` up to the step; 0 without probes.
     pub probes_bytes: u64,
-    /// Bytes of `forces.csv` up to there; 0 without bodies.
+    /// Bytes of `forces.csv` up to the step; 0 without bodies.
     #[serde(default)]
     pub forces_bytes: u64,
 }
 
-/// A state with its facts.
+/// State of a simulation with its facts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Checkpoint {
-    /// What it is of.
+    /// Origin of the state.
     pub facts: Facts,
-    /// The state.
+    /// Columns of the state.
     pub state: Columns,
 }

@@ -1,49 +1,42 @@
-//! The folder of a run's checkpoints, of which the last two are kept.
+//! Folder of the checkpoints of a run, of which the last two are kept.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::Checkpoint;
-use super::container::{self, Unfit};
+use super::container::{self, Rejection};
 use crate::disk;
 use crate::error::OutputError;
+use crate::paths::{self, CHECKPOINTS, is_checkpoint};
 
-/// Name of the folder in the run folder.
-pub const FOLDER: &str = "checkpoints";
-
-/// Checkpoints kept: the last, and the one before it in case the last is damaged.
+/// Number of checkpoints kept: the last, and the one before it in case the last is damaged.
 const KEPT: usize = 2;
 
-/// The checkpoints of a run that is being written.
+/// Checkpoints of a run.
 #[derive(Clone, Debug)]
 pub struct Store {
     folder: PathBuf,
 }
 
-/// A checkpoint that cannot be gone on from, and why.
+/// Checkpoint that the run cannot resume from, and the reason.
 #[derive(Clone, Debug)]
-pub struct Refused {
+pub struct Rejected {
     /// File.
     pub path: PathBuf,
-    /// What is wrong with it.
-    pub why: Unfit,
-}
-
-fn is_checkpoint(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.starts_with("step-") && name.ends_with(".checkpoint")
+    /// Reason.
+    pub reason: Rejection,
 }
 
 impl Store {
-    /// The store of a run folder.
+    /// Returns the store of a run folder.
     pub fn of(run: &Path) -> Self {
-        Self { folder: run.join(FOLDER) }
+        Self { folder: run.join(CHECKPOINTS) }
     }
 
-    /// The files, the latest first.
+    /// Returns the paths of the checkpoints, latest first.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the folder does not read.
+    /// [`OutputError::Io`] when the folder cannot be read.
     pub fn files(&self) -> Result<Vec<PathBuf>, OutputError> {
         let mut files = Vec::new();
         if !self.folder.exists() {
@@ -58,13 +51,13 @@ impl Store {
         Ok(files)
     }
 
-    /// Writes a checkpoint whole or not at all, and removes those that are older than the last two.
+    /// Writes a checkpoint completely or not at all and removes all but the last two.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses; earlier checkpoints are untouched.
+    /// [`OutputError::Io`] when the write fails; earlier checkpoints are untouched.
     pub fn write(&self, checkpoint: &Checkpoint) -> Result<PathBuf, OutputError> {
         fs::create_dir_all(&self.folder).map_err(OutputError::io(&self.folder, "make the folder"))?;
-        let path = self.folder.join(format!("step-{:012}.checkpoint", checkpoint.facts.step));
+        let path = self.folder.join(paths::checkpoint(checkpoint.facts.step));
         container::write_file(checkpoint, &disk::fresh_partial(&path)).map_err(|cause| {
             disk::discard(&path);
             OutputError::io(&path, "write")(cause)
@@ -76,36 +69,38 @@ impl Store {
         Ok(path)
     }
 
-    /// The latest checkpoint that is whole and that `fits`, with its path; and those that were refused before it.
+    /// Returns the latest complete checkpoint that `is_usable` accepts, with its path, and the
+    /// later ones rejected.
     ///
     /// # Errors
-    /// [`OutputError`] when a file does not read, or one of another schema version is met: an older one would be of it too.
+    /// [`OutputError`] when a file cannot be read or has another schema version, as older ones
+    /// would have too.
     pub fn latest(
         &self,
-        fits: impl Fn(&Checkpoint) -> Result<(), String>,
-    ) -> Result<(Option<(PathBuf, Checkpoint)>, Vec<Refused>), OutputError> {
-        let mut refused = Vec::new();
+        is_usable: impl Fn(&Checkpoint) -> Result<(), String>,
+    ) -> Result<(Option<(PathBuf, Checkpoint)>, Vec<Rejected>), OutputError> {
+        let mut rejected = Vec::new();
         for path in self.files()? {
             let bytes = fs::read(&path).map_err(OutputError::io(&path, "read"))?;
-            let why = match container::read(&bytes) {
-                Ok(checkpoint) => match fits(&checkpoint) {
-                    Ok(()) => return Ok((Some((path, checkpoint)), refused)),
-                    Err(why) => Unfit::Foreign(why),
+            let reason = match container::read(&bytes) {
+                Ok(checkpoint) => match is_usable(&checkpoint) {
+                    Ok(()) => return Ok((Some((path, checkpoint)), rejected)),
+                    Err(reason) => Rejection::Foreign(reason),
                 },
-                Err(why @ Unfit::Version { .. }) => {
-                    return Err(OutputError::Request(format!("`{}`: {why}", path.display())));
+                Err(reason @ Rejection::Version { .. }) => {
+                    return Err(OutputError::Request(format!("`{}`: {reason}", path.display())));
                 }
-                Err(why) => why,
+                Err(reason) => reason,
             };
-            refused.push(Refused { path, why });
+            rejected.push(Rejected { path, reason });
         }
-        Ok((None, refused))
+        Ok((None, rejected))
     }
 
-    /// Removes what a kill or damage left: files without a whole name, and all checkpoints later than `last`.
+    /// Removes incomplete files and all checkpoints later than `last`.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when a file cannot be removed.
     pub fn cut_back(&self, last: Option<&Path>) -> Result<(), OutputError> {
         if !self.folder.exists() {
             return Ok(());
@@ -144,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_two_are_kept_and_a_damaged_one_is_passed_over() {
+    fn last_two_are_kept_and_a_damaged_one_is_skipped() {
         let run = tempfile::tempdir().expect("a folder");
         let store = Store::of(run.path());
         assert!(store.latest(|_| Ok(())).expect("read").0.is_none());
@@ -153,17 +148,17 @@ mod tests {
         }
         assert_eq!(steps(&store), [900, 70]);
         let files = store.files().expect("read");
-        let sound = fs::read(&files[0]).expect("read");
-        for damaged in [&sound[..sound.len() / 2], &[], b"something else"] {
+        let intact = fs::read(&files[0]).expect("read");
+        for damaged in [&intact[..intact.len() / 2], &[], b"something else"] {
             fs::write(&files[0], damaged).expect("written");
-            let (found, refused) = store.latest(|_| Ok(())).expect("read");
+            let (found, rejected) = store.latest(|_| Ok(())).expect("read");
             assert_eq!(found.expect("the one before").1, checkpoint(70));
-            assert!(refused.len() == 1 && refused[0].path == files[0], "{refused:?}");
+            assert!(rejected.len() == 1 && rejected[0].path == files[0], "{rejected:?}");
         }
-        let (found, refused) = store.latest(|_| Err("of another scene".to_owned())).expect("read");
-        assert!(found.is_none() && refused.len() == 2);
+        let (found, rejected) = store.latest(|_| Err("belongs to another scene".to_owned())).expect("read");
+        assert!(found.is_none() && rejected.len() == 2);
         fs::write(disk::partial_name(&files[0]), "cut off").expect("written");
         store.cut_back(Some(&files[1])).expect("cut back");
-        assert_eq!(fs::read_dir(run.path().join(FOLDER)).expect("read").count(), 1);
+        assert_eq!(fs::read_dir(run.path().join(CHECKPOINTS)).expect("read").count(), 1);
     }
 }

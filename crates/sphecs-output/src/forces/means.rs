@@ -1,43 +1,43 @@
-//! Means, amplitudes and Strouhal number of a body's coefficients over an interval.
+//! Means, amplitudes and Strouhal number of the force coefficients of a body over an interval.
 //!
 //! ```text
 //! c̄ = (1/T) ∫ c dt,   amplitude = (max c − min c)/2,   St = f L/u∞,   f of the lift's spectrum
 //! ```
 //!
-//! With `five_point_mean` of the running mean over five rows, (c_{n−2} + … + c_{n+2})/5, as Negi et al. (2020), section 4.6.
+//! With `five_point_mean`, c is the running mean over five rows, (c_{n−2} + … + c_{n+2})/5, as in
+//! Negi et al. (2020), section 4.6.
 
 use std::path::{Path, PathBuf};
 
 use super::spectrum::dominant_frequency;
 use crate::error::OutputError;
 use crate::header::Header;
+use crate::paths::FORCES_MEAN_CSV;
 use crate::table::{Column, Table, TableWriter, number, safe_names};
-
-/// Name of the CSV file in the run folder.
-pub const CSV: &str = "forces_mean.csv";
 
 /// Name and long name of all quantities.
 pub const QUANTITIES: [(&str, &str); 5] = [
     ("c_d_mean", "mean drag coefficient"),
-    ("c_d_amplitude", "half of largest less least drag coefficient"),
+    ("c_d_amplitude", "half of largest minus smallest drag coefficient"),
     ("c_l_mean", "mean lift coefficient"),
-    ("c_l_amplitude", "half of largest less least lift coefficient"),
+    ("c_l_amplitude", "half of largest minus smallest lift coefficient"),
     ("strouhal", "Strouhal number of the lift"),
 ];
 
-/// What an interval has, in the order of [`QUANTITIES`]; NaN where it has no two rows or the lift no frequency.
+/// Quantities in the order of [`QUANTITIES`]; NaN with less than two rows, or without a frequency
+/// of the lift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Means([f64; QUANTITIES.len()]);
 
 impl Means {
-    /// A quantity by its name.
+    /// Returns the quantity of a name.
     pub fn get(&self, name: &str) -> f64 {
         QUANTITIES.iter().position(|(known, _)| *known == name).map_or(f64::NAN, |index| self.0[index])
     }
 }
 
-/// The means of all bodies that have coefficients, with their names.
-pub(super) fn of_all(header: &Header, table: &Table) -> Vec<(String, Means)> {
+/// Returns the means of all bodies that have coefficients, with their names.
+pub(super) fn means_of_bodies(header: &Header, table: &Table) -> Vec<(String, Means)> {
     let column = |name: &str| {
         let index = table.columns.iter().position(|column| column.name == name);
         index.map(|index| table.numbers(index)).unwrap_or_default()
@@ -77,12 +77,12 @@ pub(super) fn write(
     if found.is_empty() {
         return Ok(None);
     }
-    let path = folder.join(CSV);
+    let path = folder.join(FORCES_MEAN_CSV);
     let mut columns = vec![Column::of_text("body"), Column::new("from", "s"), Column::new("to", "s")];
     columns.extend(QUANTITIES.map(|(name, _)| Column::new(name, "1")));
     let mut writer = TableWriter::create(&path, &columns)?;
-    let referred = header.bodies.iter().filter(|body| body.reference.is_some());
-    for (body, (_, means)) in referred.zip(found) {
+    let with_reference = header.bodies.iter().filter(|body| body.reference.is_some());
+    for (body, (_, means)) in with_reference.zip(found) {
         let mut cells = vec![body.name.clone(), number(body.mean.0), number(body.mean.1)];
         cells.extend(means.0.map(number));
         writer.append([cells])?;
@@ -90,7 +90,7 @@ pub(super) fn write(
     Ok(Some(path))
 }
 
-/// Running mean over five values, over fewer at the ends.
+/// Returns the running mean over five values, over fewer at the ends.
 fn five_point_mean(values: &[f64]) -> Vec<f64> {
     let around = |at: usize| {
         let near = &values[at.saturating_sub(2)..values.len().min(at + 3)];
@@ -99,7 +99,7 @@ fn five_point_mean(values: &[f64]) -> Vec<f64> {
     (0..values.len()).map(around).collect()
 }
 
-/// Mean over time by trapezoids.
+/// Returns the mean over time by the trapezoidal rule.
 fn mean(times: &[f64], values: &[f64]) -> f64 {
     let pairs = times.windows(2).zip(values.windows(2));
     let integral: f64 = pairs.map(|(t, c)| (t[1] - t[0]) * 0.5 * (c[0] + c[1])).sum();
@@ -120,12 +120,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn five_points_are_the_printed_mean() {
+    fn five_point_mean_is_as_published() {
         assert_eq!(five_point_mean(&[1.0, 2.0, 6.0, 3.0, 8.0, 1.0]), [3.0, 3.0, 4.0, 4.0, 4.5, 4.0]);
     }
 
     #[test]
-    fn mean_and_amplitude_do_not_depend_on_the_steps() {
+    fn mean_and_amplitude_are_independent_of_the_steps() {
         let times: Vec<f64> = (0..2001).map(|k| f64::from(k) * 1e-2 + 3e-3 * f64::from(k % 3)).collect();
         let values: Vec<f64> = times.iter().map(|t| 1.4 + 0.05 * (std::f64::consts::PI * t).sin()).collect();
         assert!((mean(&times, &values) - 1.4).abs() < 1e-4, "{}", mean(&times, &values));

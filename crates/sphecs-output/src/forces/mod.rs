@@ -1,14 +1,15 @@
-//! `forces.csv` and `forces.nc`: force and torque on the bodies over time.
+//! Force and torque on the bodies over time: `forces.csv` and `forces.nc`.
 //!
-//! - [`spectrum`]: the frequency of the lift
+//! - [`spectrum`]: frequency of the lift
 //! - [`means`]: means, amplitudes and Strouhal number over an interval, `forces_mean.csv`
 //!
 //! ```text
 //! c_d = F_x/(½ ρ0 u∞² A),   c_l = F_y/(½ ρ0 u∞² A)
 //! ```
 //!
-//! Negi et al. (2020), section 4.6, whose print lacks A. A row has the forces at the beginning of a step and its time. The CSV file
-//! grows while the run goes on, in the manner of `monitor.csv`; the NetCDF file is made from it when the run is packed.
+//! Negi et al. (2020), section 4.6, which omits A. A row has the time and the forces at the
+//! beginning of a step. The CSV file is written during the run like `monitor.csv`; the NetCDF file
+//! is made from it when the run is packed.
 
 pub mod means;
 pub mod spectrum;
@@ -21,14 +22,10 @@ use means::Means;
 use super::error::OutputError;
 use super::header::{BodyHeader, Header};
 use super::netcdf::dataset::{Dataset, Variable};
+use super::paths::{FORCES_CSV, FORCES_NETCDF};
 use super::table::{Column, Table, TableWriter, number, safe_names};
 use sphecs_core::pass::body::BodySum;
 use sphecs_engine::systems::body_forces::BodyForcesRow;
-
-/// Name of the CSV file in the run folder.
-pub const CSV: &str = "forces.csv";
-/// Name of the NetCDF file in the run folder.
-pub const NETCDF: &str = "forces.nc";
 
 /// Appends rows to `forces.csv`.
 #[derive(Debug)]
@@ -37,7 +34,7 @@ pub struct ForcesWriter {
     header: Header,
 }
 
-/// Column name, unit and long name of everything that a row has.
+/// Returns column and long name of each quantity of a row.
 fn columns(header: &Header) -> Vec<(Column, String)> {
     // In 2D per metre of depth.
     let [force, torque] = if header.dimensions == 2 { ["N m-1", "N"] } else { ["N", "N m"] };
@@ -58,7 +55,7 @@ fn columns(header: &Header) -> Vec<(Column, String)> {
                     format!("force {of} on {} along {axis}", body.name),
                 );
             }
-            for axis in turns(header) {
+            for axis in torque_axes(header) {
                 let long_name = format!("torque {of} on {} about {axis}", body.name);
                 add(format!("{part}torque_{axis}_{name}"), torque, long_name);
             }
@@ -71,12 +68,12 @@ fn columns(header: &Header) -> Vec<(Column, String)> {
     columns
 }
 
-/// Axes that a torque may be about.
-fn turns(header: &Header) -> &'static [&'static str] {
+/// Returns the axes that a torque may have.
+fn torque_axes(header: &Header) -> &'static [&'static str] {
     if header.dimensions == 2 { &["z"] } else { &["x", "y", "z"] }
 }
 
-/// Drag and lift coefficient of a force, N (N/m in 2D).
+/// Returns drag and lift coefficient of a force, N (N/m in 2D).
 fn coefficients(header: &Header, body: &BodyHeader, force: DVec3) -> Option<[f64; 2]> {
     let reference = body.reference?;
     let scale = 0.5 * header.reference_density * reference.velocity * reference.velocity * reference.area;
@@ -84,30 +81,30 @@ fn coefficients(header: &Header, body: &BodyHeader, force: DVec3) -> Option<[f64
 }
 
 impl ForcesWriter {
-    /// Goes on behind the first `length` bytes of `forces.csv`, or starts it where there are none.
+    /// Continues `forces.csv` after its first `length` bytes, or creates it if `length` is 0.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
-    pub fn go_on(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
-        let path = folder.join(CSV);
+    /// [`OutputError::Io`] when the write fails.
+    pub fn resume(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
+        let path = folder.join(FORCES_CSV);
         let table = if length == 0 {
             let columns: Vec<Column> = columns(header).into_iter().map(|(column, _)| column).collect();
             TableWriter::create(&path, &columns)?
         } else {
-            TableWriter::go_on(&path, length)?
+            TableWriter::resume(&path, length)?
         };
         Ok(Self { table, header: header.clone() })
     }
 
-    /// The table, for its length.
+    /// Returns the table of the file.
     pub(crate) fn table(&self) -> &TableWriter {
         &self.table
     }
 
-    /// Appends a row, which is in the file when this returns.
+    /// Appends a row, which is written to the file when this returns.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn append(&mut self, row: &BodyForcesRow) -> Result<(), OutputError> {
         let header = &self.header;
         let mut cells = vec![number(row.time), row.step.to_string()];
@@ -115,8 +112,8 @@ impl ForcesWriter {
             for (force, torque) in parts(sum) {
                 let axes = header.dimensions;
                 cells.extend(force.to_array().iter().take(axes).map(|&value| number(value)));
-                let turn = torque.to_array();
-                cells.extend(turn[if axes == 2 { 2.. } else { 0.. }].iter().map(|&value| number(value)));
+                let torque = torque.to_array();
+                cells.extend(torque[if axes == 2 { 2.. } else { 0.. }].iter().map(|&value| number(value)));
             }
             let force = sum.pressure_force + sum.viscous_force;
             cells.extend(coefficients(header, body, force).into_iter().flatten().map(number));
@@ -125,7 +122,7 @@ impl ForcesWriter {
     }
 }
 
-/// Force and torque: whole, of the pressure, of all else.
+/// Returns force and torque: total, of the pressure, of all other terms.
 fn parts(sum: &BodySum) -> [(DVec3, DVec3); 3] {
     [
         (sum.pressure_force + sum.viscous_force, sum.pressure_torque + sum.viscous_torque),
@@ -134,7 +131,7 @@ fn parts(sum: &BodySum) -> [(DVec3, DVec3); 3] {
     ]
 }
 
-/// What a run has of its bodies.
+/// Forces on the bodies of a run and their means.
 #[derive(Clone, Debug, Default)]
 pub struct ForcesHistory {
     /// Columns of `forces.csv` by name; none without bodies.
@@ -148,35 +145,37 @@ pub struct ForcesHistory {
 /// # Errors
 /// [`OutputError`] with the path and the cause.
 pub fn read_history(folder: &Path, header: &Header) -> Result<ForcesHistory, OutputError> {
-    let path = folder.join(CSV);
+    let path = folder.join(FORCES_CSV);
     if !path.exists() {
         return Ok(ForcesHistory::default());
     }
     let table = Table::read(&path)?;
     let columns = table.columns.iter().enumerate();
-    // By the names of the scene, not those of the columns.
-    let referred = header.bodies.iter().filter(|body| body.reference.is_some());
-    let means =
-        referred.zip(means::of_all(header, &table)).map(|(body, (_, means))| (body.name.clone(), means));
+    // The names are those of the scene, not of the columns.
+    let with_reference = header.bodies.iter().filter(|body| body.reference.is_some());
+    let means = with_reference
+        .zip(means::means_of_bodies(header, &table))
+        .map(|(body, (_, means))| (body.name.clone(), means));
     Ok(ForcesHistory {
         columns: columns.map(|(index, column)| (column.name.clone(), table.numbers(index))).collect(),
         means: means.collect(),
     })
 }
 
-/// Makes `forces.nc` and `forces_mean.csv` from `forces.csv`; their paths, none when there is no CSV file.
+/// Writes `forces.nc` and `forces_mean.csv` from `forces.csv` and returns their paths; none without
+/// a CSV file.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
 pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError> {
-    let source = folder.join(CSV);
+    let source = folder.join(FORCES_CSV);
     if !source.exists() {
         return Ok(Vec::new());
     }
     let table = Table::read(&source)?;
     let mut dataset =
         Dataset::over_time("force and torque on the bodies over time", &table, &columns(header));
-    let found = means::of_all(header, &table);
+    let found = means::means_of_bodies(header, &table);
     for (name, long_name) in means::QUANTITIES {
         for (body, means) in &found {
             dataset.variables.push(Variable {
@@ -187,7 +186,7 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError>
             });
         }
     }
-    let path = folder.join(NETCDF);
+    let path = folder.join(FORCES_NETCDF);
     dataset.write(&path, header)?;
     let mut files = vec![path];
     files.extend(means::write(folder, header, &found)?);

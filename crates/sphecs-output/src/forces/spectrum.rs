@@ -1,41 +1,43 @@
-//! The frequency of a lift whose rows are not evenly spaced: a periodogram by least squares.
+//! Frequency of an unevenly sampled lift coefficient by a least-squares periodogram.
 //!
 //! ```text
 //! P(f) = [Σ y cos ω(t − τ)]²/Σ cos² ω(t − τ) + [Σ y sin ω(t − τ)]²/Σ sin² ω(t − τ),   tan 2ωτ = Σ sin 2ωt/Σ cos 2ωt
 //! ```
 //!
-//! Lomb (1976), Scargle (1982), of y less its mean. Time steps vary, so that a Fourier transform would want the rows brought onto
-//! even times first. P is what a sine of the frequency f, fitted to the rows, takes out of their squares.
+//! Lomb (1976), Scargle (1982), of y minus its mean. Time steps vary, so a Fourier transform would
+//! need the rows interpolated to even times first. P is the reduction of Σ y² by a fitted sine of
+//! the frequency f.
 
 use std::f64::consts::PI;
 
-/// Rows that are looked at: longer series are averaged in groups, far finer than a period still.
-const MOST_ROWS: usize = 4096;
+/// Largest number of rows: longer series are averaged in groups, still far shorter than a period.
+const MAX_ROWS: usize = 4096;
 
-/// Frequencies looked at for each that the length of the series tells apart.
-const OVERSAMPLED: f64 = 8.0;
+/// Trial frequencies per frequency resolution of the series, 1/(length of the series).
+const OVERSAMPLING: f64 = 8.0;
 
-/// The frequency, 1/s, at which a series of times (s) and values swings most; None with less than two periods, or where it does
-/// not swing.
+/// Returns the frequency, 1/s, with the largest power in a series of times (s) and values.
+///
+/// None with less than two periods or without oscillation.
 pub fn dominant_frequency(times: &[f64], values: &[f64]) -> Option<f64> {
-    let (times, values) = grouped(times, values);
+    let (times, values) = averaged(times, values);
     let length = times.last()? - times.first()?;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let values: Vec<f64> = values.iter().map(|value| value - mean).collect();
     let squares: f64 = values.iter().map(|value| value * value).sum();
-    // Below this all is rounding.
+    // Smaller sums are rounding errors.
     if times.len() < 8 || length.is_nan() || length <= 0.0 || squares <= 1e-24 * mean * mean || squares == 0.0
     {
         return None;
     }
-    let step = 1.0 / (OVERSAMPLED * length);
+    let step = 1.0 / (OVERSAMPLING * length);
     // From two periods to four rows a period.
-    let first = (2.0 * OVERSAMPLED) as usize;
-    let last = (OVERSAMPLED * times.len() as f64 / 4.0) as usize;
+    let first = (2.0 * OVERSAMPLING) as usize;
+    let last = (OVERSAMPLING * times.len() as f64 / 4.0) as usize;
     let power = |frequency: f64| periodogram(&times, &values, frequency);
     let found: Vec<f64> = (first..=last).map(|k| power(k as f64 * step)).collect();
     let best = (0..found.len()).max_by(|&a, &b| found[a].total_cmp(&found[b]))?;
-    // What falls off from the lowest frequency on is a drift.
+    // A power that decreases from the lowest frequency on is a drift.
     if best == 0 {
         return None;
     }
@@ -43,16 +45,16 @@ pub fn dominant_frequency(times: &[f64], values: &[f64]) -> Option<f64> {
     Some(peak(power, middle - step, middle + step))
 }
 
-/// Means of groups of as many rows as bring the series below [`MOST_ROWS`].
-fn grouped(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let size = times.len().div_ceil(MOST_ROWS).max(1);
+/// Returns the means of groups of rows, at most [`MAX_ROWS`] of them.
+fn averaged(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let size = times.len().div_ceil(MAX_ROWS).max(1);
     let means = |numbers: &[f64]| {
         numbers.chunks_exact(size).map(|group| group.iter().sum::<f64>() / size as f64).collect()
     };
     (means(times), means(values))
 }
 
-/// Power of a frequency.
+/// Returns the power of a frequency.
 fn periodogram(times: &[f64], values: &[f64], frequency: f64) -> f64 {
     let omega = 2.0 * PI * frequency;
     let (sine, cosine) = times.iter().fold((0.0, 0.0), |(sine, cosine), t| {
@@ -71,7 +73,8 @@ fn periodogram(times: &[f64], values: &[f64], frequency: f64) -> f64 {
     part(sums[0], sums[1]) + part(sums[2], sums[3])
 }
 
-/// Place of the maximum of a function with one between two places, by golden sections.
+/// Returns the maximum of a function that has one between `low` and `high`, by golden-section
+/// search.
 fn peak(power: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..40 {
@@ -85,24 +88,24 @@ fn peak(power: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Steps that vary by a half, as after a start.
+    /// Times with steps that vary by a half, as after a start.
     fn times(count: u32, step: f64) -> Vec<f64> {
         (0..count).map(|k| step * (f64::from(k) + 0.25 * f64::from(k % 7) / 7.0)).collect()
     }
 
     #[test]
-    fn the_frequency_of_a_sine_is_found_between_uneven_rows() {
+    fn frequency_of_a_sine_is_found_in_uneven_rows() {
         for (count, step, frequency) in [(600, 0.1, 0.2053), (50_000, 0.002, 0.1021), (300, 0.05, 1.37)] {
             let times = times(count, step);
             let lift = |t: &f64| 0.7 * (2.0 * PI * frequency * t + 0.4).sin() + 0.1 + 0.05 * (40.0 * t).cos();
             let values: Vec<f64> = times.iter().map(lift).collect();
-            let found = dominant_frequency(&times, &values).expect("it swings");
+            let found = dominant_frequency(&times, &values).expect("a frequency");
             assert!((found / frequency - 1.0).abs() < 2e-3, "{found}, not {frequency}");
         }
     }
 
     #[test]
-    fn what_does_not_swing_has_no_frequency() {
+    fn constant_and_drift_have_no_frequency() {
         let times = times(500, 0.1);
         assert_eq!(dominant_frequency(&times, &vec![2.0; 500]), None);
         let drift: Vec<f64> = times.iter().map(|t| 0.3 * t).collect();

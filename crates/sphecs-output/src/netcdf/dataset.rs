@@ -1,15 +1,16 @@
-//! Small datasets held in memory and written in one go: monitors and probes.
+//! Small datasets, of monitors and probes, held in memory and written at once.
 
 use std::path::Path;
 
 use ::netcdf::AttributeValue;
 
-use super::{add_variable, write_file};
+use super::file::{add_variable, write_file};
+use super::layout::put_header;
 use crate::error::OutputError;
 use crate::header::Header;
 use crate::table::{Column, Table};
 
-/// A variable of doubles.
+/// Variable of doubles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Variable {
     /// Name.
@@ -34,7 +35,8 @@ pub(crate) struct Dataset {
 }
 
 impl Dataset {
-    /// The columns of a table as variables over its rows, with the long names of the columns that are `known`.
+    /// Returns the columns of a table as variables over time, with the long names of the `known`
+    /// columns.
     pub(crate) fn over_time(title: &str, table: &Table, known: &[(Column, String)]) -> Self {
         let variable = |(index, column): (usize, &Column)| {
             let mut attributes = vec![("units", column.unit.clone().unwrap_or_default())];
@@ -51,7 +53,7 @@ impl Dataset {
         }
     }
 
-    /// Writes the file whole or not at all.
+    /// Writes the file completely or not at all.
     ///
     /// # Errors
     /// [`OutputError`] with the path and the cause.
@@ -64,7 +66,7 @@ impl Dataset {
                     file.add_dimension(name, *length)?;
                 }
             }
-            super::layout::put_facts(file, header, &self.title)?;
+            put_header(file, header, &self.title)?;
             let length = |name: &String| {
                 self.dimensions.iter().find(|(other, _)| other == name).map_or(0, |(_, length)| *length)
             };

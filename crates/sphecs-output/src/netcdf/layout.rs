@@ -1,29 +1,29 @@
-//! The layout of `particles.nc`, shared by the frames of the journal.
+//! Layout of `particles.nc` and of the frames of the journal.
 //!
 //! ```text
 //! dimensions  time (unlimited), particle (slots that are not walls), wall
-//! x y (z)     f64 (time, particle), m            NaN: in the reservoir, or not there yet
+//! x y (z)     f64 (time, particle), m            NaN: in the reservoir, or absent
 //! u v (w)     f32 (time, particle), m s-1
 //! density pressure tag   f32 (time, particle)
-//! zone        u8  (time, particle), CF flags     255: a slot that no particle has yet
+//! zone        u8  (time, particle), CF flags     255: slot without a particle
 //! passage     u32 (time, particle)
 //! particle_id u32 (particle)                     number of the particle in the run
 //! wall_x wall_y (wall_z) wall_id wall_part       (wall), stored once
 //! step time_step (time)
 //! ```
 //!
-//! A slot takes 41 bytes in 2D and 53 in 3D before compression. CF has no standard names for a liquid in
-//! general: those of sea water are the table's names for the same quantities.
+//! A slot takes 41 bytes in 2D and 53 in 3D before compression. CF has no standard names for
+//! liquids in general, so the names for sea water are used.
 
 use ::netcdf::{AttributeValue, FileMut};
 
-use super::add_variable;
-use super::particles::{Slots, pick};
+use super::file::add_variable;
+use super::slots::{Slots, pick};
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use sphecs_core::particles::zone::Zone;
 
-/// Slots per chunk at most: 2 MiB of doubles.
+/// Largest number of slots in a chunk: 2 MiB of doubles.
 const CHUNK: usize = 1 << 18;
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
@@ -32,8 +32,8 @@ pub(super) const VELOCITIES: [&str; 3] = ["u", "v", "w"];
 const VELOCITY_STANDARD_NAMES: [&str; 3] =
     ["sea_water_x_velocity", "sea_water_y_velocity", "upward_sea_water_velocity"];
 
-/// The attributes that every file of a run has.
-pub(super) fn put_facts(file: &mut FileMut, header: &Header, title: &str) -> Result<(), ::netcdf::Error> {
+/// Adds the attributes that every file of a run has.
+pub(super) fn put_header(file: &mut FileMut, header: &Header, title: &str) -> Result<(), ::netcdf::Error> {
     let texts = [
         ("Conventions", "CF-1.11".to_owned()),
         ("title", format!("{}: {title}", header.title)),
@@ -44,7 +44,7 @@ pub(super) fn put_facts(file: &mut FileMut, header: &Header, title: &str) -> Res
         ("scene_sha256", header.sha256.clone()),
         ("kernel", header.kernel.clone()),
         ("precision", header.precision.clone()),
-        // HDF5 keeps an attribute of up to 64 KiB in its header; `scene.ron` has the rest of a longer text.
+        // HDF5 limits an attribute to 64 KiB; `scene.ron` has the whole text.
         ("scene", header.text.chars().take(16_000).collect()),
     ];
     for (name, text) in texts {
@@ -72,9 +72,9 @@ fn text(name: &'static str, value: impl Into<String>) -> (&'static str, Attribut
     (name, AttributeValue::from(value.into()))
 }
 
-/// Declares the variables of the slots and stores their numbers.
+/// Defines the variables of the slots and writes the particle numbers.
 pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Result<(), ::netcdf::Error> {
-    put_facts(file, header, "particles")?;
+    put_header(file, header, "particles")?;
     file.add_unlimited_dimension("time")?;
     // Length 0 would make the dimension unlimited.
     file.add_dimension("particle", slots.particles.len().max(1))?;
@@ -136,7 +136,7 @@ pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Resu
     Ok(())
 }
 
-/// Declares and stores the walls.
+/// Defines and writes the variables of the walls.
 pub(super) fn put_walls(
     file: &mut FileMut,
     header: &Header,

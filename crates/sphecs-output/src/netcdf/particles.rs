@@ -1,46 +1,18 @@
-//! Frames in files of the layout of [`layout`](super::layout): written and read here only.
+//! Frames in NetCDF files of the layout of [`layout`](super::layout), written and read.
 
 use std::path::{Path, PathBuf};
 
 use ::netcdf::{File, FileMut};
 
+use super::file::{Stored, WriteError, open_file, read_error, write_file};
 use super::layout::{AXES, VELOCITIES, define, put_walls};
-use super::{Fault, Stored, damaged, open_file, write_file};
+use super::slots::{Slots, pick};
 use crate::error::OutputError;
 use crate::frame::Frame;
 use crate::header::Header;
 use sphecs_core::particles::zone::Zone;
 
-/// Which particles are which slots of a file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Slots {
-    /// Numbers of the particles that are not walls, rising.
-    pub(crate) particles: Vec<u32>,
-    /// Numbers of the wall particles, rising.
-    pub(crate) walls: Vec<u32>,
-}
-
-impl Slots {
-    /// The slots of a frame. Walls stay walls for a whole run.
-    pub(crate) fn of(frame: &Frame) -> Self {
-        let (walls, particles) =
-            (0..frame.len() as u32).partition(|&slot| frame.zone[slot as usize] == Zone::Wall as u8);
-        Self { particles, walls }
-    }
-
-    /// Slots of a dense frame.
-    fn dense_len(&self) -> usize {
-        let last = |numbers: &[u32]| numbers.last().map_or(0, |&last| last as usize + 1);
-        last(&self.particles).max(last(&self.walls))
-    }
-}
-
-/// The values of some slots.
-pub(super) fn pick<T: Copy>(column: &[T], slots: &[u32]) -> Vec<T> {
-    slots.iter().map(|&slot| column[slot as usize]).collect()
-}
-
-/// Writes the walls of a run, and no frame.
+/// Writes the walls of a run without a frame.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
@@ -64,8 +36,8 @@ pub(crate) fn write_frame(path: &Path, header: &Header, frame: &Frame) -> Result
     })
 }
 
-/// Writes all frames of a run; `frame` is called for 0, 1, … `count` − 1, and `slots` are those of the frame
-/// with the most.
+/// Writes all frames of a run; `frame` is called for 0, 1, … `count` − 1, and `slots` are those of
+/// the largest frame.
 ///
 /// # Errors
 /// [`OutputError`] of a frame, or with the path and the cause.
@@ -81,7 +53,7 @@ pub(crate) fn write_run(
         define(file, header, slots)?;
         put_walls(file, header, slots, walls)?;
         for index in 0..count {
-            put_frame(file, header, slots, index, &frame(index).map_err(Fault::Other)?)?;
+            put_frame(file, header, slots, index, &frame(index).map_err(WriteError::Source)?)?;
         }
         Ok(())
     })
@@ -111,7 +83,7 @@ fn put_frame(
             variable.put_values(values, ([index, 0], [1, values.len()]))
         }
     }
-    // A frame older than the last growth of the reservoir has fewer slots than the file.
+    // A frame before the last growth of the reservoir has fewer slots than the file.
     let longer;
     let frame = if frame.len() < slots.dense_len() {
         let mut padded = frame.clone();
@@ -136,23 +108,23 @@ fn put_frame(
     put(file, "time", index, &[frame.time])
 }
 
-/// An open file of the layout.
+/// Open file of the layout.
 #[derive(Debug)]
 pub(crate) struct ParticleFile {
     path: PathBuf,
     file: File,
     dimensions: usize,
-    /// Which particles the slots are.
+    /// Particles of the slots.
     pub(crate) slots: Slots,
     /// Times of its frames, s.
     pub(crate) times: Vec<f64>,
 }
 
 impl ParticleFile {
-    /// Opens a file and reads what its slots are.
+    /// Opens a file and reads its times and slots.
     ///
     /// # Errors
-    /// [`OutputError::Damaged`] when it is not a file of the layout.
+    /// [`OutputError::Damaged`] when the file has another layout.
     pub(crate) fn open(path: &Path) -> Result<Self, OutputError> {
         let file = open_file(path)?;
         let mut opened = Self {
@@ -163,7 +135,7 @@ impl ParticleFile {
             times: Vec::new(),
         };
         opened.times = opened.column("time")?;
-        // A file of walls alone has one unused slot.
+        // A file with walls only has one unused slot.
         if !opened.times.is_empty() {
             opened.slots.particles = opened.column("particle_id")?;
         }
@@ -175,7 +147,7 @@ impl ParticleFile {
 
     fn column<T: Stored>(&self, name: &str) -> Result<Vec<T>, OutputError> {
         let variable = self.variable(name)?;
-        variable.get_values(..).map_err(damaged(&self.path))
+        variable.get_values(..).map_err(read_error(&self.path))
     }
 
     fn variable(&self, name: &str) -> Result<::netcdf::Variable<'_>, OutputError> {
@@ -185,10 +157,10 @@ impl ParticleFile {
         })
     }
 
-    /// A frame of walls alone: every other slot is absent.
+    /// Returns a frame with the walls only; all other slots are absent.
     ///
     /// # Errors
-    /// [`OutputError::Damaged`] when the walls do not read.
+    /// [`OutputError::Damaged`] when the walls cannot be read.
     pub(crate) fn walls(&self) -> Result<Frame, OutputError> {
         let mut frame = Frame::absent(self.slots.walls.last().map_or(0, |&last| last as usize + 1));
         if self.slots.walls.is_empty() {
@@ -208,10 +180,10 @@ impl ParticleFile {
         Ok(frame)
     }
 
-    /// The frame `index`, walls included: of a wall only position and part are known.
+    /// Returns the frame `index` with the walls, of which only position and part are known.
     ///
     /// # Errors
-    /// [`OutputError::Damaged`] when it does not read.
+    /// [`OutputError::Damaged`] when it cannot be read.
     pub(crate) fn frame(&self, index: usize, walls: &Frame) -> Result<Frame, OutputError> {
         let ids = &self.slots.particles;
         let mut frame = walls.clone();
@@ -227,13 +199,13 @@ impl ParticleFile {
         place(&mut frame.passage, ids, &self.row("passage", index)?);
         if self.dimensions == 2 {
             for slot in ids.iter().map(|&slot| slot as usize) {
-                // Zero, but nowhere stays nowhere.
+                // Zero, but NaN for slots without a position.
                 frame.position[2][slot] = 0.0 * frame.position[0][slot] + 0.0;
                 frame.velocity[2][slot] = 0.0 * frame.velocity[0][slot] + 0.0;
             }
         }
         let scalar = |name| -> Result<f64, OutputError> {
-            self.variable(name)?.get_value([index]).map_err(damaged(&self.path))
+            self.variable(name)?.get_value([index]).map_err(read_error(&self.path))
         };
         frame.time = scalar("time")?;
         frame.time_step = scalar("time_step")?;
@@ -244,7 +216,7 @@ impl ParticleFile {
     fn row<T: Stored>(&self, name: &str, index: usize) -> Result<Vec<T>, OutputError> {
         self.variable(name)?
             .get_values(([index, 0], [1, self.slots.particles.len()]))
-            .map_err(damaged(&self.path))
+            .map_err(read_error(&self.path))
     }
 }
 

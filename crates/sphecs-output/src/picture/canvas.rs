@@ -1,4 +1,4 @@
-//! A picture in memory with lines and text.
+//! Picture in memory with lines and text.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -8,12 +8,12 @@ use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::error::OutputError;
 
-/// Colour of axes and text: softer than black on white.
+/// Colour of axes and text, softer than black on white.
 pub(super) const INK: [u8; 3] = [0x22, 0x26, 0x2b];
 /// Background.
 pub(super) const PAPER: [u8; 3] = [0xff; 3];
 
-/// Which edge of a text its place means.
+/// Edge of a text at its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Anchor {
     /// Left edge.
@@ -33,7 +33,7 @@ pub(super) enum Weight {
     Bold,
 }
 
-/// The fonts stand in the program, so that pictures look the same on every machine.
+/// Returns a font that is part of the program, so that pictures are equal on all machines.
 fn font(weight: Weight) -> Option<&'static FontRef<'static>> {
     static REGULAR: OnceLock<Option<FontRef>> = OnceLock::new();
     static BOLD: OnceLock<Option<FontRef>> = OnceLock::new();
@@ -50,18 +50,18 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// An empty picture of a size in pixels.
+    /// Returns an empty picture of a size in pixels.
     pub(super) fn new(width: u32, height: u32) -> Self {
         Self { image: RgbImage::from_pixel(width, height, Rgb(PAPER)) }
     }
 
-    /// Colour of a pixel.
+    /// Returns the colour of a pixel.
     #[cfg(test)]
     pub(super) fn pixel(&self, x: u32, y: u32) -> [u8; 3] {
         self.image.get_pixel(x, y).0
     }
 
-    /// Sets a pixel; outside the picture nothing happens.
+    /// Sets a pixel; positions outside the picture are ignored.
     pub(super) fn set(&mut self, x: i64, y: i64, colour: [u8; 3]) {
         if let Some(pixel) = self.pixel_mut(x, y) {
             *pixel = Rgb(colour);
@@ -91,12 +91,12 @@ impl Canvas {
         self.fill([x + width, y - thick], [thick, high], INK);
     }
 
-    /// Width of a text, pixels.
+    /// Returns the width of a text, pixels.
     pub(super) fn text_width(text: &str, size: f32, weight: Weight) -> f32 {
         layout(text, size, weight).map_or(0.0, |(_, width)| width)
     }
 
-    /// Writes a text whose baseline runs through `at`; `size` is the height of a line in pixels.
+    /// Draws a text with its baseline through `at`; `size` is the line height in pixels.
     pub(super) fn text(&mut self, text: &str, at: [f32; 2], size: f32, weight: Weight, anchor: Anchor) {
         let (Some(font), Some((glyphs, width))) = (font(weight), layout(text, size, weight)) else {
             return;
@@ -107,7 +107,7 @@ impl Canvas {
             Anchor::Right => at[0] - width,
         };
         for mut glyph in glyphs {
-            // Whole pixels keep the stems of letters crisp from one to the next.
+            // Whole pixels keep the stems of all letters sharp.
             glyph.position += point(left.round(), at[1].round());
             let Some(outline) = font.outline_glyph(glyph) else {
                 continue;
@@ -126,7 +126,7 @@ impl Canvas {
         }
     }
 
-    /// Writes the picture as PNG, whole or not at all.
+    /// Writes the picture as PNG, completely or not at all.
     ///
     /// # Errors
     /// [`OutputError`] with the path and the cause.
@@ -141,7 +141,7 @@ impl Canvas {
     }
 }
 
-/// Glyphs of a text along a baseline from the origin, and its width.
+/// Returns the glyphs of a text along a baseline from the origin, and its width in pixels.
 fn layout(text: &str, size: f32, weight: Weight) -> Option<(Vec<Glyph>, f32)> {
     let font = font(weight)?;
     let scale = PxScale::from(size);
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_leaves_ink_where_it_is_anchored() {
+    fn text_is_drawn_at_its_anchor() {
         let mut canvas = Canvas::new(200, 40);
         canvas.text("Δp = −3 kg/m³", [190.0, 30.0], 20.0, Weight::Regular, Anchor::Right);
         let width = Canvas::text_width("Δp = −3 kg/m³", 20.0, Weight::Regular);
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn drawing_outside_is_harmless() {
+    fn drawing_outside_is_ignored() {
         let mut canvas = Canvas::new(10, 10);
         canvas.fill([-5, 8], [30, 30], INK);
         canvas.text("far away", [-500.0, 900.0], 30.0, Weight::Bold, Anchor::Left);

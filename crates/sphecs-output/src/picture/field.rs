@@ -1,4 +1,4 @@
-//! The fields that can be drawn, and their values for the particles of a frame.
+//! Fields that can be drawn, and their values for the particles of a frame.
 
 use std::str::FromStr;
 
@@ -7,7 +7,7 @@ use super::view::View;
 use super::vorticity::vorticity;
 use crate::frame::Frame;
 
-/// A field to draw.
+/// Field to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     /// Magnitude of the velocity, m/s.
@@ -44,7 +44,7 @@ impl Field {
         Field::Tag,
     ];
 
-    /// Name on the command line and in pictures.
+    /// Returns the name on the command line and in pictures.
     pub fn name(self) -> &'static str {
         match self {
             Field::Speed => "speed",
@@ -59,7 +59,7 @@ impl Field {
         }
     }
 
-    /// Unit as written in pictures; empty for dimensionless fields.
+    /// Returns the unit in pictures; empty for dimensionless fields.
     pub fn unit(self) -> &'static str {
         match self {
             Field::Speed | Field::U | Field::V | Field::W => "m/s",
@@ -70,7 +70,7 @@ impl Field {
         }
     }
 
-    /// Colours that suit the field: signed fields diverge from white at zero.
+    /// Returns the default colour map: signed fields diverge from white at zero.
     pub(super) fn colours(self, dimensions: usize) -> Colours {
         match self {
             Field::U | Field::V | Field::W => Colours::Diverging,
@@ -82,13 +82,14 @@ impl Field {
         }
     }
 
-    /// Whether a pixel takes the value of its nearest particle instead of a mean: a label has no mean.
+    /// Returns true if a pixel has the value of its nearest particle, since labels have no mean.
     pub(super) fn is_label(self) -> bool {
         matches!(self, Field::Zone | Field::Tag)
     }
 
-    /// Share of the values at each end that the colour scale may cut off: fields with a few extreme particles, at
-    /// sharp corners, would otherwise show nothing else.
+    /// Returns the fraction of values that the colour scale may cut off at each end.
+    ///
+    /// A few extreme particles at sharp corners would otherwise hide all other values.
     pub(super) fn cut(self) -> f64 {
         match self {
             Field::Vorticity => 0.002,
@@ -97,7 +98,8 @@ impl Field {
         }
     }
 
-    /// Values for all slots of a frame; NaN where there is none. Vorticity is computed for the particles of the view.
+    /// Returns the values of all slots of a frame, NaN without a value; vorticity is computed for
+    /// the view only.
     pub(super) fn values(self, frame: &Frame, view: &View) -> Vec<f32> {
         let [u, v, w] = &frame.velocity;
         match self {
@@ -127,7 +129,7 @@ impl FromStr for Field {
                 .min_by_key(|name| strsim::damerau_levenshtein(name, text))
                 .copied()
                 .unwrap_or_default();
-            format!("`{text}` is not a field, did you mean `{near}`? There are {}", names.join(", "))
+            format!("`{text}` is not a field, did you mean `{near}`? Fields are {}", names.join(", "))
         })
     }
 }

@@ -1,8 +1,12 @@
-//! `sphecs render`: a field of a frame as a PNG picture with title, axes, walls and colour scale.
+//! Field of a frame as a PNG picture with title, axes, walls and colour scale.
 //!
-//! Rooms: `field` (what can be drawn), `vorticity`, `view` (plane or slice), `raster` (particles to pixels), `scale`
-//! (ticks and colours), `sheet` (what stands around the field), `canvas` (pixels and text).
-//! A new field is a variant of [`Field`] with its arms in `field`.
+//! - `field`: fields that can be drawn; a new one is a variant of [`Field`] and its arms
+//! - `vorticity`: vorticity of the particles
+//! - `view`: plane of a 2D flow or slice of a 3D flow
+//! - `raster`: particles to pixels
+//! - `scale`: ticks and colour maps
+//! - `sheet`: title, axes and legend around the field
+//! - `canvas`: pixels and text
 
 mod canvas;
 mod field;
@@ -19,7 +23,7 @@ pub use scale::Colours;
 pub use view::Slice;
 
 use self::canvas::Canvas;
-use self::sheet::{Key, Sheet};
+use self::sheet::{ColourKey, Sheet};
 use self::view::View;
 use super::error::OutputError;
 use super::frame::Frame;
@@ -27,14 +31,14 @@ use super::header::Header;
 use super::results::Results;
 use sphecs_core::particles::zone::Zone;
 
-/// How to draw.
+/// Options of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
-    /// What to draw.
+    /// Field to draw.
     pub field: Field,
     /// Values at the ends of the colour scale, in the field's unit; None: from the frames drawn.
     pub range: Option<(f64, f64)>,
-    /// Colour map; None: the one that suits the field.
+    /// Colour map; None: the default of the field.
     pub colours: Option<Colours>,
     /// Width of the picture, pixels.
     pub width: u32,
@@ -48,10 +52,11 @@ impl Default for RenderOptions {
     }
 }
 
-/// Draws the frame nearest to `time` (s; None: the last) into a PNG file; the time of the frame, s.
+/// Draws the frame nearest to `time` (s; None: the last) into a PNG file and returns its time, s.
 ///
 /// # Errors
-/// [`OutputError`] when the run has no frames, the options do not fit it, or a file does not read or write.
+/// [`OutputError`] when the run has no frames, the options do not match it, or a file cannot be
+/// read or written.
 pub fn render(
     results: &Results,
     time: Option<f64>,
@@ -64,13 +69,14 @@ pub fn render(
     };
     let frame = results.frame(index)?;
     let mut painter = Painter::new(&results.header, options)?;
-    painter.note(&frame);
+    painter.include(&frame);
     painter.paint(&frame, path)?;
     Ok(frame.time)
 }
 
-/// Draws all frames into PNG files `name-0000.png`, … beside `path`, with one colour scale for all; calls `done` with
-/// the number of pictures ready and the number of all.
+/// Draws all frames into PNG files `name-0000.png`, … beside `path`, with one colour scale.
+///
+/// Calls `done` with the number of finished pictures and the number of all.
 ///
 /// # Errors
 /// As [`render`].
@@ -86,7 +92,7 @@ pub fn render_all(
     let mut painter = Painter::new(&results.header, options)?;
     if options.range.is_none() && options.field != Field::Zone {
         for index in 0..results.len() {
-            painter.note(&results.frame(index)?);
+            painter.include(&results.frame(index)?);
         }
     }
     let mut paths = Vec::with_capacity(results.len());
@@ -99,10 +105,11 @@ pub fn render_all(
     Ok(paths)
 }
 
-/// Draws a frame by itself into a PNG file, with a square around a slot. What is drawn is the box of the header's bounds.
+/// Draws a single frame into a PNG file with a square around a slot; the picture shows the bounds
+/// of the header.
 ///
 /// # Errors
-/// [`OutputError`] when the options do not fit the header or the file does not write.
+/// [`OutputError`] when the options do not match the header or the file cannot be written.
 pub(super) fn render_marked(
     header: &Header,
     frame: &Frame,
@@ -111,20 +118,20 @@ pub(super) fn render_marked(
     path: &Path,
 ) -> Result<(), OutputError> {
     let mut painter = Painter::new(header, options)?;
-    painter.note(frame);
+    painter.include(frame);
     let mut canvas = painter.draw(frame);
     painter.mark(&mut canvas, frame, slot);
     canvas.save(path)
 }
 
-/// `flow.png` becomes `flow-0007.png`.
+/// Returns the path with the index added, as `flow-0007.png` for `flow.png`.
 fn numbered(path: &Path, index: usize) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().unwrap_or("png".as_ref()).to_string_lossy();
     path.with_file_name(format!("{stem}-{index:04}.{ending}"))
 }
 
-/// Draws frames of one run on the same scale.
+/// Painter of the frames of one run with one colour scale.
 struct Painter<'a> {
     options: &'a RenderOptions,
     title: &'a str,
@@ -138,22 +145,22 @@ impl<'a> Painter<'a> {
         let view = View::new(header, options.slice)?;
         if options.field == Field::W && view.dimensions == 2 {
             return Err(OutputError::Request(
-                "field `w`: the run is in 2D and has no velocity along z".to_owned(),
+                "field `w`: the run is in 2D and has no velocity along z, draw `u` or `v`".to_owned(),
             ));
         }
         if let Some((low, high)) = options.range
             && !(low < high && low.is_finite() && high.is_finite())
         {
             return Err(OutputError::Request(format!(
-                "range {low} to {high}: the first value must be the smaller, and both finite"
+                "range {low} to {high}: must be two finite numbers, the smaller first"
             )));
         }
         let sheet = Sheet::new(&view, options.width);
         Ok(Self { options, title: &header.title, view, sheet, found: None })
     }
 
-    /// Widens the scale to the values of a frame.
-    fn note(&mut self, frame: &Frame) {
+    /// Extends the scale to the values of a frame.
+    fn include(&mut self, frame: &Frame) {
         if self.options.range.is_some() {
             return;
         }
@@ -179,10 +186,10 @@ impl<'a> Painter<'a> {
         self.found = Some((low_before.min(low), high_before.max(high)));
     }
 
-    fn key(&self) -> Key {
+    fn key(&self) -> ColourKey {
         let field = self.options.field;
         if field == Field::Zone {
-            return Key::Zones;
+            return ColourKey::Zones;
         }
         let own = field.colours(self.view.dimensions);
         let (mut low, mut high) = self.found.unwrap_or((0.0, 1.0));
@@ -193,12 +200,12 @@ impl<'a> Painter<'a> {
             high = high.abs().max(low.abs());
             low = -high;
         }
-        // A uniform field has no range of its own.
+        // A uniform field has an empty range.
         if high - low <= 1e-6 * high.abs().max(low.abs()) {
             let margin = if high == 0.0 { 1.0 } else { 1e-3 * high.abs() };
             (low, high) = (low - margin, high + margin);
         }
-        Key::Scale {
+        ColourKey::Scale {
             colours: self.options.colours.unwrap_or(own),
             range: self.options.range.unwrap_or((low, high)),
         }
@@ -208,7 +215,7 @@ impl<'a> Painter<'a> {
         self.draw(frame).save(path)
     }
 
-    /// Draws a square around a slot, unless it is nowhere.
+    /// Draws a square around a slot that has a position.
     fn mark(&self, canvas: &mut Canvas, frame: &Frame, slot: usize) {
         let [right, up, _] = self.view.place(frame, slot);
         if !(right.is_finite() && up.is_finite()) {

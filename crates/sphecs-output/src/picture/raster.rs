@@ -1,11 +1,12 @@
-//! From particles to pixels: a filled field, grey walls, and white where there is nothing.
+//! Particles to pixels: a filled field, grey walls, and white without particles.
 //!
 //! ```text
 //! f(x) = Σ_b f_b w_b / Σ_b w_b,   w = (1 − (r/R)²)³ inside R = 1.5 Δ (2D), 1.75 Δ (3D)
 //! ```
 //!
-//! A pixel is white when its nearest particle is farther than a particle of a disordered but unbroken fluid can be,
-//! so that a hole of the size of a missing particle shows; it is wall where the walls' Σ w³ is the larger.
+//! A pixel is white if its nearest particle is farther away than in any disordered but connected
+//! fluid, so that a hole of one missing particle is visible. It is wall if the Σ w³ of the walls is
+//! the larger one.
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
@@ -20,10 +21,10 @@ pub(super) const WALL: [u8; 3] = [0x9a, 0x9f, 0xa6];
 /// Colour of particles without a value.
 const NO_VALUE: [u8; 3] = [0xd8, 0xdb, 0xdf];
 
-/// Samples of a pixel along each side: the edge of a wall is a slope of shades, not a stair.
+/// Samples of a pixel along each side, which smooth the edges of walls.
 const SAMPLES: usize = 2;
 
-/// Colours of an area of pixels, row by row from the top.
+/// Returns the colours of an area of pixels, row by row from the top.
 pub(super) fn paint(
     frame: &Frame,
     view: &View,
@@ -43,7 +44,7 @@ pub(super) fn paint(
                 let right = ((pixel % width) as f64 + offset(sample % SAMPLES)) / width as f64;
                 let down = ((pixel / width) as f64 + offset(sample / SAMPLES)) / height as f64;
                 let (x, y) = (view.low[0] + right * extent[0], view.high[1] - down * extent[1]);
-                let found = match particles.look(x, y, nearest) {
+                let found = match particles.at(x, y, nearest) {
                     Found::Nothing => PAPER,
                     Found::Wall => WALL,
                     Found::Value(value) if value.is_finite() => colour(value),
@@ -56,7 +57,7 @@ pub(super) fn paint(
         .collect()
 }
 
-/// What is at a point.
+/// Content of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Found {
     Nothing,
@@ -64,7 +65,7 @@ enum Found {
     Value(f64),
 }
 
-/// Particles near the plane, sorted for looking up.
+/// Particles near the plane, sorted into cells.
 struct Particles {
     places: Vec<[f64; 3]>,
     values: Vec<f32>,
@@ -76,7 +77,8 @@ struct Particles {
 
 impl Particles {
     fn new(frame: &Frame, view: &View, values: &[f32]) -> Self {
-        // Half the diagonal of a lattice cell is 0.71 Δ in 2D, 0.87 Δ in 3D; the rest is room for disorder.
+        // Half the diagonal of a lattice cell is 0.71 Δ in 2D, 0.87 Δ in 3D; the rest allows for
+        // disorder.
         let (reach, farthest) = if view.dimensions == 2 { (1.5, 1.0) } else { (1.75, 1.2) };
         let reach = reach * view.spacing;
         let slots: Vec<usize> = (0..frame.len())
@@ -94,7 +96,7 @@ impl Particles {
         }
     }
 
-    fn look(&self, x: f64, y: f64, nearest: bool) -> Found {
+    fn at(&self, x: f64, y: f64, nearest: bool) -> Found {
         let (mut fluid, mut wall, mut valued, mut sum) = (0.0, 0.0, 0.0, 0.0);
         let (mut closest, mut label) = (f64::INFINITY, f64::NAN);
         let mut closest_of_all = f64::INFINITY;
@@ -107,7 +109,8 @@ impl Particles {
             }
             let weight = rest * rest * rest;
             closest_of_all = closest_of_all.min(square);
-            // Steeper than the mean's weight: square corners stay square, and disorder still does not fray the edge.
+            // Steeper than the weight of the mean: corners stay square, and disorder does not
+            // roughen the edge.
             let presence = weight * weight * weight;
             if self.wall[index] {
                 wall += presence;
@@ -141,7 +144,8 @@ mod tests {
     use crate::header::Header;
     use crate::picture::view::Slice;
 
-    /// A block of 20 × 20 particles on three layers of wall, with a hole where nine particles are missing.
+    /// Returns a block of 20 × 20 particles on three layers of wall, with a hole where nine
+    /// particles are missing.
     fn block() -> (Frame, View) {
         let mut frame = Frame::absent(20 * 23);
         for slot in 0..frame.len() {
@@ -175,24 +179,25 @@ mod tests {
             for column in 0..200 {
                 let (x, y) = (f64::from(column) * 0.095, 3.0 + f64::from(row) * 0.095);
                 let from_hole = (x - 10.0).abs().max((y - 13.0).abs());
-                match particles.look(x, y, false) {
-                    // A mean of a linear field is off where a hole cuts its support, by less than a spacing.
+                match particles.at(x, y, false) {
+                    // Where a hole cuts its support, the mean of a linear field is wrong by less
+                    // than a spacing.
                     Found::Value(value) => assert!((value - x).abs() < 1.0, "{value} at {x}, {y}"),
                     other => assert!(from_hole < 2.0, "{other:?} at {x}, {y}"),
                 }
             }
         }
-        assert_eq!(particles.look(10.0, 13.0, false), Found::Nothing);
-        assert_eq!(particles.look(5.0, 2.4, false), Found::Wall);
-        assert!(matches!(particles.look(5.0, 2.6, false), Found::Value(_)));
+        assert_eq!(particles.at(10.0, 13.0, false), Found::Nothing);
+        assert_eq!(particles.at(5.0, 2.4, false), Found::Wall);
+        assert!(matches!(particles.at(5.0, 2.6, false), Found::Value(_)));
     }
 
     #[test]
-    fn label_is_that_of_the_nearest() {
+    fn label_is_taken_from_the_nearest_particle() {
         let (frame, view) = block();
         let values: Vec<f32> = (0..frame.len()).map(|slot| (slot % 2) as f32).collect();
         let particles = Particles::new(&frame, &view, &values);
-        assert_eq!(particles.look(4.4, 6.0, true), Found::Value(0.0));
-        assert_eq!(particles.look(4.6, 6.0, true), Found::Value(1.0));
+        assert_eq!(particles.at(4.4, 6.0, true), Found::Value(0.0));
+        assert_eq!(particles.at(4.6, 6.0, true), Found::Value(1.0));
     }
 }

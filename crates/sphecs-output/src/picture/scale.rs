@@ -1,15 +1,15 @@
-//! Numbers and colours of a scale: round ticks, their labels, colour maps.
+//! Scale of a picture: round ticks, their labels and colour maps.
 
 use colorous::Gradient;
 
-/// A colour map.
+/// Colour map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colours {
     /// Perceptually uniform, dark blue to yellow.
     Viridis,
     /// Perceptually uniform, dark blue over red to yellow.
     Plasma,
-    /// Perceptually uniform, blue to yellow, the same to colour-blind eyes.
+    /// Perceptually uniform, blue to yellow, suitable for colour-blind readers.
     Cividis,
     /// Rainbow with even steps.
     Turbo,
@@ -27,7 +27,7 @@ impl Colours {
         ("diverging", Colours::Diverging),
     ];
 
-    /// Colour at a share of the scale from 0 to 1; beyond the ends it stays.
+    /// Returns the colour at a fraction of the scale, clamped to 0 to 1.
     pub(super) fn at(self, share: f64) -> [u8; 3] {
         let share = share.clamp(0.0, 1.0);
         let (gradient, share): (Gradient, f64) = match self {
@@ -48,12 +48,12 @@ impl std::str::FromStr for Colours {
     fn from_str(text: &str) -> Result<Self, String> {
         Colours::ALL.iter().find(|(name, _)| *name == text).map(|&(_, colours)| colours).ok_or_else(|| {
             let names: Vec<&str> = Colours::ALL.iter().map(|&(name, _)| name).collect();
-            format!("`{text}` is not a colour map, there are {}", names.join(", "))
+            format!("`{text}` is not a colour map, colour maps are {}", names.join(", "))
         })
     }
 }
 
-/// Round numbers within a range, at most `most` of them.
+/// Returns round numbers within a range, at most `most` of them.
 pub(super) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let length = high - low;
     if !(length > 0.0 && length.is_finite()) || most == 0 {
@@ -61,7 +61,7 @@ pub(super) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     }
     let rough = length / most as f64;
     let decade = 10_f64.powf(rough.log10().floor());
-    // Half a last digit of the length: an end of the range that is a round number counts as inside.
+    // Includes an end of the range that is a round number.
     let slack = 1e-9 * length;
     [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]
         .iter()
@@ -75,15 +75,15 @@ pub(super) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
         .unwrap_or_default()
 }
 
-/// Decimals with which all ticks are written.
+/// Returns the number of decimals of all ticks.
 fn decimals(ticks: &[f64]) -> usize {
     let step = ticks.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let step = if step.is_finite() { step } else { ticks.iter().fold(1.0, |_, tick| tick.abs()) };
-    // A step of 0.5 needs one decimal, one of 0.1 too: the slack is for 0.1 as the machine has it.
+    // Steps of 0.5 and 0.1 need one decimal; the slack is for the rounding of 0.1.
     if step > 0.0 { (-(step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize } else { 0 }
 }
 
-/// Labels of ticks and the power of ten that they are to be multiplied by.
+/// Returns the labels of ticks and the power of ten by which they are to be multiplied.
 pub(super) fn labels(ticks: &[f64], plain: bool) -> (Vec<String>, i32) {
     let largest = ticks.iter().fold(0.0_f64, |largest, tick| largest.max(tick.abs()));
     let needs_power = !plain && largest > 0.0 && !(1e-2..1e5).contains(&largest);
@@ -97,7 +97,7 @@ pub(super) fn labels(ticks: &[f64], plain: bool) -> (Vec<String>, i32) {
     (scaled.iter().map(text).collect(), power)
 }
 
-/// A power of ten with a unit: `10⁻³ m/s`.
+/// Returns a power of ten with a unit: `10⁻³ m/s`.
 pub(super) fn with_power(unit: &str, power: i32) -> String {
     if power == 0 {
         return unit.to_owned();
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_tell_ticks_apart() {
+    fn labels_distinguish_ticks() {
         let written = |low, high| labels(&ticks(low, high, 6), false);
         assert_eq!(written(0.0, 0.3).0, ["0.0", "0.1", "0.2", "0.3"]);
         assert_eq!(written(-1.0, 1.0).0, ["−1.0", "−0.5", "0.0", "0.5", "1.0"]);

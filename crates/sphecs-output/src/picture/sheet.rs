@@ -1,4 +1,4 @@
-//! The sheet around a field: title, time, axes in metres, colour scale or legend.
+//! Layout of a picture around its field: title, time, axes in metres, colour scale or legend.
 
 use super::canvas::{Anchor, Canvas, INK, Weight};
 use super::field::Field;
@@ -7,9 +7,9 @@ use super::scale::{Colours, labels, ticks, with_power};
 use super::view::View;
 use sphecs_core::particles::zone::Zone;
 
-/// What the colours mean.
+/// Meaning of the colours.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Key {
+pub(super) enum ColourKey {
     /// A continuous scale between two values.
     Scale {
         /// Colour map.
@@ -21,12 +21,12 @@ pub(super) enum Key {
     Zones,
 }
 
-impl Key {
-    /// Colour of a value.
+impl ColourKey {
+    /// Returns the colour of a value.
     pub(super) fn colour(&self, value: f64) -> [u8; 3] {
         match self {
-            Key::Scale { colours, range } => colours.at((value - range.0) / (range.1 - range.0)),
-            Key::Zones => zone_colour(value as u8),
+            ColourKey::Scale { colours, range } => colours.at((value - range.0) / (range.1 - range.0)),
+            ColourKey::Zones => zone_colour(value as u8),
         }
     }
 }
@@ -41,7 +41,7 @@ fn zone_colour(zone: u8) -> [u8; 3] {
     }
 }
 
-/// Where things stand on the sheet, in pixels.
+/// Positions and sizes, pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sheet {
     width: u32,
@@ -52,15 +52,15 @@ pub(super) struct Sheet {
     pub(super) size: [i64; 2],
     /// Height of the small text.
     text: f32,
-    /// Whether the colour scale stands upright at the right instead of lying below.
+    /// True if the colour scale is upright at the right instead of horizontal below.
     upright: bool,
 }
 
 impl Sheet {
-    /// Lays out a sheet of a width in pixels for a view.
+    /// Returns the layout of a view for a width in pixels.
     pub(super) fn new(view: &View, width: u32) -> Self {
         let width = width.max(320);
-        // 1600 pixels wide as on a slide: 26 pixels of text can be read from the last row.
+        // At 1600 pixels width the text has 26 pixels, legible on a slide from a distance.
         let text = (width as f32 / 62.0).max(11.0);
         let unit = f64::from(text);
         let extent = view.extent();
@@ -69,7 +69,7 @@ impl Sheet {
         let right = if upright { 8.0 * unit } else { 1.6 * unit };
         let mut size = [f64::from(width) - left - right, 0.0];
         size[1] = size[0] * extent[1] / extent[0];
-        // A tall domain would run off the screen.
+        // A tall domain would exceed the screen.
         let tallest = 0.8 * f64::from(width);
         if size[1] > tallest {
             size = [tallest * extent[0] / extent[1], tallest];
@@ -77,7 +77,7 @@ impl Sheet {
         let size = [size[0].round().max(1.0) as i64, size[1].round().max(1.0) as i64];
         let top = (3.9 * unit).round() as i64;
         let below = if upright { 3.2 * unit } else { 6.3 * unit };
-        // Video encoders want even sizes.
+        // Video encoders need even sizes.
         let height = (top + size[1] + below.round() as i64 + 1) & !1;
         Self {
             width: (width + 1) & !1,
@@ -89,14 +89,14 @@ impl Sheet {
         }
     }
 
-    /// Draws everything but the field.
-    pub(super) fn draw(&self, view: &View, field: Field, key: &Key, title: &str, time: f64) -> Canvas {
+    /// Draws all parts but the field.
+    pub(super) fn draw(&self, view: &View, field: Field, key: &ColourKey, title: &str, time: f64) -> Canvas {
         let mut canvas = Canvas::new(self.width, self.height);
         self.heading(&mut canvas, view, title, time);
         self.axes(&mut canvas, view);
         match key {
-            Key::Scale { colours, range } => self.scale(&mut canvas, view, field, *colours, *range),
-            Key::Zones => self.legend(&mut canvas),
+            ColourKey::Scale { colours, range } => self.scale(&mut canvas, view, field, *colours, *range),
+            ColourKey::Zones => self.legend(&mut canvas),
         }
         canvas
     }
@@ -113,15 +113,17 @@ impl Sheet {
             clock = format!("{} = {:.4} m,  {clock}", view.axis_name(2), view.at);
         }
         let right = self.width as f32 - self.text;
-        let room =
+        let available =
             right - self.corner[0] as f32 - Canvas::text_width(&clock, size, Weight::Regular) - self.text;
-        // A long title shrinks, and loses its end only when it would be too small to read.
+        // A long title shrinks, and is cut off only when it would be too small to read.
         let mut title = title.to_owned();
         let mut title_size = size;
         let natural = Canvas::text_width(&title, size, Weight::Bold);
-        if natural > room {
-            title_size = (size * room / natural).max(0.6 * size);
-            while title.chars().count() > 4 && Canvas::text_width(&title, title_size, Weight::Bold) > room {
+        if natural > available {
+            title_size = (size * available / natural).max(0.6 * size);
+            while title.chars().count() > 4
+                && Canvas::text_width(&title, title_size, Weight::Bold) > available
+            {
                 title = title.trim_end_matches('…').chars().collect();
                 title.pop();
                 title.push('…');
@@ -149,7 +151,7 @@ impl Sheet {
         }
         let name = format!("{} [m]", view.axis_name(0));
         let wide = Canvas::text_width(&name, text, Weight::Regular);
-        // At the right end of the axis, or a line lower where the last label is in the way.
+        // At the right end of the axis, or one line lower if the last label is there.
         let right = (x + width) as f32;
         let lower = if end + 0.5 * text > right - wide { 1.2 * text } else { 0.0 };
         canvas.text(&name, [right, baseline + lower], text, Weight::Regular, Anchor::Right);

@@ -1,15 +1,15 @@
-//! What of space a picture shows: the plane of a 2D flow, or a slice through a 3D one.
+//! Plane of a picture: the plane of a 2D flow, or a slice of a 3D flow.
 
 use crate::error::OutputError;
 use crate::frame::Frame;
 use crate::header::Header;
 
-/// A plane across an axis of a 3D flow.
+/// Plane normal to an axis of a 3D flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
-    /// Axis across the plane: 0, 1, 2 for x, y, z.
+    /// Axis normal to the plane: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// Place on that axis, m; None: the middle of the domain.
+    /// Position on that axis, m; None: the middle of the domain.
     pub at: Option<f64>,
 }
 
@@ -19,12 +19,12 @@ impl Default for Slice {
     }
 }
 
-/// The plane that is drawn and its frame of reference.
+/// Plane that is drawn and its coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct View {
-    /// Axes to the right, upwards and across the plane.
+    /// Axes to the right, upwards and normal to the plane.
     pub(crate) axes: [usize; 3],
-    /// Place of the plane on the third axis, m.
+    /// Position of the plane on the third axis, m.
     pub(crate) at: f64,
     /// Lower left corner, m.
     pub(crate) low: [f64; 2],
@@ -39,7 +39,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// The view of a run.
+    /// Returns the view of a run.
     ///
     /// # Errors
     /// [`OutputError::Request`] when the slice is outside the domain or the run has no extent.
@@ -61,7 +61,7 @@ impl View {
                 high[across]
             )));
         }
-        // Particles stand in the middle of what they fill.
+        // A particle is in the middle of its volume.
         let pad = 0.5 * header.spacing;
         let view = Self {
             axes,
@@ -75,21 +75,22 @@ impl View {
         if header.spacing > 0.0 && view.extent().iter().all(|length| length.is_finite() && *length > 0.0) {
             Ok(view)
         } else {
-            Err(OutputError::Request("the run has no particles that could be drawn".to_owned()))
+            Err(OutputError::Request("the run has no particles to draw".to_owned()))
         }
     }
 
-    /// Width and height, m.
+    /// Returns width and height, m.
     pub(crate) fn extent(&self) -> [f64; 2] {
         [self.high[0] - self.low[0], self.high[1] - self.low[1]]
     }
 
-    /// Name of an axis of the picture.
+    /// Returns the name of an axis of the picture.
     pub(crate) fn axis_name(&self, direction: usize) -> &'static str {
         ["x", "y", "z"][self.axes[direction]]
     }
 
-    /// Place of a slot: right, up, and distance from the plane, m. NaN when it is nowhere.
+    /// Returns the position of a slot: right, up, and distance from the plane, m. NaN without a
+    /// position.
     pub(crate) fn place(&self, frame: &Frame, slot: usize) -> [f64; 3] {
         let [right, up, across] = self.axes.map(|axis| frame.position[axis][slot]);
         [right, up, across - self.at]
@@ -108,14 +109,14 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// Sorts points into cells of a size, m. Points outside the view go into its rim.
+    /// Sorts points into cells of a size, m. Points outside the view go into the cells at its edge.
     pub(crate) fn new(view: &View, size: f64, points: &[[f64; 3]]) -> Self {
         let extent = view.extent();
         let count = [0, 1].map(|k| ((extent[k] / size).ceil() as usize).clamp(1, 20_000));
         let mut cells =
             Self { low: view.low, size, count, starts: vec![0; count[0] * count[1] + 1], order: Vec::new() };
-        let home: Vec<usize> = points.iter().map(|point| cells.cell(point[0], point[1])).collect();
-        for &cell in &home {
+        let cell_of: Vec<usize> = points.iter().map(|point| cells.cell(point[0], point[1])).collect();
+        for &cell in &cell_of {
             cells.starts[cell + 1] += 1;
         }
         for cell in 1..cells.starts.len() {
@@ -123,7 +124,7 @@ impl Cells {
         }
         let mut next = cells.starts.clone();
         cells.order = vec![0; points.len()];
-        for (index, &cell) in home.iter().enumerate() {
+        for (index, &cell) in cell_of.iter().enumerate() {
             cells.order[next[cell] as usize] = index as u32;
             next[cell] += 1;
         }
@@ -138,7 +139,8 @@ impl Cells {
         self.column(1, y) * self.count[0] + self.column(0, x)
     }
 
-    /// Points of the nine cells around a place: all within a cell's size.
+    /// Returns the points of the nine cells around a position, among them all within the size of a
+    /// cell.
     pub(crate) fn near(&self, x: f64, y: f64) -> impl Iterator<Item = usize> + '_ {
         let (i, j) = (self.column(0, x), self.column(1, y));
         let across = i.saturating_sub(1)..=(i + 1).min(self.count[0] - 1);
@@ -159,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn slice_keeps_the_other_two_axes() {
+    fn slice_shows_the_other_two_axes() {
         let view = View::new(&header(), Slice { axis: 1, at: None }).expect("a view");
         assert_eq!((view.axis_name(0), view.axis_name(1), view.at), ("x", "z", 1.0));
         assert!(View::new(&header(), Slice { axis: 2, at: Some(1.5) }).is_err());

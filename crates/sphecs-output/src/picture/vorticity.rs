@@ -5,9 +5,9 @@
 //! ω = (G_zy − G_yz, G_xz − G_zx, G_yx − G_xy)
 //! ```
 //!
-//! G minimises Σ_b w_ab |v_ba − G x_ba|²: it is exact for a linear velocity field whatever the particles' order, so that
-//! walls and voids leave no false shear. The weight is Wendland's C2 kernel without its norm, which cancels. Walls have
-//! no part in it.
+//! G minimises Σ_b w_ab |v_ba − G x_ba|² and is exact for a linear velocity field with any particle
+//! disorder, so walls and voids cause no false shear. The weight is Wendland's C2 kernel without
+//! its normalisation, which cancels. Wall particles are excluded.
 
 use glam::{DMat3, DVec3};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -16,12 +16,13 @@ use super::view::{Cells, View};
 use crate::frame::Frame;
 use sphecs_core::particles::zone::Zone;
 
-/// Vorticity by slot, 1/s: ω_z in 2D, |ω| in 3D; NaN for slots away from the view, walls and particles without neighbours.
+/// Returns the vorticity by slot, 1/s: ω_z in 2D, |ω| in 3D; NaN outside the view, for walls and
+/// without neighbours.
 pub(super) fn vorticity(frame: &Frame, view: &View) -> Vec<f32> {
     let reach = 2.0 * view.smoothing_length.max(view.spacing);
     let moving =
         |slot: &usize| frame.zone[*slot] <= Zone::Outflow as u8 && frame.zone[*slot] != Zone::Wall as u8;
-    // Particles that a drawn one may have as neighbours.
+    // Particles that may be neighbours of a drawn one.
     let slab = reach + 2.0 * view.spacing;
     let slots: Vec<usize> =
         (0..frame.len()).filter(moving).filter(|&slot| view.place(frame, slot)[2].abs() <= slab).collect();
@@ -40,7 +41,7 @@ pub(super) fn vorticity(frame: &Frame, view: &View) -> Vec<f32> {
                 let q = x_ba.length() / reach;
                 if q < 1.0 {
                     let weight = (1.0 - q).powi(4) * (1.0 + 4.0 * q);
-                    // A tensor product has its columns scaled by the second factor.
+                    // The columns of a tensor product are scaled by the second factor.
                     let row = x_ba * weight;
                     moment += DMat3::from_cols(x_ba * row.x, x_ba * row.y, x_ba * row.z);
                     let v_ba = vector(slots[b]) - v_a;
@@ -62,7 +63,7 @@ fn curl(slope: DMat3, mut moment: DMat3, view: &View) -> f64 {
         moment.z_axis.z = 1.0;
     }
     let size = view.spacing.powi(2 * view.dimensions as i32);
-    // Less than two (in 3D three) neighbours in different directions: no gradient.
+    // Fewer than two (in 3D three) neighbours in different directions determine no gradient.
     if moment.determinant() < 1e-6 * size {
         return f64::NAN;
     }
@@ -78,7 +79,8 @@ mod tests {
     use crate::header::Header;
     use crate::picture::view::Slice;
 
-    /// A disordered block in solid rotation about an axis with a shear on top, so that ω is uniform.
+    /// Returns a disordered block in solid rotation about an axis with a shear on top, so that ω is
+    /// uniform.
     fn rotating(dimensions: usize, omega: DVec3) -> (Frame, View) {
         let layers = if dimensions == 3 { 8 } else { 1 };
         let mut frame = Frame::absent(12 * 12 * layers);
@@ -107,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn solid_rotation_has_its_vorticity_up_to_the_rim() {
+    fn solid_rotation_has_its_vorticity_up_to_the_edge() {
         for (dimensions, omega, wanted) in
             [(2, DVec3::new(0.0, 0.0, -3.0), -3.0), (3, DVec3::new(2.0, -1.0, 2.0), 3.0)]
         {
@@ -123,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn lonely_particle_has_none() {
+    fn particle_without_neighbours_has_none() {
         let (mut frame, view) = rotating(2, DVec3::Z);
         frame.zone[1..].fill(4);
         assert!(vorticity(&frame, &view)[0].is_nan());

@@ -1,27 +1,28 @@
-//! What the probes of a run measured, in memory: what comparisons start from.
+//! Time series of the probes of a run in memory, for comparisons.
 
 use std::path::Path;
 
 use super::series::{read, time_mean};
-use super::writer::{CSV, quantities};
+use super::writer::quantities;
 use crate::error::OutputError;
 use crate::header::Header;
+use crate::paths::PROBES_CSV;
 
-/// What one probe measured over a run.
+/// Time series of one probe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProbeHistory {
     /// Name in the scene.
     pub name: String,
-    /// Its points, m; of a section the one that the scene gives.
+    /// Points, m; of a section the point given by the scene.
     pub places: Vec<[f64; 3]>,
     /// Times of the samples, s.
     pub times: Vec<f64>,
-    /// Name of each quantity, and its values: those of all points at the first time, then at the next.
+    /// Name and values of each quantity: all points at the first time, then at the next.
     pub columns: Vec<(&'static str, Vec<f64>)>,
 }
 
 impl ProbeHistory {
-    /// The histories of all probes of a run.
+    /// Returns the histories of all probes of a run.
     ///
     /// # Errors
     /// [`OutputError`] with the path and the cause.
@@ -29,7 +30,7 @@ impl ProbeHistory {
         if header.probes.is_empty() {
             return Ok(Vec::new());
         }
-        let (times, all) = read(&folder.join(CSV), header)?;
+        let (times, all) = read(&folder.join(PROBES_CSV), header)?;
         let names = quantities(header).map(|(name, ..)| name);
         let histories = all.into_iter().map(|series| {
             let measured = series.measured();
@@ -44,18 +45,19 @@ impl ProbeHistory {
         Ok(histories.collect())
     }
 
-    /// All values of a quantity; None if the probe does not measure it.
+    /// Returns all values of a quantity; None if the probe does not measure it.
     pub fn column(&self, quantity: &str) -> Option<&[f64]> {
         self.columns.iter().find(|(name, _)| *name == quantity).map(|(_, values)| values.as_slice())
     }
 
-    /// The values of a quantity at all points at a sample.
+    /// Returns the values of a quantity at all points for the sample `index`.
     pub fn sample(&self, quantity: &str, index: usize) -> Option<&[f64]> {
         let points = self.places.len();
         self.column(quantity)?.get(index * points..(index + 1) * points)
     }
 
-    /// The time mean of a column at each point from one time to another, s: integrals of straight lines between samples.
+    /// Returns the time mean of a column at each point between two times, s, by the trapezoidal
+    /// rule.
     pub fn mean_of(&self, column: &[f64], from: f64, to: f64) -> Vec<f64> {
         let points = self.places.len();
         let of_point = |point: usize| {

@@ -1,8 +1,9 @@
-//! Probes of a scene: where they sample, and what becomes of the samples.
+//! Probes of a scene: sample points and the results of the samples.
 //!
-//! [`ProbeSet::points`] are handed to the engine; [`ProbeSet::reduce`] turns its samples into a [`ProbeSample`].
-//! The mass flow of a section is what its particles carry ([`sphecs_core::pass::section`]), its pressure that of the sample points k with the
-//! areas A_k: mean pressure = Σ_k A_k p_k / Σ_k A_k, Pa. A point without fluid near it has no pressure.
+//! The engine samples at [`ProbeSet::points`]; [`ProbeSet::reduce`] turns the samples into a
+//! [`ProbeSample`]. The mass flow of a section is carried by its particles
+//! ([`sphecs_core::pass::section`]). Its mean pressure follows from the sample points k with areas
+//! A_k as Σ_k A_k p_k / Σ_k A_k, Pa. A point without fluid nearby has no pressure.
 
 pub mod history;
 pub mod results;
@@ -17,29 +18,29 @@ use sphecs_core::particles::sample::Sample;
 use sphecs_core::pass::section::Section;
 use sphecs_scene::model::{Probe, ProbeKind, ProbeSight, Scene};
 
-/// The points of one probe.
+/// Sample points of one probe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbePoints {
     /// Name in the scene.
     pub name: String,
     /// Shape of its results.
     pub shape: ProbeShape,
-    /// Where it stands, m: its first point, or the point of the section that the scene gives.
+    /// Position, m: the first point, or the point of the section given by the scene.
     pub at: DVec3,
     /// Sample points, m.
     pub points: Vec<DVec3>,
     /// Areas of a section's points, m² (lengths in m in 2D); empty for the others.
     pub areas: Vec<f64>,
-    /// The part of the plane that a section is; None for the others.
+    /// Part of the plane that belongs to a section; None for the others.
     pub section: Option<Section>,
-    /// Whose fields are sampled.
+    /// Particles whose fields are sampled.
     pub sees: ProbeSight,
 }
 
-/// What one probe measured.
+/// Values of one probe at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProbeValues {
-    /// Fields at its points; None where no fluid was near.
+    /// Fields at the points; None without fluid nearby.
     Fields(Vec<Option<Sample>>),
     /// Integrals of a section.
     Section {
@@ -50,7 +51,7 @@ pub enum ProbeValues {
     },
 }
 
-/// What all probes measured at one time.
+/// Values of all probes at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbeSample {
     /// Time, s.
@@ -59,43 +60,46 @@ pub struct ProbeSample {
     pub values: Vec<ProbeValues>,
 }
 
-/// The probes of a scene with their points.
+/// Probes of a scene with their points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProbeSet {
     probes: Vec<ProbePoints>,
 }
 
 impl ProbeSet {
-    /// The probes of a scene.
+    /// Returns the probes of a scene.
     pub fn new(scene: &Scene) -> Self {
         let points = |probe| probe_points(probe, scene);
         Self { probes: scene.output.probes.iter().map(points).collect() }
     }
 
-    /// The probes in the order of the scene.
+    /// Returns the probes in the order of the scene.
     pub fn probes(&self) -> &[ProbePoints] {
         &self.probes
     }
 
-    /// Whether the scene has no probes.
+    /// Returns true if the scene has no probes.
     pub fn is_empty(&self) -> bool {
         self.probes.is_empty()
     }
 
-    /// All points of all probes, in the order that [`Self::reduce`] takes samples, m, with what is seen there.
+    /// Returns the points of all probes, m, with the particles sampled there, in the order of
+    /// [`Self::reduce`].
     pub fn points(&self) -> Vec<(DVec3, ProbeSight)> {
         let of =
             |probe: &ProbePoints| probe.points.iter().map(|&point| (point, probe.sees)).collect::<Vec<_>>();
         self.probes.iter().flat_map(of).collect()
     }
 
-    /// All sections, in the order that [`Self::reduce`] takes their mass flows.
+    /// Returns all sections, in the order of the mass flows of [`Self::reduce`].
     pub fn sections(&self) -> Vec<&Section> {
         self.probes.iter().filter_map(|probe| probe.section.as_ref()).collect()
     }
 
-    /// The results of samples taken at [`Self::points`] and of the mass flows (kg/s) through [`Self::sections`]; missing samples
-    /// count as no fluid.
+    /// Returns the results of samples at [`Self::points`] and of mass flows (kg/s) through
+    /// [`Self::sections`].
+    ///
+    /// Missing samples count as points without fluid.
     pub fn reduce(&self, time: f64, samples: &[Option<Sample>], mass_flows: &[f64]) -> ProbeSample {
         let mut rest = samples;
         let mut flows = mass_flows.iter();
@@ -147,7 +151,7 @@ fn probe_points(probe: &Probe, scene: &Scene) -> ProbePoints {
         }
         ProbeKind::Section { at, normal } => {
             let inside = |point| scene.domain.signed_distance(point);
-            // Half a spacing resolves the profile that the particles carry; finer points would only repeat it.
+            // Half a spacing resolves the profile of the particles; finer points would add nothing.
             let step = 0.5 * scene.spacing;
             let normal = normal.normalize_or_zero();
             let parts = section::points(&inside, at, normal, scene.dimensions, step);
@@ -183,20 +187,20 @@ mod tests {
         }
     }
 
-    fn pressed(point: &DVec3) -> Option<Sample> {
+    fn linear_pressure(point: &DVec3) -> Option<Sample> {
         Some(Sample { velocity: DVec3::ZERO, pressure: 20.0 * point.y, density: 1000.0 })
     }
 
     #[test]
-    fn section_has_its_flow_and_its_mean_pressure() {
+    fn section_has_its_mass_flow_and_mean_pressure() {
         let point =
             ProbePoints { shape: ProbeShape::Point, section: None, points: vec![DVec3::X], ..section() };
         let set = ProbeSet { probes: vec![point, section()] };
         assert_eq!(set.sections().len(), 1);
-        let samples: Vec<_> = set.points().iter().map(|(point, _)| pressed(point)).collect();
+        let samples: Vec<_> = set.points().iter().map(|(point, _)| linear_pressure(point)).collect();
         let sample = set.reduce(0.25, &samples, &[1005.0]);
         let ProbeValues::Section { mass_flow, mean_pressure } = sample.values[1] else {
-            panic!("a section gives integrals");
+            panic!("a section has integrals");
         };
         assert_eq!(mass_flow, 1005.0);
         assert!((mean_pressure - 10.0).abs() < 1e-12, "{mean_pressure} Pa");
@@ -207,9 +211,10 @@ mod tests {
         let set = ProbeSet { probes: vec![section()] };
         let pressure = |samples: &[Option<Sample>]| match set.reduce(0.0, samples, &[0.0]).values[0] {
             ProbeValues::Section { mean_pressure, .. } => mean_pressure,
-            ProbeValues::Fields(_) => panic!("a section gives integrals"),
+            ProbeValues::Fields(_) => panic!("a section has integrals"),
         };
-        let samples: Vec<_> = set.points().iter().map(|(p, _)| pressed(p).filter(|_| p.y < 0.5)).collect();
+        let samples: Vec<_> =
+            set.points().iter().map(|(p, _)| linear_pressure(p).filter(|_| p.y < 0.5)).collect();
         assert!((pressure(&samples) - 5.0).abs() < 1e-12);
         assert!(pressure(&[None; 10]).is_nan());
     }

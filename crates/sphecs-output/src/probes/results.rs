@@ -1,28 +1,26 @@
-//! `probes.nc` and `probes_mean.csv`, made from `probes.csv` when a run is packed.
+//! Packed files of the probes: `probes.nc` and `probes_mean.csv`, made from `probes.csv`.
 //!
-//! In the NetCDF file a probe `p` has the variables `p_u`,
-//! `p_pressure`, … over `time` (and `p_point` for a line), or `p_mass_flow` and `p_mean_pressure` for a section.
-//! Time means are integrals of the straight lines between the samples, over the part of the interval that the run
-//! has covered, and have the names `p_u_mean`, ….
+//! In the NetCDF file a probe `p` has the variables `p_u`, `p_pressure`, … over `time` (and
+//! `p_point` for a line), or `p_mass_flow` and `p_mean_pressure` for a section. Time means, named
+//! `p_u_mean`, …, follow the trapezoidal rule over the part of the interval that the run has
+//! covered.
 
 use std::path::{Path, PathBuf};
 
 use super::series::{Series, read, time_mean};
-use super::writer::{CSV, MEAN_CSV, PLACE, columns, quantities};
+use super::writer::{PLACE, columns, quantities};
 use crate::error::OutputError;
 use crate::header::{Header, ProbeShape};
 use crate::netcdf::dataset::{Dataset, Variable};
+use crate::paths::{PROBES_CSV, PROBES_MEAN_CSV, PROBES_NETCDF};
 use crate::table::{Column, TableWriter, number};
 
-/// Name of the NetCDF file in the run folder.
-pub const NETCDF: &str = "probes.nc";
-
-/// Makes `probes.nc` and, where means are declared, `probes_mean.csv`; the paths of both.
+/// Writes `probes.nc` and, if means are declared, `probes_mean.csv`, and returns their paths.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
 pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError> {
-    let source = folder.join(CSV);
+    let source = folder.join(PROBES_CSV);
     if !source.exists() {
         return Ok(Vec::new());
     }
@@ -47,11 +45,11 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError>
             means.extend(add_means(&mut dataset, header, series, &times, (from, to)));
         }
     }
-    let target = folder.join(NETCDF);
+    let target = folder.join(PROBES_NETCDF);
     dataset.write(&target, header)?;
     let mut files = vec![target];
     if all.iter().any(|series| series.probe.mean.is_some()) {
-        let path = folder.join(MEAN_CSV);
+        let path = folder.join(PROBES_MEAN_CSV);
         let mut columns = columns(header);
         columns.splice(0..1, [Column::new("from", "s"), Column::new("to", "s")]);
         TableWriter::create(&path, &columns)?.append(means)?;
@@ -94,7 +92,7 @@ fn add_series(dataset: &mut Dataset, header: &Header, series: &Series) {
     }
 }
 
-/// Quantities of a probe; no w in 2D.
+/// Returns the quantities of a probe; no w in 2D.
 fn measured<'a>(
     header: &'a Header,
     series: &'a Series,
@@ -200,7 +198,7 @@ mod tests {
         ProbeSet { probes }
     }
 
-    /// u = time + x at every point but the last of the line, which is dry.
+    /// Returns u = time + x at every point but the last of the line, which has no fluid.
     fn sample(time: f64) -> ProbeSample {
         let set = probes();
         let samples: Vec<Option<Sample>> = set
@@ -217,14 +215,14 @@ mod tests {
     }
 
     #[test]
-    fn samples_come_back_by_probe_and_means_cover_the_interval() {
+    fn samples_are_sorted_by_probe_and_means_cover_the_interval() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = ProbeWriter::create(folder.path(), &header(), &probes()).expect("created");
         for time in [0.0, 0.5, 1.5, 2.5] {
             writer.append(&sample(time)).expect("written");
         }
         let header = header();
-        let (times, all) = read(&folder.path().join(CSV), &header).expect("read");
+        let (times, all) = read(&folder.path().join(PROBES_CSV), &header).expect("read");
         assert_eq!(times, [0.0, 0.5, 1.5, 2.5]);
         assert_eq!(all.iter().map(Series::points).collect::<Vec<_>>(), [3, 1, 1]);
         assert_eq!(all[0].values[0][3..5], [0.5, 1.5]);
@@ -234,7 +232,7 @@ mod tests {
 
         let files = pack(folder.path(), &header).expect("packed");
         assert!(files.iter().all(|file| file.exists()) && files.len() == 2);
-        let means = Table::read(&folder.path().join(MEAN_CSV)).expect("read");
+        let means = Table::read(&folder.path().join(PROBES_MEAN_CSV)).expect("read");
         // The run ends at 2.5 s, half a second before the interval does.
         assert_eq!((means.numbers(0)[0], means.numbers(1)[0]), (1.0, 2.5));
         let u = means.numbers(PLACE + 1);

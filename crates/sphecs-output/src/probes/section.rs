@@ -1,17 +1,20 @@
 //! Sample points of a plane section of the domain.
 //!
-//! The section is the connected part around a given point, so that a plane through one leg of a bend does not
-//! count the other leg.
+//! The section is the connected part around a given point, so that a plane through one leg of a
+//! bend omits the other leg.
 
 use std::collections::HashSet;
 
 use glam::DVec3;
 
-/// More points than this across a section are not sampled: the domain is not closed there.
-const MOST: usize = 4_000_000;
+/// Largest number of points of a section; it is exceeded where the domain is not closed.
+const MAX_POINTS: usize = 4_000_000;
 
-/// Points of the section through `at` with normal `normal` and the areas (lengths in 2D) that they stand for.
-/// Empty when `at` is outside. `distance` is the signed distance of the domain, m; `step` the wanted spacing, m.
+/// Returns the points of the section through `at` with normal `normal` and their areas, m² (lengths
+/// in m in 2D).
+///
+/// Empty if `at` is outside. `distance` is the signed distance of the domain, m; `step` the wanted
+/// spacing, m.
 pub(super) fn points(
     distance: &impl Fn(DVec3) -> f64,
     at: DVec3,
@@ -29,7 +32,7 @@ pub(super) fn points(
     }
 }
 
-/// Midpoints of equal parts of the chord through `at` along the unit vector `along`.
+/// Returns the midpoints of equal parts of the chord through `at` along the unit vector `along`.
 fn line(distance: &impl Fn(DVec3) -> f64, at: DVec3, along: DVec3, step: f64) -> Vec<(DVec3, f64)> {
     let up = reach(distance, at, along, step);
     let down = reach(distance, at, -along, step);
@@ -39,19 +42,20 @@ fn line(distance: &impl Fn(DVec3) -> f64, at: DVec3, along: DVec3, step: f64) ->
     (0..count as usize).map(|k| (at + along * (part * (k as f64 + 0.5) - down), part)).collect()
 }
 
-/// Distance from `at` to the surface along a unit vector: march in steps that cannot jump over a wall of the
-/// thickness of a step, then halve.
+/// Returns the distance from `at` to the surface along a unit vector, m.
+///
+/// Marches in steps, which cannot pass a wall thicker than a step, and then bisects.
 fn reach(distance: &impl Fn(DVec3) -> f64, at: DVec3, along: DVec3, step: f64) -> f64 {
     let inside = |s: f64| distance(at + along * s) < 0.0;
     let mut low = 0.0;
-    for _ in 0..MOST {
+    for _ in 0..MAX_POINTS {
         let high = low + step;
         if inside(high) {
             low = high;
             continue;
         }
         let mut high = high;
-        // 60 halvings reach the last digit of a double.
+        // 60 bisections reach the last digit of a double.
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if inside(middle) {
@@ -65,8 +69,9 @@ fn reach(distance: &impl Fn(DVec3) -> f64, at: DVec3, along: DVec3, step: f64) -
     low
 }
 
-/// Square cells that flood the section from `at`. A cell at the rim stands for its inner part, sampled at that
-/// part's centre.
+/// Returns the square cells of the section connected to `at` with their areas, m².
+///
+/// A cell at the boundary is replaced by its inner part, sampled at the centre of that part.
 fn plane(distance: &impl Fn(DVec3) -> f64, at: DVec3, normal: DVec3, step: f64) -> Vec<(DVec3, f64)> {
     let across = normal.any_orthonormal_vector();
     let over = normal.cross(across);
@@ -80,7 +85,7 @@ fn plane(distance: &impl Fn(DVec3) -> f64, at: DVec3, normal: DVec3, step: f64) 
             continue;
         };
         result.push((point, share * step * step));
-        if result.len() >= MOST {
+        if result.len() >= MAX_POINTS {
             break;
         }
         for next in [(i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)] {
@@ -92,7 +97,7 @@ fn plane(distance: &impl Fn(DVec3) -> f64, at: DVec3, normal: DVec3, step: f64) 
     result
 }
 
-/// Centre and share of the part of a cell that is inside; None when nothing is.
+/// Returns centre and area fraction of the part of a cell that is inside; None without such a part.
 fn inner_part(
     distance: &impl Fn(DVec3) -> f64,
     place: &impl Fn(f64, f64) -> DVec3,
@@ -130,7 +135,7 @@ mod tests {
 
     #[test]
     fn chord_ends_at_the_walls() {
-        // A slanted channel of width 1: its chord across is 1 long whatever the step.
+        // The chord across an oblique channel of width 1 has length 1 for any step.
         let normal = DVec3::new(0.8, 0.6, 0.0);
         let across = DVec3::new(-0.6, 0.8, 0.0);
         let distance = |p: DVec3| p.dot(across).abs() - 0.5;
@@ -141,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn other_leg_is_not_counted() {
+    fn other_leg_is_omitted() {
         let distance = |p: DVec3| ((p.y.abs() - 1.0).abs() - 0.25).max(-10.0);
         let length: f64 = points(&distance, DVec3::Y, DVec3::X, 2, 0.02).iter().map(|&(_, part)| part).sum();
         assert!((length - 0.5).abs() < 1e-12, "{length}");
@@ -153,13 +158,14 @@ mod tests {
         let parts = points(&distance, DVec3::new(0.1, 0.0, 0.3), DVec3::Z, 3, 0.025);
         let area: f64 = parts.iter().map(|&(_, part)| part).sum();
         let exact = std::f64::consts::PI / 4.0;
-        // 126 rim cells in 64 parts each, errors of half a part at random: about 1e-4 of the area.
+        // 126 boundary cells of 64 parts each with random errors of half a part: about 1e-4 of the
+        // area.
         assert!((area / exact - 1.0).abs() < 1e-3, "{area} m² for {exact} m²");
         assert!(parts.iter().all(|&(p, _)| distance(p) < 1e-3));
     }
 
     #[test]
-    fn point_outside_gives_nothing() {
+    fn point_outside_has_no_section() {
         assert!(points(&|p: DVec3| p.length() - 1.0, DVec3::X * 2.0, DVec3::X, 3, 0.1).is_empty());
     }
 }

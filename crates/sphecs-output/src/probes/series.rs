@@ -1,4 +1,4 @@
-//! The rows of `probes.csv` regrouped: what each probe measured over time, and its mean.
+//! Rows of `probes.csv` sorted by probe, and time means.
 
 use std::path::Path;
 
@@ -7,25 +7,26 @@ use crate::error::OutputError;
 use crate::header::{Header, ProbeHeader, ProbeShape};
 use crate::table::{for_each_row, safe_names};
 
-/// What one probe measured over the run: the table's rows regrouped.
+/// Rows of one probe.
 pub(super) struct Series<'a> {
-    /// Its declaration.
+    /// Header of the probe.
     pub(super) probe: &'a ProbeHeader,
-    /// Its name in variables.
+    /// Name of the probe in variables.
     pub(super) name: String,
-    /// Its points, m.
+    /// Points, m.
     pub(super) places: Vec<[f64; 3]>,
-    /// `values[quantity][time · points + point]`; empty for what the probe does not measure.
+    /// `values[quantity][time · points + point]`; empty for quantities that the probe does not
+    /// measure.
     pub(super) values: [Vec<f64>; 7],
 }
 
 impl Series<'_> {
-    /// Number of its points.
+    /// Returns the number of points.
     pub(super) fn points(&self) -> usize {
         self.places.len()
     }
 
-    /// Quantities that a probe of this shape has.
+    /// Returns the range of the quantities that the probe measures.
     pub(super) fn measured(&self) -> std::ops::Range<usize> {
         match self.probe.kind {
             ProbeShape::Section => 5..7,
@@ -34,7 +35,8 @@ impl Series<'_> {
     }
 }
 
-/// Reads `probes.csv` by probe. Times that a kill left without all probes are dropped.
+/// Reads times and rows of `probes.csv` by probe; times without rows of all probes, as after a
+/// kill, are omitted.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
@@ -46,7 +48,7 @@ pub(super) fn read<'a>(path: &Path, header: &'a Header) -> Result<(Vec<f64>, Vec
         .zip(names)
         .map(|(probe, name)| Series { probe, name, places: Vec::new(), values: Default::default() })
         .collect();
-    // Rows that each probe has, and their times as written.
+    // Times of the rows of each probe, as written.
     let mut times: Vec<Vec<String>> = vec![Vec::new(); all.len()];
     for_each_row(path, |row| {
         let Some(index) = all.iter().position(|series| series.probe.name == row[1]) else {
@@ -64,11 +66,11 @@ pub(super) fn read<'a>(path: &Path, header: &'a Header) -> Result<(Vec<f64>, Vec
             series.values[quantity].push(cell(PLACE + quantity));
         }
     })?;
-    let whole = |series: &Series| {
+    let complete = |series: &Series| {
         let rows = series.values[series.measured().start].len();
         rows.checked_div(series.points())
     };
-    let length = all.iter().filter_map(whole).min().unwrap_or(0);
+    let length = all.iter().filter_map(complete).min().unwrap_or(0);
     for series in &mut all {
         let rows = length * series.points();
         series.values.iter_mut().for_each(|values| values.truncate(rows));
@@ -78,8 +80,9 @@ pub(super) fn read<'a>(path: &Path, header: &'a Header) -> Result<(Vec<f64>, Vec
     Ok((times, all))
 }
 
-/// Mean of the straight lines between the samples from `begin` to `end`, s. Parts beside a missing sample do not count;
-/// NaN when nothing does.
+/// Returns the mean from `begin` to `end`, s, of the linear interpolation between samples.
+///
+/// Intervals next to a missing sample are omitted; NaN without any other.
 pub(super) fn time_mean(times: &[f64], values: &[f64], begin: f64, end: f64) -> f64 {
     let (mut sum, mut duration) = (0.0, 0.0);
     for (time, value) in times.windows(2).zip(values.windows(2)) {
@@ -101,7 +104,7 @@ mod tests {
     use crate::table::TableWriter;
 
     #[test]
-    fn time_without_all_probes_is_dropped() {
+    fn time_without_all_probes_is_omitted() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("probes.csv");
         let probes = ["wake, behind", "throat", "tip"].map(|name| ProbeHeader {
@@ -126,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_of_a_straight_line_is_its_middle() {
+    fn mean_of_a_linear_function_is_its_midpoint() {
         let times = [0.0, 0.3, 1.0, 1.1, 2.0];
         let values = times.map(|t| 4.0 * t + 1.0);
         assert!((time_mean(&times, &values, 0.5, 1.5) - 5.0).abs() < 1e-12);
@@ -134,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_samples_do_not_count() {
+    fn missing_samples_are_omitted() {
         let times = [0.0, 1.0, 2.0, 3.0];
         assert_eq!(time_mean(&times, &[2.0, 2.0, f64::NAN, 8.0], 0.0, 3.0), 2.0);
     }

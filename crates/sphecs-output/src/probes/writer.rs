@@ -1,4 +1,4 @@
-//! `probes.csv`, written while the run goes on: tidy, a line per time, probe and point.
+//! Writer of `probes.csv`: one line per time, probe and point.
 
 use std::path::Path;
 
@@ -8,15 +8,12 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use super::{ProbePoints, ProbeSample, ProbeSet, ProbeValues};
 use crate::error::OutputError;
 use crate::header::{Header, ProbeShape};
+use crate::paths::PROBES_CSV;
 use crate::table::{Column, TableWriter, line, number};
 use sphecs_core::particles::sample::Sample;
 
-/// Name of the CSV file in the run folder.
-pub const CSV: &str = "probes.csv";
-/// Name of the CSV file of time means in the run folder.
-pub const MEAN_CSV: &str = "probes_mean.csv";
-
-/// Name, unit and long name of the measured quantities, in the order of the columns after time, probe, point and place.
+/// Returns name, unit and long name of the quantities, in the order of the columns after the
+/// position.
 pub(super) fn quantities(header: &Header) -> [(&'static str, &'static str, &'static str); 7] {
     let mass_flow = if header.dimensions == 2 { "kg m-1 s-1" } else { "kg s-1" };
     [
@@ -30,10 +27,10 @@ pub(super) fn quantities(header: &Header) -> [(&'static str, &'static str, &'sta
     ]
 }
 
-/// Columns before the quantities.
+/// Number of columns before the quantities.
 pub(super) const PLACE: usize = 6;
 
-/// The columns of `probes.csv`.
+/// Returns the columns of `probes.csv`.
 pub(super) fn columns(header: &Header) -> Vec<Column> {
     let mut columns = vec![Column::new("time", "s"), Column::of_text("probe"), Column::of_text("point")];
     columns.extend(["x", "y", "z"].map(|axis| Column::new(axis, "m")));
@@ -45,25 +42,25 @@ pub(super) fn columns(header: &Header) -> Vec<Column> {
 #[derive(Debug)]
 pub struct ProbeWriter {
     table: TableWriter,
-    /// Probe, point and place of each row, as CSV; by probe.
+    /// Probe, point and position of each row as CSV, by probe.
     starts: Vec<Vec<String>>,
 }
 
 impl ProbeWriter {
-    /// Starts `probes.csv` in a run folder.
+    /// Creates `probes.csv` in a run folder.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn create(folder: &Path, header: &Header, probes: &ProbeSet) -> Result<Self, OutputError> {
-        let table = TableWriter::create(&folder.join(CSV), &columns(header))?;
+        let table = TableWriter::create(&folder.join(PROBES_CSV), &columns(header))?;
         Ok(Self { table, starts: starts(probes) })
     }
 
-    /// Goes on behind the first `length` bytes of `probes.csv`, or starts it where there are none.
+    /// Continues `probes.csv` after its first `length` bytes, or creates it if `length` is 0.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
-    pub fn go_on(
+    /// [`OutputError::Io`] when the write fails.
+    pub fn resume(
         folder: &Path,
         header: &Header,
         probes: &ProbeSet,
@@ -72,28 +69,28 @@ impl ProbeWriter {
         if length == 0 {
             return Self::create(folder, header, probes);
         }
-        Ok(Self { table: TableWriter::go_on(&folder.join(CSV), length)?, starts: starts(probes) })
+        Ok(Self { table: TableWriter::resume(&folder.join(PROBES_CSV), length)?, starts: starts(probes) })
     }
 
-    /// The table, for its length.
+    /// Returns the table of the file.
     pub(crate) fn table(&self) -> &TableWriter {
         &self.table
     }
 
-    /// Appends what the probes measured, which is in the file when this returns.
+    /// Appends the samples of all probes, which are written to the file when this returns.
     ///
     /// # Errors
-    /// [`OutputError::Io`] when the system refuses.
+    /// [`OutputError::Io`] when the write fails.
     pub fn append(&mut self, sample: &ProbeSample) -> Result<(), OutputError> {
         let time = number(sample.time);
-        // A line of a thousand points takes longer to write down than to measure.
+        // Formatting a line probe of a thousand points takes longer than sampling it.
         let of_probe = |(starts, values): (&Vec<String>, &ProbeValues)| lines(&time, starts, values);
         let lines: Vec<String> = self.starts.par_iter().zip(&sample.values).map(of_probe).collect();
         self.table.append_lines(&lines.concat())
     }
 }
 
-/// What one probe measured at a time, line by line.
+/// Returns the lines of one probe at one time.
 fn lines(time: &str, starts: &[String], values: &ProbeValues) -> String {
     match values {
         ProbeValues::Fields(fields) => {
@@ -109,7 +106,7 @@ fn lines(time: &str, starts: &[String], values: &ProbeValues) -> String {
     }
 }
 
-/// Probe, point and place of each row, as CSV; by probe.
+/// Returns probe, point and position of each row as CSV, by probe.
 fn starts(probes: &ProbeSet) -> Vec<Vec<String>> {
     let starts = |probe: &ProbePoints| {
         let section = [probe.at];
@@ -127,8 +124,9 @@ fn starts(probes: &ProbeSet) -> Vec<Vec<String>> {
     probes.probes().iter().map(starts).collect()
 }
 
-/// Velocity, pressure and density as cells, empty where no fluid was near. Nine digits: a sample is not better than that,
-/// and a line of many points fills the disk.
+/// Returns velocity, pressure and density as cells, empty without fluid nearby.
+///
+/// Nine digits exceed the accuracy of a sample, and more would only fill the disk.
 fn fields_of(sample: Option<&Sample>) -> String {
     match sample {
         Some(Sample { velocity: DVec3 { x, y, z }, pressure, density }) => {

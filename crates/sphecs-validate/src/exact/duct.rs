@@ -4,14 +4,16 @@
 //! u = (16 f a²/(ν π³)) Σ_i (−1)^((i−1)/2) [1 − cosh(i π z/2a)/cosh(i π b/2a)] cos(i π y/2a)/i³,   i = 1, 3, 5, …
 //! ```
 //!
-//! Shah & London (1978), chapter VII, with the force per mass f in place of the pressure gradient over ρ.
+//! Shah & London (1978), chapter VII, with the force per mass f in place of the pressure gradient
+//! over ρ.
 
 use std::f64::consts::PI;
 
-/// Odd terms: the last is below 1e-7 of the first.
+/// Number of odd terms: the last is below 1e-7 of the first.
 const TERMS: usize = 120;
 
-/// Velocity, m/s, at (y, z), m, for half edges a and b, m, and a force per mass over the viscosity, 1/(m s).
+/// Returns the velocity, m/s, at (y, z), m, for half widths a and b, m, and force per mass over
+/// viscosity, 1/(m s).
 pub fn developed_velocity(y: f64, z: f64, a: f64, b: f64, force_over_viscosity: f64) -> f64 {
     let odd = (0..TERMS).map(|n| (2 * n + 1) as f64);
     let sum: f64 = odd
@@ -31,7 +33,7 @@ pub fn developed_velocity(y: f64, z: f64, a: f64, b: f64, force_over_viscosity: 
 mod tests {
     use super::*;
 
-    /// Mean over the section by midpoints.
+    /// Returns the mean over the section by the midpoint rule.
     fn mean(a: f64, b: f64, drive: f64) -> f64 {
         let n = 200;
         let at = |i: usize, half: f64| ((i as f64 + 0.5) / n as f64 * 2.0 - 1.0) * half;
@@ -40,8 +42,9 @@ mod tests {
     }
 
     #[test]
-    fn a_square_has_the_known_peak_and_friction() {
-        // Shah & London (1978): peak over mean 2.0963, f Re = 56.91, that is a mean of 2 G D²/(56.91 μ).
+    fn square_duct_has_the_published_peak_and_friction() {
+        // Shah & London (1978): peak over mean 2.0963, f Re = 56.91, so the mean is 2 G D²/(56.91
+        // μ).
         let found = mean(0.3, 0.3, 7.0);
         let peak = developed_velocity(0.0, 0.0, 0.3, 0.3, 7.0);
         assert!((peak / found - 2.09626).abs() < 1e-3, "{}", peak / found);
@@ -49,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_duct_is_plane_poiseuille_flow() {
+    fn flat_duct_has_plane_poiseuille_flow() {
         for y in [0.0, 0.03, 0.08] {
             let found = developed_velocity(y, 0.0, 0.1, 100.0, 4.0);
             let expected = 2.0 * (0.1 * 0.1 - y * y);
@@ -58,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_hold_the_flow() {
+    fn velocity_vanishes_at_the_walls() {
         assert!(developed_velocity(0.2, 0.1, 0.2, 0.3, 1.0).abs() < 1e-12);
         assert!(developed_velocity(0.05, 0.3, 0.2, 0.3, 1.0).abs() < 1e-12);
     }

@@ -1,7 +1,8 @@
-//! Exact solutions that profiles are held against, each in a room with its checks.
+//! Exact solutions as references of profiles, one module each.
 //!
-//! To add one: a room with a function of place and time, a variant of `ReferenceFile` in `schema`, and an arm in
-//! `value/reference.rs`. What a formula of x, y, z, t can say needs none.
+//! To add one: a module with a function of position and time, a variant of `ReferenceFile` in
+//! `schema`, and an arm in `measures/reference.rs`. Solutions that a formula of x, y, z and t can
+//! express need no module.
 
 pub mod couette;
 pub mod duct;

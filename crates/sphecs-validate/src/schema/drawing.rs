@@ -2,34 +2,34 @@
 
 use serde::Deserialize;
 
-use super::value::{AxisFile, FieldFile, NormFile, ReferenceFile, WhenFile};
+use super::figure::{AxisFile, FieldFile, NormFile, ReferenceFile, WhenFile};
 use sphecs_scene::notation::typed::Spanned;
 use sphecs_scene::schema::{Number, Text};
 
-/// Curves in a plane.
+/// Plot of curves.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Plot", deny_unknown_fields)]
 pub struct PlotFile {
     /// Name of the file without its extension.
     pub name: Text,
-    /// What it shows, in words.
+    /// Title.
     pub title: String,
-    /// What stands at the abscissa, with its unit.
+    /// Label of the abscissa with its unit.
     pub across: String,
-    /// What stands at the ordinate, with its unit.
+    /// Label of the ordinate with its unit.
     pub upward: String,
-    /// Whether the ordinate is logarithmic.
+    /// True if the ordinate is logarithmic.
     #[serde(default)]
     pub logarithmic: bool,
-    /// The curves.
+    /// Curves.
     pub curves: Vec<CurveFile>,
 }
 
-/// A curve of a plot.
+/// Curve of a plot.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum CurveFile {
-    /// A probe's field along an axis, with the reference as a line where one is given.
+    /// Field of a probe along an axis, with its reference if there is one.
     Profile {
         /// Run.
         run: Text,
@@ -37,21 +37,21 @@ pub enum CurveFile {
         probe: Text,
         /// Field.
         field: FieldFile,
-        /// When; one time or one mean.
+        /// Time or interval of one profile.
         when: Spanned<WhenFile>,
-        /// Coordinate along the line: the abscissa.
+        /// Coordinate along the line, the abscissa.
         axis: AxisFile,
-        /// The profile upright at a station: the coordinate is the ordinate, and the abscissa is the first number plus the
-        /// second times the value.
+        /// Upright profile at a station: the coordinate is the ordinate, and the abscissa is the
+        /// first number plus the second times the value.
         #[serde(default)]
         upright: Option<(Number, Number)>,
-        /// What should be there.
+        /// Reference.
         #[serde(default)]
         reference: Option<Box<ReferenceFile>>,
-        /// Words of the legend.
+        /// Label in the legend.
         label: String,
     },
-    /// A column over time.
+    /// Column over time.
     Series {
         /// Run.
         run: Text,
@@ -59,34 +59,34 @@ pub enum CurveFile {
         table: Text,
         /// Column without its unit.
         column: Text,
-        /// Times that are shown, s, default all.
+        /// Interval shown, s, default all.
         #[serde(default)]
         over: Option<(Number, Number)>,
-        /// Words of the legend.
+        /// Label in the legend.
         label: String,
     },
-    /// How far a probe's field is from what it should be, over time.
+    /// Distance of the field of a probe from its reference over time.
     Distance {
         /// Run.
         run: Text,
-        /// Line or point probe; with `*` for any letters it is all that have such a name.
+        /// Line or point probe; `*` stands for any letters and may match several probes.
         probe: Text,
         /// Field.
         field: FieldFile,
-        /// What should be there: not another run.
+        /// Reference, which must not be another run.
         reference: Box<ReferenceFile>,
-        /// How the distances of a time are put together.
+        /// Norm of the distances at one time.
         norm: NormFile,
-        /// What they are divided by, default 1.
+        /// Divisor, default 1.
         #[serde(default)]
         scale: Option<Number>,
-        /// Words of the legend.
+        /// Label in the legend.
         label: String,
     },
 }
 
 impl CurveFile {
-    /// The run that it shows.
+    /// Returns the run of the curve.
     pub fn run(&self) -> &Text {
         match self {
             CurveFile::Profile { run, .. }
@@ -96,17 +96,18 @@ impl CurveFile {
     }
 }
 
-/// Maps of a field of a run's particles at some times, one picture each.
+/// Pictures of a field of the particles of a run at some times.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Picture", deny_unknown_fields)]
 pub struct PictureFile {
     /// Name of the files without number and extension.
     pub name: Text,
-    /// What they show, in words.
+    /// Title.
     pub title: String,
-    /// Run; of an ensemble its first member.
+    /// Run; the first member of an ensemble.
     pub run: Text,
-    /// Field, as of `sphecs render`: `speed`, `u`, `v`, `w`, `pressure`, `density`, `vorticity`, `zone` or `tag`.
+    /// Field, as of `sphecs render`: `speed`, `u`, `v`, `w`, `pressure`, `density`, `vorticity`,
+    /// `zone` or `tag`.
     pub field: Text,
     /// Times, s; the frame nearest to each is shown.
     pub times: Vec<Number>,
@@ -116,7 +117,7 @@ pub struct PictureFile {
     /// Width, pixels, default 900.
     #[serde(default)]
     pub width: Option<Spanned<u32>>,
-    /// Axis across the slice of a 3D flow and its place on it, m, default the middle across z.
+    /// Axis normal to the slice of a 3D flow and position on it, m; default the middle of z.
     #[serde(default)]
     pub slice: Option<(AxisFile, Number)>,
 }

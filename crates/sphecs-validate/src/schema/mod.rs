@@ -1,9 +1,10 @@
-//! What may stand in a case file: runs, figures with their bands, plots and pictures.
+//! Notation of a case file: runs, figures with their bands, plots and pictures.
 //!
-//! Numbers may be literals or expressions of the case's constants in quotes; formulas may depend on x, y, z (m) and
-//! t (s) as well, those of figures on the figures before them.
+//! Numbers may be literals or quoted expressions of the constants of the case. Formulas may also
+//! depend on x, y, z (m) and t (s), formulas of figures on earlier figures.
 //!
-//! Rooms: [`value`] (how a figure is measured), [`drawing`] (plots and pictures).
+//! - [`figure`]: measurement of a figure
+//! - [`drawing`]: plots and pictures
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -11,42 +12,42 @@ use serde::de::IgnoredAny;
 use sphecs_scene::schema::{Number, Text};
 
 pub mod drawing;
-pub mod value;
+pub mod figure;
 
 pub use drawing::{CurveFile, PictureFile, PlotFile};
-pub use value::{
+pub use figure::{
     AxisFile, CoefficientFile, FeatureFile, FieldFile, NormFile, ReferenceFile, TakeFile, ValueFile, WhenFile,
 };
 
-/// A case.
+/// Case.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Case", deny_unknown_fields)]
 pub struct CaseFile {
-    /// One line for people.
+    /// Title.
     pub title: String,
-    /// Where the case and its reference come from.
+    /// Source of the case and of its reference.
     pub source: String,
-    /// What is computed, Markdown.
+    /// Flow that is computed, Markdown.
     pub setting: String,
-    /// What the source printed, what is known of misses; Markdown.
+    /// Values in the source and reasons of missed bands, Markdown.
     #[serde(default)]
     pub remarks: Option<String>,
     /// Named constants, read before everything else.
     #[serde(default)]
     pub constants: Option<IgnoredAny>,
-    /// Flows to be run.
+    /// Runs.
     pub runs: Vec<RunFile>,
-    /// What is measured of them.
+    /// Figures measured from the runs.
     pub figures: Vec<FigureFile>,
-    /// Curves of them.
+    /// Plots of the runs.
     #[serde(default)]
     pub plots: Vec<PlotFile>,
-    /// Maps of them.
+    /// Pictures of the runs.
     #[serde(default)]
     pub pictures: Vec<PictureFile>,
 }
 
-/// From which tier on something is run.
+/// Lowest tier that includes a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 pub enum Tier {
     /// `sphecs validate --quick`: minutes.
@@ -58,30 +59,31 @@ pub enum Tier {
     Full,
 }
 
-/// A flow to be run.
+/// Run of a scene.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Run", deny_unknown_fields)]
 pub struct RunFile {
-    /// Name, unique in the case; that of its folder too.
+    /// Name of the run and of its folder, unique in the case.
     pub name: Text,
     /// Name of a shipped scene, or the path of a scene beside the case file.
     pub scene: Text,
-    /// Values put into the scene, as by `--set`.
+    /// Values changed in the scene, as by `--set`.
     #[serde(default)]
     pub set: Vec<(Text, Text)>,
-    /// From which tier on it is run, default `Usual`.
+    /// Lowest tier that includes the run, default `Usual`.
     #[serde(default)]
     pub tier: Tier,
-    /// Whether it is known that it may blow up: that is then told, and what looks at it is left out. Default false.
+    /// True if the run may diverge: it is then reported, and figures of it are omitted. Default
+    /// false.
     #[serde(default)]
     pub may_fail: bool,
-    /// The same flow again, so that its figures are means with a standard error.
+    /// Further members of an ensemble, so that figures are means with a standard error.
     #[serde(default)]
     pub again: Option<AgainFile>,
 }
 
 impl RunFile {
-    /// Its members in a tier: what is put into the scene for each, the run itself first.
+    /// Returns the members in a tier as the values changed in the scene, the run itself first.
     pub fn members(&self, tier: Tier) -> Vec<Vec<(String, String)>> {
         let own: Vec<(String, String)> =
             self.set.iter().map(|(path, value)| (path.value.clone(), value.value.clone())).collect();
@@ -96,21 +98,23 @@ impl RunFile {
         std::iter::once(own.clone()).chain(others).collect()
     }
 
-    /// Name of a member's folder: the run's, and from the second on its number.
+    /// Returns the name of the folder of a member: the name of the run, with a number from the
+    /// second member on.
     pub fn member_name(&self, member: usize) -> String {
         if member == 0 { self.name.value.clone() } else { format!("{}.{}", self.name.value, member + 1) }
     }
 }
 
-/// Further members of an ensemble: the run with other values of something that should not matter.
+/// Further members of an ensemble: the run with a tiny change that should not affect its
+/// statistics.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Again", deny_unknown_fields)]
 pub struct AgainFile {
-    /// Path of the value in the scene, as by `--set`: a tiny disturbance of the start.
+    /// Path of the value in the scene, as by `--set`: a tiny disturbance of the initial state.
     pub set: Text,
-    /// Its value in each further member.
+    /// Value in each further member.
     pub to: Vec<Text>,
-    /// From which tier on they are run, default `Full`.
+    /// Lowest tier that includes them, default `Full`.
     #[serde(default = "full")]
     pub tier: Tier,
 }
@@ -119,40 +123,40 @@ fn full() -> Tier {
     Tier::Full
 }
 
-/// Something that is measured.
+/// Quantity that is measured.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Figure", deny_unknown_fields)]
 pub struct FigureFile {
-    /// Name, unique in the case; formulas of later figures know it.
+    /// Name, unique in the case, for use in later formulas.
     pub name: Text,
-    /// What it is, in words, with its unit.
+    /// Description with the unit.
     pub what: String,
-    /// How it is measured.
+    /// Measurement.
     pub value: ValueFile,
-    /// Band to be met.
+    /// Required band.
     #[serde(default)]
     pub must: Option<BandFile>,
-    /// Band that is aimed at.
+    /// Goal.
     #[serde(default)]
     pub goal: Option<BandFile>,
-    /// What the source printed.
+    /// Value in the source.
     #[serde(default)]
     pub printed: Option<Number>,
 }
 
-/// Where a figure has to lie.
+/// Band of a figure.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum BandFile {
-    /// Not above.
+    /// Upper bound.
     AtMost(Number),
-    /// Not below.
+    /// Lower bound.
     AtLeast(Number),
-    /// Neither below the first nor above the second.
+    /// Lower and upper bound.
     Between(Number, Number),
-    /// Not farther from a value than so much.
+    /// Largest distance from a value.
     Near {
-        /// The value.
+        /// Value.
         value: Number,
         /// Largest distance.
         by: Number,

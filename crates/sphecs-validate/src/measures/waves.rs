@@ -1,4 +1,4 @@
-//! Waves: how fast one grows, how much of one comes back.
+//! Growth rate and reflection coefficient of waves.
 
 use std::f64::consts::TAU;
 
@@ -7,11 +7,13 @@ use super::slope;
 use crate::schema::FieldFile;
 use sphecs_output::probes::history::ProbeHistory;
 
-/// Fewest samples that a growth rate is fitted to.
-const FEWEST: usize = 4;
+/// Smallest number of samples for a growth rate.
+const MIN_SAMPLES: usize = 4;
 
-/// Amplitude of the wave with so many waves on a line, 2 Σ f exp(−i k x)/N, real and imaginary, at each sample; the last point
-/// of the line is the first of the next period. Of a single point the deviation from its first sample.
+/// Returns the complex amplitude 2 Σ f exp(−i k x)/N of a wave along a line at each sample.
+///
+/// The last point of the line is the first of the next period. A single point has its deviation
+/// from the first sample.
 fn amplitudes(probe: &ProbeHistory, column: &[f64], waves: f64) -> Vec<(f64, f64)> {
     if probe.places.len() == 1 {
         return column.iter().map(|value| (value - column[0], 0.0)).collect();
@@ -29,11 +31,14 @@ fn amplitudes(probe: &ProbeHistory, column: &[f64], waves: f64) -> Vec<(f64, f64
     column.chunks_exact(points + 1).map(amplitude).collect()
 }
 
-/// Growth rate, 1/s, of a wave along a line: slope of the logarithm of its amplitude over time, by least squares, from the
-/// first time that the amplitude is above the lower bound until it passes the upper one.
+/// Returns the growth rate of a wave along a line, 1/s, as the least-squares slope of the logarithm
+/// of its amplitude.
+///
+/// The fit starts where the amplitude exceeds the lower bound and ends where it exceeds the upper
+/// one.
 ///
 /// # Errors
-/// That the amplitude is hardly ever between the bounds.
+/// Too few samples are between the bounds.
 pub fn growth(probe: &ProbeHistory, column: &[f64], waves: f64, between: (f64, f64)) -> Result<f64, String> {
     let mut fitted = Vec::new();
     for (&time, (real, imaginary)) in probe.times.iter().zip(amplitudes(probe, column, waves)) {
@@ -45,18 +50,20 @@ pub fn growth(probe: &ProbeHistory, column: &[f64], waves: f64, between: (f64, f
             fitted.push((time, amplitude.ln()));
         }
     }
-    if fitted.len() < FEWEST {
+    if fitted.len() < MIN_SAMPLES {
         let (low, high) = between;
-        return Err(format!("the amplitude is between {low} and {high} in {} samples only", fitted.len()));
+        return Err(format!("the amplitude is between {low} and {high} in only {} samples", fitted.len()));
     }
     Ok(slope(&fitted))
 }
 
-/// Reflection coefficient: largest |p' − Z u'| in the second interval over largest |p' + Z u'| in the first (s), at a point or
-/// of a wave along a line across; `impedance` Z = ρ c/cos θ in kg/(m² s).
+/// Returns the reflection coefficient, largest |p' − Z u'| in the second interval (s) over largest
+/// |p' + Z u'| in the first.
+///
+/// Measured at a point or for a wave along a line across; `impedance` Z = ρ c/cos θ in kg/(m² s).
 ///
 /// # Errors
-/// That the probe has no such fields or times.
+/// The probe has no such fields or times.
 pub fn reflection(
     probe: &ProbeHistory,
     waves: f64,
@@ -81,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn growth_of_a_wave_is_found_below_its_saturation() {
+    fn growth_rate_is_found_below_saturation() {
         let times: Vec<f64> = (0..60).map(|n| 0.01 * f64::from(n)).collect();
         let places: Vec<[f64; 3]> = (0..41).map(|n| [0.01 * f64::from(n), 0.0, 0.0]).collect();
         let values = |t: f64| {
@@ -104,12 +111,16 @@ mod tests {
     }
 
     #[test]
-    fn a_reflected_pulse_is_told_from_the_incident_one() {
+    fn reflected_pulse_is_separated_from_the_incident_one() {
         let pulse = |t: f64, at: f64| (-((t - at) / 0.05_f64).powi(2)).exp();
         let times: Vec<f64> = (0..200).map(|n| 0.01 * f64::from(n)).collect();
-        let (rho_c, back) = (1500.0, -0.2);
-        let pressure = times.iter().map(|&t| 7.0 + pulse(t, 0.5) + back * pulse(t, 1.5)).collect();
-        let velocity = times.iter().map(|&t| 0.1 + (pulse(t, 0.5) - back * pulse(t, 1.5)) / rho_c).collect();
+        let (rho_c, reflection_coefficient) = (1500.0, -0.2);
+        let pressure =
+            times.iter().map(|&t| 7.0 + pulse(t, 0.5) + reflection_coefficient * pulse(t, 1.5)).collect();
+        let velocity = times
+            .iter()
+            .map(|&t| 0.1 + (pulse(t, 0.5) - reflection_coefficient * pulse(t, 1.5)) / rho_c)
+            .collect();
         let columns = vec![("u", velocity), ("pressure", pressure)];
         let probe = ProbeHistory { places: vec![[0.0; 3]], times, columns, ..Default::default() };
         let found = reflection(&probe, 0.0, rho_c, [(0.0, 1.0), (1.0, 2.0)]).expect("a coefficient");

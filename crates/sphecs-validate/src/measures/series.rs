@@ -1,12 +1,13 @@
-//! Columns over time, and what is taken of them.
+//! Columns over time and their statistics.
 
 use super::{FORCES, MONITOR, RunResults, slope};
 use crate::schema::{CoefficientFile, TakeFile};
 
-/// Times, s, and values of a column of the monitor, of the forces on bodies or of a probe with one point.
+/// Returns times, s, and values of a column of the monitor, of the forces on bodies or of a probe
+/// with one point.
 ///
 /// # Errors
-/// That there is no such column.
+/// There is no such column.
 pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
     if table != MONITOR && table != FORCES {
         let probe = run.probe(table)?;
@@ -25,10 +26,10 @@ pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, 
     Ok((of("time").ok_or_else(|| format!("{what} no times"))?, values))
 }
 
-/// A coefficient of a body over the interval that its scene gives it.
+/// Returns a coefficient of a body over the interval given by its scene.
 ///
 /// # Errors
-/// That the run has no such body, or one without coefficients.
+/// The run has no such body, or one without coefficients.
 pub fn coefficient(run: &RunResults, body: &str, take: CoefficientFile) -> Result<f64, String> {
     let found = run.forces.means.iter().find(|(name, _)| name == body);
     let (_, means) = found.ok_or_else(|| format!("the run has no coefficients of a body `{body}`"))?;
@@ -41,11 +42,11 @@ pub fn coefficient(run: &RunResults, body: &str, take: CoefficientFile) -> Resul
     }))
 }
 
-/// What is taken of a column from one time to another, s.
+/// Returns a statistic of a column in an interval, s.
 ///
 /// # Errors
-/// That there is nothing then.
-pub fn take(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> Result<f64, String> {
+/// The interval has no samples.
+pub fn statistic(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> Result<f64, String> {
     let inside: Vec<(f64, f64)> = times
         .iter()
         .copied()
@@ -53,11 +54,11 @@ pub fn take(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> 
         .filter(|(time, _)| (over.0..=over.1).contains(time))
         .collect();
     let Some(&(_, last)) = inside.last() else {
-        return Err(format!("nothing from {} to {} s", over.0, over.1));
+        return Err(format!("no samples from {} to {} s", over.0, over.1));
     };
     let all = || inside.iter().map(|(_, value)| *value);
     let mean = all().sum::<f64>() / inside.len() as f64;
-    // A value that is none must show.
+    // NaN must not be hidden.
     let extreme = |better: fn(f64, f64) -> bool| {
         all()
             .fold(inside[0].1, |best, value| if better(value, best) || value.is_nan() { value } else { best })
@@ -77,33 +78,35 @@ pub fn take(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile) -> 
 /// Times, s, and values of a column.
 type Column<'a> = (&'a [f64], &'a [f64]);
 
-/// √(Σ (f − f_other)²/Σ f_other²) over the samples of the first column from one time to another (s) at which the other is known.
+/// Returns √(Σ (f − f_other)²/Σ f_other²) over the samples of the first column in an interval (s).
+///
+/// Samples outside the times of the other column are omitted.
 ///
 /// # Errors
-/// That there is nothing to compare, or that the other column is 0 throughout.
+/// There is no sample to compare, or the other column is 0 throughout.
 pub fn departure(
     (times, values): Column<'_>,
     (other_times, other): Column<'_>,
     over: (f64, f64),
 ) -> Result<f64, String> {
-    let (mut squares, mut whole) = (0.0, 0.0);
+    let (mut squares, mut reference) = (0.0, 0.0);
     for (&time, &value) in times.iter().zip(values).filter(|(time, _)| (over.0..=over.1).contains(*time)) {
-        let behind = other_times.partition_point(|&other| other < time);
-        let expected = match (behind.checked_sub(1), other_times.get(behind)) {
-            (_, Some(&at)) if at == time => other[behind],
+        let after = other_times.partition_point(|&other| other < time);
+        let expected = match (after.checked_sub(1), other_times.get(after)) {
+            (_, Some(&at)) if at == time => other[after],
             (Some(before), Some(&at)) => {
                 let share = (time - other_times[before]) / (at - other_times[before]);
-                other[before] + share * (other[behind] - other[before])
+                other[before] + share * (other[after] - other[before])
             }
             _ => continue,
         };
         squares += (value - expected).powi(2);
-        whole += expected * expected;
+        reference += expected * expected;
     }
-    if whole > 0.0 {
-        Ok((squares / whole).sqrt())
+    if reference > 0.0 {
+        Ok((squares / reference).sqrt())
     } else {
-        Err(format!("the other run has nothing but 0 from {} to {} s", over.0, over.1))
+        Err(format!("the other run has only 0 from {} to {} s", over.0, over.1))
     }
 }
 
@@ -112,26 +115,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_departure_is_relative_to_the_other_and_interpolated() {
+    fn departure_is_relative_to_the_other_run_and_interpolated() {
         let other = (&[0.0, 2.0, 4.0][..], &[0.0, 4.0, 8.0][..]);
         let of = |values: [f64; 3], over| departure((&[1.0, 2.0, 3.0], &values), other, over);
         assert_eq!(of([2.0, 4.0, 6.0], (0.0, 4.0)), Ok(0.0));
         assert_eq!(of([2.0, 4.0, 9.0], (2.5, 9.0)), Ok(0.5));
         assert_eq!(of([4.0, 0.0, 6.0], (0.0, 2.5)), Ok((20.0_f64 / 20.0).sqrt()));
-        // What is beyond the other's end is left out, and without anything left there is no figure.
+        // Samples after the end of the other are omitted; without any other there is no value.
         assert_eq!(departure((&[3.0, 5.0], &[6.0, 77.0]), other, (0.0, 9.0)), Ok(0.0));
         assert!(departure((&[5.0], &[77.0]), other, (0.0, 9.0)).is_err());
     }
 
     #[test]
-    fn what_is_taken_is_of_the_interval() {
+    fn statistics_use_the_interval_only() {
         let times = [0.0, 1.0, 2.0, 3.0, 4.0];
         let values = [100.0, 1.0, 5.0, 3.0, -100.0];
-        let of = |what| take(&times, &values, (1.0, 3.0), what).expect("a value");
+        let of = |what| statistic(&times, &values, (1.0, 3.0), what).expect("a value");
         assert_eq!(of(TakeFile::Mean), 3.0);
         assert_eq!((of(TakeFile::Largest), of(TakeFile::Smallest), of(TakeFile::Last)), (5.0, 1.0, 3.0));
         assert!((of(TakeFile::Deviation) - (8.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(of(TakeFile::Drift), 1.0);
-        assert!(take(&times, &values, (5.0, 6.0), TakeFile::Mean).is_err());
+        assert!(statistic(&times, &values, (5.0, 6.0), TakeFile::Mean).is_err());
     }
 }

@@ -1,17 +1,24 @@
-//! What a figure of a case is, computed from the results of its runs.
+//! Figures of a case computed from the results of its runs.
 //!
-//! Rooms: `reading` (a value with its error, formulas), `fields` (which probes, which quantity), `reference` (what a
-//! profile should be), `profile` (distances from it), `feature` (what a profile looks like), `ensemble` (how far apart two
-//! flows are), `series` (columns over time), `waves` (growth and reflection). To add a way to measure: a variant of
-//! `ValueFile` in `schema`, a room here, an arm below.
+//! - [`measurement`]: value with its error, formulas of figures
+//! - [`fields`]: selection of probes and their quantities
+//! - [`reference`](mod@reference): reference of a profile
+//! - [`profile`]: distances from the reference
+//! - [`feature`]: features of a profile
+//! - [`ensemble`]: distance of two flows
+//! - [`series`]: columns over time
+//! - [`waves`]: growth and reflection
 //!
-//! A run is an ensemble of one or more members. What one run can tell is measured of each, and the figure is their mean.
+//! To add a measure: a variant of `ValueFile` in `schema`, a module here and an arm below.
+//!
+//! A run is an ensemble of one or more members. A figure that needs one run is measured for each
+//! member and averaged.
 
 pub mod ensemble;
 pub mod feature;
 pub mod fields;
+pub mod measurement;
 pub mod profile;
-pub mod reading;
 pub mod reference;
 pub mod series;
 pub mod waves;
@@ -23,7 +30,7 @@ use std::path::Path;
 use super::case::Case;
 use super::schema::{ReferenceFile, ValueFile};
 use ensemble::Comparison;
-use reading::Reading;
+use measurement::Measurement;
 use sphecs_output::error::OutputError;
 use sphecs_output::forces::{self, ForcesHistory};
 use sphecs_output::monitor;
@@ -32,22 +39,22 @@ use sphecs_output::summary::Summary;
 use sphecs_scene::expression::Constants;
 use sphecs_scene::schema::Number;
 
-/// The name under which the monitor is asked for.
+/// Name of the monitor in a case file.
 pub const MONITOR: &str = "monitor";
 
-/// The name under which the forces on bodies are asked for.
+/// Name of the forces on bodies in a case file.
 pub const FORCES: &str = "forces";
 
-/// What a run left.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub struct RunResults {
-    /// How it went.
+    /// Summary.
     pub summary: Summary,
-    /// Its probes.
+    /// Probes.
     pub probes: Vec<ProbeHistory>,
     /// Columns of the monitor.
     pub monitor: Vec<(String, Vec<f64>)>,
-    /// Forces on its bodies.
+    /// Forces on the bodies.
     pub forces: ForcesHistory,
 }
 
@@ -63,48 +70,48 @@ impl RunResults {
         Ok(Self { probes, monitor: monitor::read_history(folder)?, forces, summary })
     }
 
-    /// A probe by name, or all of a pattern as one.
+    /// Returns the probe of a name, or all probes that match a pattern as one.
     ///
     /// # Errors
-    /// That there is none.
+    /// There is none.
     pub fn probe(&self, name: &str) -> Result<Cow<'_, ProbeHistory>, String> {
         fields::probe(&self.probes, name)
     }
 }
 
-/// What figures are computed from.
+/// Input of the figures.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
-    /// The case.
+    /// Case.
     pub case: &'a Case,
-    /// Results of the members of the runs, by name.
+    /// Results of the members of the runs by name.
     pub runs: &'a BTreeMap<String, Vec<RunResults>>,
-    /// The case's constants and the figures so far.
+    /// Constants of the case and values of the figures so far.
     pub known: &'a Constants,
-    /// The figures so far.
-    pub readings: &'a BTreeMap<String, Reading>,
+    /// Figures so far.
+    pub measurements: &'a BTreeMap<String, Measurement>,
 }
 
 impl<'a> Context<'a> {
-    /// The results of all members of a run.
+    /// Returns the results of all members of a run.
     ///
     /// # Errors
-    /// That it has none.
+    /// The run has no results.
     pub fn members(&self, name: &str) -> Result<&'a [RunResults], String> {
         let found = self.runs.get(name).filter(|members| !members.is_empty());
         found.map(Vec::as_slice).ok_or_else(|| format!("run `{name}` has no results"))
     }
 
-    /// The results of a run, of an ensemble those of its first member.
+    /// Returns the results of a run, or of the first member of an ensemble.
     ///
     /// # Errors
-    /// That it has none.
+    /// The run has no results.
     pub fn run(&self, name: &str) -> Result<&'a RunResults, String> {
         self.members(name).map(|members| &members[0])
     }
 }
 
-/// The runs that a value looks at; a formula and an order look at none.
+/// Returns the runs that a figure needs; a formula and an order need none.
 pub fn runs_of(value: &ValueFile) -> Vec<&str> {
     match value {
         ValueFile::Profile { run, reference, .. } => {
@@ -122,11 +129,11 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
     }
 }
 
-/// The value of a figure.
+/// Returns the value of a figure.
 ///
 /// # Errors
-/// Why it cannot be told.
-pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Reading, String> {
+/// Reason why it cannot be measured.
+pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Measurement, String> {
     let found = match value {
         ValueFile::Profile {
             run,
@@ -140,11 +147,11 @@ pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Reading, Stri
             let comparison = Comparison { probe: &probe.value, field, when: &when.value, norm: *norm };
             let members = context.members(&run.value)?;
             let found = match reference::run_of(reference) {
-                Some(other) => comparison.apart(members, context.members(other)?)?,
+                Some(other) => comparison.between(members, context.members(other)?)?,
                 None => comparison.within(members)?,
             };
             let scale = factor(scale);
-            Reading { value: found.value / scale, error: found.error.map(|error| error / scale), ..found }
+            Measurement { value: found.value / scale, error: found.error.map(|error| error / scale), ..found }
         }
         ValueFile::Departure { run, table, column, from, over } => {
             let other = series::column(context.run(&from.value)?, &table.value, &column.value)?;
@@ -153,32 +160,38 @@ pub fn evaluate(value: &ValueFile, context: Context<'_>) -> Result<Reading, Stri
                 series::departure((&times, &values), (&other.0, &other.1), (over.0.value, over.1.value))
             };
             let members = context.members(&run.value)?.iter().map(of_member).collect::<Result<_, _>>()?;
-            Reading::over(&run.value, members)
+            Measurement::over(&run.value, members)
         }
         ValueFile::Order { figures, spacings } => {
             let figure =
                 |name: &str| context.known.get(name).ok_or_else(|| format!("`{name}` was not measured"));
             let errors = figures.iter().map(|name| figure(&name.value)).collect::<Result<Vec<_>, _>>()?;
-            Reading::plain(order(&errors, &spacings.iter().map(|spacing| spacing.value).collect::<Vec<_>>()))
+            Measurement::plain(order(
+                &errors,
+                &spacings.iter().map(|spacing| spacing.value).collect::<Vec<_>>(),
+            ))
         }
-        ValueFile::Formula(text) => reading::formula(&text.value, context.known, context.readings)?,
+        ValueFile::Formula(text) => measurement::formula(&text.value, context.known, context.measurements)?,
         single => {
             let run = runs_of(single).first().copied().unwrap_or_default();
             let members = context.members(run)?.iter().map(|member| of_member(single, member, context.case));
             let members = members.collect::<Result<Vec<_>, String>>()?;
             let at_least = members.iter().any(|found| found.at_least);
-            Reading { at_least, ..Reading::over(run, members.into_iter().map(|found| found.value).collect()) }
+            Measurement {
+                at_least,
+                ..Measurement::over(run, members.into_iter().map(|found| found.value).collect())
+            }
         }
     };
     if found.value.is_finite() { Ok(found) } else { Err(format!("is {}", found.value)) }
 }
 
-/// What a value is divided by.
+/// Returns the divisor of a value.
 fn factor(scale: &Option<Number>) -> f64 {
     scale.map_or(1.0, |scale| scale.value)
 }
 
-/// What one member of a run has for a value.
+/// Returns the value of one member of a run.
 fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature::Feature, String> {
     let found = match value {
         ValueFile::Profile { probe, field, when, reference, norm, scale, .. } => {
@@ -194,7 +207,7 @@ fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature
         }
         ValueFile::Series { table, column, over, take, scale, .. } => {
             let (times, values) = series::column(run, &table.value, &column.value)?;
-            series::take(&times, &values, (over.0.value, over.1.value), *take)? / factor(scale)
+            series::statistic(&times, &values, (over.0.value, over.1.value), *take)? / factor(scale)
         }
         ValueFile::Body { body, take, .. } => series::coefficient(run, &body.value, *take)?,
         ValueFile::Growth { probe, field, waves, between, .. } => {
@@ -208,19 +221,19 @@ fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature
             waves::reflection(&*run.probe(&probe.value)?, waves, impedance.value, intervals)?
         }
         ValueFile::Departure { .. } | ValueFile::Order { .. } | ValueFile::Formula(_) => {
-            return Err("not of one run".to_owned());
+            return Err("needs more than one run".to_owned());
         }
     };
     Ok(feature::Feature { value: found, at_least: false })
 }
 
-/// Slope of the logarithms of errors over those of spacings, by least squares.
+/// Returns the least-squares slope of the logarithms of errors over those of spacings.
 fn order(errors: &[f64], spacings: &[f64]) -> f64 {
     let points: Vec<(f64, f64)> = spacings.iter().zip(errors).map(|(s, e)| (s.ln(), e.ln())).collect();
     slope(&points)
 }
 
-/// Slope of the straight line nearest to some points, by least squares.
+/// Returns the least-squares slope of some points.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let count = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;

@@ -1,26 +1,26 @@
-//! What the loop of a run remembers from step to step: part of its checkpoints beside the state of the flow.
+//! State of the run loop that a checkpoint saves beside the state of the flow.
 
 use serde::{Deserialize, Serialize};
 
-use super::due::Due;
+use super::output_schedule::OutputInterval;
 use sphecs_engine::systems::monitor::MonitorRow;
 
-/// Name of the log among the columns of a checkpoint.
-pub const NAME: &str = "run.log";
+/// Column of a checkpoint that holds this state.
+pub const COLUMN: &str = "run.log";
 
-/// What the loop of a run remembers.
+/// Counters and schedules of the run loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Log {
-    /// When the next frame is due.
-    pub frames: Due,
-    /// When the next row is due.
-    pub rows: Due,
+pub struct RunState {
+    /// Schedule of the frames.
+    pub frames: OutputInterval,
+    /// Schedule of the monitor rows.
+    pub rows: OutputInterval,
     /// Step of the last frame; None before the first.
     pub last_frame: Option<u64>,
-    /// Frames handed over.
+    /// Number of frames submitted.
     pub frame_count: u64,
-    /// The last row.
+    /// Last monitor row.
     pub last_row: MonitorRow,
     /// Step of the last row; None before the first.
     pub last_row_step: Option<u64>,
@@ -28,18 +28,18 @@ pub struct Log {
     pub particle_steps: f64,
     /// Wall time of the processes before this one, s.
     pub wall_time: f64,
-    /// Wall time spent on handing frames, rows and checkpoints over, s.
+    /// Wall time spent on submitting frames, rows and checkpoints, s.
     pub output_time: f64,
     /// Wall time by stage of the processes before this one, s.
     pub stages: Vec<f64>,
 }
 
-impl Log {
-    /// Nothing written yet, with these intervals in s.
+impl RunState {
+    /// Returns the state before the first output, with the intervals of frames and rows in s.
     pub fn new(frames_every: f64, rows_every: f64) -> Self {
         Self {
-            frames: Due::every(frames_every),
-            rows: Due::every(rows_every),
+            frames: OutputInterval::every(frames_every),
+            rows: OutputInterval::every(rows_every),
             last_frame: None,
             frame_count: 0,
             last_row: MonitorRow::default(),
@@ -51,7 +51,7 @@ impl Log {
         }
     }
 
-    /// Wall time of a stage (by its place in the table) in all processes, s, when this one has spent `seconds` on it.
+    /// Returns the wall time of a stage in all processes, s, with `seconds` spent in this one.
     pub fn stage(&self, index: usize, seconds: f64) -> f64 {
         self.stages.get(index).copied().unwrap_or(0.0) + seconds
     }

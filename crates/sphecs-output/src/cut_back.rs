@@ -1,34 +1,34 @@
-//! Output cut back to a checkpoint, so that a resumed run writes no time twice and leaves none out.
+//! Output of a run cut back to a checkpoint, so that a resumed run repeats and omits no time.
 //!
-//! The journal keeps the frames that the checkpoint counts, the CSV files their bytes; what was made of them when the run was packed
-//! goes. A packed run gets its journal back first. Every step can be broken off and done again: nothing is removed before what
-//! replaces it is whole.
+//! The journal keeps the frames that the checkpoint counts, the CSV files keep their bytes, and
+//! packed files are removed. A packed run gets its journal back first. Every step can be
+//! interrupted and repeated: nothing is removed before its replacement is complete.
 
 use std::fs;
 use std::path::Path;
 
-use super::Facts;
+use crate::checkpoint::Facts;
+use crate::disk::{self, remove_folder};
 use crate::error::OutputError;
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
+use crate::journal;
 use crate::netcdf::particles::ParticleFile;
-use crate::pack::{PACKED_JOURNAL, PARTICLES, remove_folder};
-use crate::probes::{results as probe_results, writer as probes};
-use crate::{disk, forces, journal, monitor};
+use crate::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 
-/// Whether the output that a checkpoint counts is there.
+/// Checks that the output counted by a checkpoint exists.
 ///
 /// # Errors
-/// What is missing.
+/// Output that is missing.
 pub fn has_output(run: &Path, facts: &Facts) -> Result<(), String> {
     let frames = frames(run).map_err(|error| error.to_string())?;
     if frames < facts.frames {
         return Err(format!("counts {} frames, the run has {frames}", facts.frames));
     }
     let tables = [
-        (monitor::CSV, facts.monitor_bytes),
-        (probes::CSV, facts.probes_bytes),
-        (forces::CSV, facts.forces_bytes),
+        (paths::MONITOR_CSV, facts.monitor_bytes),
+        (paths::PROBES_CSV, facts.probes_bytes),
+        (paths::FORCES_CSV, facts.forces_bytes),
     ];
     for (name, bytes) in tables {
         let found = fs::metadata(run.join(name)).map_or(0, |data| data.len());
@@ -39,66 +39,67 @@ pub fn has_output(run: &Path, facts: &Facts) -> Result<(), String> {
     Ok(())
 }
 
-/// Frames of a run, packed or not, without a gap from the first on.
+/// Returns the number of frames of a run, packed or not, counted from the first up to a gap.
 fn frames(run: &Path) -> Result<u64, OutputError> {
-    let journal = run.join(journal::FOLDER);
+    let journal = run.join(JOURNAL);
     if journal.exists() {
         let paths = journal::frame_paths(&journal)?;
-        let indices = paths.iter().map(|path| journal::frame_index(path));
+        let indices = paths.iter().map(|path| paths::frame_index(path));
         return Ok(indices.zip(0_u64..).take_while(|(found, index)| *found == Some(*index)).count() as u64);
     }
     let packed = run.join(PARTICLES);
     if packed.exists() { Ok(ParticleFile::open(&packed)?.times.len() as u64) } else { Ok(0) }
 }
 
-/// Cuts the output of a run back to what a checkpoint counts, or to nothing.
+/// Cuts the output of a run back to a checkpoint; the default `facts` remove all of it.
 ///
 /// # Errors
-/// [`OutputError`] with path and cause; it can be tried again.
+/// [`OutputError`] with path and cause; cutting back can be tried again.
 pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), OutputError> {
-    let journal = run.join(journal::FOLDER);
+    let journal = run.join(JOURNAL);
     if !journal.exists() {
         unpack(run, &journal, header, facts.frames)?;
     }
     for path in journal::frame_paths(&journal)? {
-        if journal::frame_index(&path).is_none_or(|index| index >= facts.frames) {
+        if paths::frame_index(&path).is_none_or(|index| index >= facts.frames) {
             remove(&path)?;
         }
     }
     if facts.frames == 0 {
-        remove(&journal::walls_path(&journal))?;
+        remove(&paths::walls(&journal))?;
     }
     remove_partial(&journal)?;
     disk::sync_folder(&journal)?;
     remove_folder(&run.join(PACKED_JOURNAL))?;
-    let packed = [PARTICLES, monitor::NETCDF, probe_results::NETCDF, probes::MEAN_CSV];
-    for name in packed.into_iter().chain([forces::NETCDF, forces::means::CSV]) {
+    let packed = [PARTICLES, paths::MONITOR_NETCDF, paths::PROBES_NETCDF, paths::PROBES_MEAN_CSV];
+    for name in packed.into_iter().chain([paths::FORCES_NETCDF, paths::FORCES_MEAN_CSV]) {
         remove(&run.join(name))?;
     }
     remove_partial(run)?;
     disk::sync_folder(run)
 }
 
-/// Makes a journal of the first frames of `particles.nc`, or an empty one.
+/// Writes the first `count` frames of `particles.nc` into a new journal.
 fn unpack(run: &Path, journal: &Path, header: &Header, count: u64) -> Result<(), OutputError> {
-    let fresh = disk::partial_name(journal);
-    remove_folder(&fresh)?;
-    fs::create_dir(&fresh).map_err(OutputError::io(&fresh, "make the folder"))?;
+    let partial = disk::partial_name(journal);
+    remove_folder(&partial)?;
+    fs::create_dir(&partial).map_err(OutputError::io(&partial, "make the folder"))?;
     let packed = run.join(PARTICLES);
     if count > 0 {
         let file = ParticleFile::open(&packed)?;
         let walls = file.walls()?;
-        journal::write_all(&fresh, header, count as usize, |index| {
+        journal::write_all(&partial, header, count as usize, |index| {
             let mut frame = file.frame(index, &walls)?;
             trim(&mut frame);
             Ok(frame)
         })?;
     }
-    fs::rename(&fresh, journal).map_err(OutputError::io(journal, "make the folder"))?;
+    fs::rename(&partial, journal).map_err(OutputError::io(journal, "make the folder"))?;
     disk::sync_folder(run)
 }
 
-/// Drops the slots at the end that no particle had at the time: the packed file has those of its last frame.
+/// Removes slots at the end that had no particle at the time: the packed file has the slots of its
+/// last frame.
 fn trim(frame: &mut Frame) {
     let present = frame.zone.iter().rposition(|&zone| zone != ABSENT).map_or(0, |last| last + 1);
     frame.resize(present);
@@ -113,7 +114,7 @@ fn remove(path: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Removes the files that a kill left half written.
+/// Removes the files that a kill left incomplete.
 fn remove_partial(folder: &Path) -> Result<(), OutputError> {
     for entry in fs::read_dir(folder).map_err(OutputError::io(folder, "read"))? {
         let path = entry.map_err(OutputError::io(folder, "read"))?.path();

@@ -1,4 +1,5 @@
-//! A checkpoint that is damaged, of something else or without its output, and changes that a resumed run may not have.
+//! Checkpoints that are damaged, foreign or without their output, and changes that resuming
+//! refuses.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::program::{QUICK, checkpoints, copy_folder, ends, folder, refused, resume, run, same, sphecs};
 
-/// A run of two checkpoints and the same without a break.
+/// Makes a run with two checkpoints and an uninterrupted one.
 fn twice_stopped(folder: &Path) -> (PathBuf, PathBuf) {
     let (whole, pieces) = (folder.join("whole"), folder.join("pieces"));
     ends(run(QUICK, &whole, &["--steps", "150"]), 0);
@@ -17,7 +18,7 @@ fn twice_stopped(folder: &Path) -> (PathBuf, PathBuf) {
 }
 
 #[test]
-fn a_damaged_checkpoint_is_named_and_the_one_before_it_taken() {
+fn damaged_checkpoint_is_named_and_the_one_before_it_used() {
     let folder = folder();
     let (whole, pieces) = twice_stopped(folder.path());
     let last = checkpoints(&pieces)[0].clone();
@@ -26,31 +27,31 @@ fn a_damaged_checkpoint_is_named_and_the_one_before_it_taken() {
     bytes[middle] ^= 0x20;
     fs::write(&last, bytes).expect("written");
     let said = ends(resume(&pieces, &["--steps", "150"]), 0);
-    for word in ["step-000000000110", "is damaged", "checksum", "the one of step 60 is taken"] {
+    for word in ["step-000000000110", "is damaged", "checksum", "resuming from the checkpoint of step 60"] {
         assert!(said.contains(word), "no `{word}` in:\n{said}");
     }
     same(&whole, &pieces, "damaged");
 }
 
 #[test]
-fn a_checkpoint_that_does_not_belong_here_is_not_taken() {
+fn foreign_checkpoint_is_not_used() {
     let folder = folder();
     let (whole, pieces) = twice_stopped(folder.path());
     let [last, before] = [0, 1].map(|at| checkpoints(&pieces)[at].clone());
-    let sound = fs::read(&last).expect("read");
+    let intact = fs::read(&last).expect("read");
 
     let ours = format!("version {}", sphecs_output::checkpoint::container::VERSION);
-    // Of another version of the layout, whole: the versions are named, and nothing is done.
-    let mut other = sound.clone();
+    // Intact with another version of the format: the versions are named, and nothing is changed.
+    let mut other = intact.clone();
     other[8..12].copy_from_slice(&9_u32.to_le_bytes());
     let body = other.len() - 32;
     let digest = <sha2::Sha256 as sha2::Digest>::digest(&other[..body]);
     other[body..].copy_from_slice(&digest);
     fs::write(&last, &other).expect("written");
     refused(resume(&pieces, &["--steps", "150"]), &["version 9", &ours, "step-000000000110"]);
-    fs::write(&last, &sound).expect("written");
+    fs::write(&last, &intact).expect("written");
 
-    // On other lanes: only if asked for. Where a machine has none but the portable ones, there are no others.
+    // Other lanes are used only on request. A machine may have the portable ones only.
     let mut portable = resume(&pieces, &["--steps", "150"]);
     portable.env("SPHECS_LANES", "portable");
     let lanes = sphecs_core::math::lanes::InstructionSet::best().name();
@@ -60,10 +61,10 @@ fn a_checkpoint_that_does_not_belong_here_is_not_taken() {
         copy_folder(&pieces, &copy);
         let mut allowed = resume(&copy, &["--steps", "115", "--allow-other-isa"]);
         allowed.env("SPHECS_LANES", "portable");
-        assert!(ends(allowed, 0).contains("the bits will differ"));
+        assert!(ends(allowed, 0).contains("the results will differ bitwise"));
     }
 
-    // Of another scene, under the name of the last; then with nothing whole at all.
+    // A checkpoint of another scene under the name of the last; then no intact checkpoint.
     let foreign = folder.path().join("foreign");
     ends(run("scenes/taylor_green.ron", &foreign, &["--steps", "5"]), 0);
     fs::copy(&checkpoints(&foreign)[0], &last).expect("copied");
@@ -73,25 +74,31 @@ fn a_checkpoint_that_does_not_belong_here_is_not_taken() {
         let half = fs::read(&path).expect("read");
         fs::write(&path, &half[..half.len() / 2]).expect("written");
     }
-    refused(resume(&copy, &[]), &["no checkpoint can be gone on from", "is damaged", "step-000000000060"]);
+    refused(resume(&copy, &[]), &["no checkpoint can be resumed from", "is damaged", "step-000000000060"]);
     let said = ends(resume(&pieces, &["--steps", "150"]), 0);
-    assert!(said.contains("is of another scene") && said.contains("the one of step 60 is taken"), "{said}");
+    assert!(
+        said.contains("belongs to another scene") && said.contains("resuming from the checkpoint of step 60"),
+        "{said}"
+    );
     assert!(before.exists());
     same(&whole, &pieces, "foreign");
 }
 
 #[test]
-fn only_what_does_not_change_the_flow_may_be_changed() {
+fn only_changes_without_effect_on_the_flow_are_accepted() {
     let folder = folder();
     let out = folder.path().join("run");
     ends(run(QUICK, &out, &["--steps", "40"]), 0);
-    refused(resume(&out, &["--set", "fluid.viscosity=1.0e-5"]), &["fluid.viscosity", "time.end", "anew"]);
+    refused(
+        resume(&out, &["--set", "fluid.viscosity=1.0e-5"]),
+        &["fluid.viscosity", "time.end", "from its start"],
+    );
     refused(resume(&out, &["--set", "time.end=-1.0"]), &["`end`", "greater than 0"]);
-    // At its end: nothing to do is no fault, and changes nothing.
+    // A complete run: resuming succeeds and changes nothing.
     let before = fs::read(out.join("particles.nc")).expect("results");
-    assert!(ends(resume(&out, &[]), 0).contains("is at its end"));
+    assert!(ends(resume(&out, &[]), 0).contains("is complete"));
     assert_eq!(fs::read(out.join("particles.nc")).expect("results"), before);
-    // Another end and another interval, which stay when it is stopped again.
+    // Another end and another interval, which are kept when it is stopped again.
     let sets = ["--set", "output.every=0.02", "--set", "time.end=2.5"];
     ends(resume(&out, &[&["-q", "--steps", "60"], &sets[..]].concat()), 0);
     let times: Vec<String> = ends(sphecs([OsStr::new("info"), out.as_os_str()]), 0)
@@ -104,11 +111,11 @@ fn only_what_does_not_change_the_flow_may_be_changed() {
     let scene = out.join("scene.ron");
     let text = fs::read_to_string(&scene).expect("the scene");
     fs::write(&scene, text.replacen("viscosity:", "viscosity: 2.0 * ", 1)).expect("written");
-    refused(resume(&out, &["--until", "0.07"]), &["scene.ron", "has been changed"]);
+    refused(resume(&out, &["--until", "0.07"]), &["scene.ron", "was changed"]);
 }
 
 #[test]
-fn rows_and_frames_that_are_missing_make_a_checkpoint_unfit() {
+fn checkpoint_without_its_rows_or_frames_is_rejected() {
     let folder = folder();
     let (_, pieces) = twice_stopped(folder.path());
     let rows = fs::read(pieces.join("monitor.csv")).expect("rows");

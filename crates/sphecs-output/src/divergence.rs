@@ -1,7 +1,9 @@
-//! What is left of a flow that blew up: `blow_up.nc` and `blow_up.png`, the surroundings of the particle that showed it first.
+//! Particles around the first invalid one of a flow that diverged: `divergence.nc` and
+//! `divergence.png`.
 //!
-//! The variables of `blow_up.nc` run over `particle`, in the order of the particles' numbers: position and velocity as the step that
-//! failed left them, the velocity one step earlier, and the density, pressure and acceleration that moved them.
+//! The variables of `divergence.nc` run over `particle`, in the order of the particle numbers. They
+//! are position and velocity after the step that failed, the velocity one step earlier, and
+//! density, pressure and acceleration within the step.
 
 use std::fs;
 use std::io;
@@ -13,6 +15,7 @@ use super::error::OutputError;
 use super::frame::Frame;
 use super::header::Header;
 use super::netcdf::dataset::{Dataset, Variable};
+use super::paths::{DIVERGENCE_NETCDF, DIVERGENCE_PICTURE};
 use super::picture::{Field, RenderOptions, Slice, render_marked};
 use super::results::Results;
 use sphecs_core::particles::zone::Zone;
@@ -20,15 +23,10 @@ use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::systems::divergence::DivergedParticle;
 use sphecs_engine::systems::divergence::{NearbyParticle, Neighbourhood};
 
-/// Name of the NetCDF file in the run folder.
-pub const NETCDF: &str = "blow_up.nc";
-/// Name of the picture in the run folder.
-pub const PICTURE: &str = "blow_up.png";
-
 /// Width of the picture, pixels.
 const WIDTH: u32 = 1000;
 
-/// Writes both files; their paths.
+/// Writes both files and returns their paths.
 ///
 /// # Errors
 /// [`OutputError`] with path and cause.
@@ -36,20 +34,20 @@ pub fn write(
     folder: &Path,
     header: &Header,
     clock: &Clock,
-    fault: &DivergedParticle,
+    diverged: &DivergedParticle,
 ) -> Result<[PathBuf; 2], OutputError> {
-    let paths = [folder.join(NETCDF), folder.join(PICTURE)];
-    dataset(header, &fault.neighbourhood, fault).write(&paths[0], header)?;
-    draw(header, clock, fault, &paths[1])?;
+    let paths = [folder.join(DIVERGENCE_NETCDF), folder.join(DIVERGENCE_PICTURE)];
+    dataset(header, &diverged.neighbourhood, diverged).write(&paths[0], header)?;
+    draw(header, clock, diverged, &paths[1])?;
     Ok(paths)
 }
 
-/// Removes both files where there are some: the run goes on from before.
+/// Removes both files if they exist, since the run resumes from an earlier step.
 ///
 /// # Errors
-/// [`OutputError::Io`] when the system refuses.
+/// [`OutputError::Io`] when a file cannot be removed.
 pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
-    for name in [NETCDF, PICTURE] {
+    for name in [DIVERGENCE_NETCDF, DIVERGENCE_PICTURE] {
         let path = folder.join(name);
         match fs::remove_file(&path) {
             Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
@@ -61,7 +59,8 @@ pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Where a particle was in the last frame of a run, and what it had: the last values of it that were good and are kept.
+/// Returns the time of the last frame, s, and the values of a particle in it; None if the particle
+/// is absent.
 ///
 /// # Errors
 /// [`OutputError`] with path and cause.
@@ -92,9 +91,12 @@ pub fn in_last_frame(folder: &Path, id: u32) -> Result<Option<(f64, NearbyPartic
     Ok(Some((frame.time, particle)))
 }
 
-fn dataset(header: &Header, around: &Neighbourhood, fault: &DivergedParticle) -> Dataset {
+fn dataset(header: &Header, around: &Neighbourhood, diverged: &DivergedParticle) -> Dataset {
     let mut dataset = Dataset {
-        title: format!("surroundings of particle {} as the flow blew up: {}", fault.id, fault.found),
+        title: format!(
+            "particles around particle {} when the flow diverged: {}",
+            diverged.id, diverged.found
+        ),
         dimensions: vec![("particle".to_owned(), around.particles.len())],
         variables: Vec::new(),
     };
@@ -127,9 +129,9 @@ fn dataset(header: &Header, around: &Neighbourhood, fault: &DivergedParticle) ->
     dataset
 }
 
-/// The speed around the particle, which has a square around it.
-fn draw(header: &Header, clock: &Clock, fault: &DivergedParticle, path: &Path) -> Result<(), OutputError> {
-    let around = &fault.neighbourhood;
+/// Draws the speed around the particle, which is marked by a square.
+fn draw(header: &Header, clock: &Clock, diverged: &DivergedParticle, path: &Path) -> Result<(), OutputError> {
+    let around = &diverged.neighbourhood;
     let mut frame = Frame::absent(around.particles.len());
     (frame.time, frame.step, frame.time_step) = (clock.time, clock.step, clock.time_step);
     for (slot, near) in around.particles.iter().enumerate() {
@@ -142,7 +144,7 @@ fn draw(header: &Header, clock: &Clock, fault: &DivergedParticle, path: &Path) -
     }
     let reach = DVec3::splat(around.reach);
     let mut header = header.clone();
-    header.title = format!("Speed around particle {}", fault.id);
+    header.title = format!("Speed around particle {}", diverged.id);
     header.bounds = [(around.centre - reach).to_array(), (around.centre + reach).to_array()];
     let options = RenderOptions {
         field: Field::Speed,
@@ -150,6 +152,6 @@ fn draw(header: &Header, clock: &Clock, fault: &DivergedParticle, path: &Path) -
         slice: Slice { axis: 2, at: Some(around.centre.z) },
         ..RenderOptions::default()
     };
-    let slot = around.particles.iter().position(|near| near.id == fault.id).unwrap_or_default();
+    let slot = around.particles.iter().position(|near| near.id == diverged.id).unwrap_or_default();
     render_marked(&header, &frame, slot, &options, path)
 }

@@ -1,15 +1,15 @@
-//! The figures of a bench as a table.
+//! Results of a bench as a table.
 
-use super::measure::{Figures, Timing};
+use super::measure::{BenchResult, Timing};
 use super::peak::Peaks;
+use sphecs_core::format::{duration, grouped};
 use sphecs_core::math::lanes::InstructionSet;
-use sphecs_run::words::{duration, grouped};
 
-/// Least share of a step that is said, %.
-const LEAST_SHARE: f64 = 0.05;
+/// Smallest share of a step that is listed, %.
+const MIN_SHARE: f64 = 0.05;
 
-/// Version, machine and the head of the table.
-pub fn opening(peaks: &Peaks) -> String {
+/// Returns version, machine and the head of the table.
+pub fn head(peaks: &Peaks) -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     format!(
         "sphecs {} on {} lanes, {cores} cores{}\n\
@@ -33,17 +33,18 @@ pub fn opening(peaks: &Peaks) -> String {
     )
 }
 
-/// Mean number of tasks that wanted to run in the last minute; None where the system does not tell. On a machine that
-/// is not at rest the figures are its neighbours' too, those of many threads first.
+/// Returns the load average of the last minute; None if unknown.
+///
+/// Other load distorts the results, above all with many threads.
 fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
 
-/// One line for each number of threads; `peak` is that of one core, 1/s.
-pub fn rows(name: &str, figures: &Figures, peak: f64) -> String {
+/// Returns one line for each number of threads; `peak` is the rate of one core, 1/s.
+pub fn rows(name: &str, figures: &BenchResult, peak: f64) -> String {
     let row = |(at, timing): (usize, &Timing)| {
         let rate = figures.pair_rate(timing);
-        // Properties of the flow stand once.
+        // Properties of the flow are printed once.
         let once = |text: String| if at == 0 { text } else { String::new() };
         let memory =
             figures.memory.map_or("-".to_owned(), |bytes| grouped(bytes / figures.particles.max(1) as u64));
@@ -67,23 +68,24 @@ pub fn rows(name: &str, figures: &Figures, peak: f64) -> String {
     figures.timings.iter().enumerate().map(row).collect::<Vec<_>>().join("\n")
 }
 
-/// Where the time goes, what the columns mean, and how long it all took, s.
-pub fn close(measured: &[(&str, Figures)], wall_time: f64) -> String {
-    let mut text = String::from("\nshare of a step in %, on the least threads:\n");
+/// Returns the shares of the sets, the legend of the columns and the total time.
+pub fn summary(measured: &[(&str, BenchResult)], wall_time: f64) -> String {
+    let mut text = String::from("\nshare of a step in %, on the smallest number of threads:\n");
     for (name, figures) in measured {
         if let Some(timing) = figures.timings.first() {
             let (operations, pace) = (figures.operations, timing.flow / timing.step);
             let shares = shares(&timing.sets);
-            text +=
-                &format!("{name:<16}  {shares}; {operations} FLOP a pair; {pace:.3e} s of flow a second\n");
+            text += &format!(
+                "{name:<16}  {shares}; {operations} FLOP per pair; {pace:.3e} s simulated per second\n"
+            );
         }
     }
     text += &format!(
-        "\nms/step     fastest of some repetitions of some steps\n\
-        M/s         million particle-steps a second\n\
-        Mpair/s     million ordered pairs within the support, a second and thread; all passes of a step are one\n\
-        of peak     operations of those pairs over the peak of as many cores, an FMA being two\n\
-        x scalar    pairs over those of plain f64 loops over the same cells, density, pressure and viscosity alone\n\
+        "\nms/step     fastest of several repetitions\n\
+        M/s         million particle-steps per second\n\
+        Mpair/s     million ordered pairs within the support per second and thread; all passes of a step count once\n\
+        of peak     operations of those pairs over the peak of as many cores; an FMA counts two\n\
+        x scalar    pair rate over that of plain f64 loops over equal cells with density, pressure and viscosity only\n\
         B/particle  growth of the largest resident memory (VmHWM)\n\
         measured in {}",
         duration(wall_time)
@@ -91,11 +93,11 @@ pub fn close(measured: &[(&str, Figures)], wall_time: f64) -> String {
     text
 }
 
-/// Name and share of each set of systems that takes part.
+/// Returns name and share of each set of systems.
 pub fn shares(sets: &[(&str, f64)]) -> String {
     let step: f64 = sets.iter().map(|(_, seconds)| seconds).sum();
     let share = |seconds: f64| 100.0 * seconds / step.max(f64::MIN_POSITIVE);
-    let parts = sets.iter().filter(|(_, seconds)| share(*seconds) >= LEAST_SHARE);
+    let parts = sets.iter().filter(|(_, seconds)| share(*seconds) >= MIN_SHARE);
     parts.map(|(name, seconds)| format!("{name} {:.1}", share(*seconds))).collect::<Vec<_>>().join(", ")
 }
 
@@ -104,14 +106,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn columns_stand_under_their_names() {
+    fn columns_are_aligned_with_their_names() {
         let timing = |threads: usize, step: f64| Timing {
             threads,
             step,
             flow: 1e-3 * step,
             sets: vec![("density", 0.25 * step), ("kick", 0.0), ("rates", 0.75 * step)],
         };
-        let figures = Figures {
+        let figures = BenchResult {
             particles: 262_144,
             pairs: 67_000_000,
             operations: 80,
@@ -119,22 +121,25 @@ mod tests {
             memory: Some(262_144 * 300),
             timings: vec![timing(1, 0.2), timing(2, 0.1)],
         };
-        let head = opening(&Peaks { single: 250e9, double: 125e9 });
-        let width = head.lines().last().map_or(0, |line| line.chars().count());
+        let heading = head(&Peaks { single: 250e9, double: 125e9 });
+        let width = heading.lines().last().map_or(0, |line| line.chars().count());
         let text = rows("3d-f32", &figures, 268e9);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
-        assert_eq!(lines[0].chars().count(), width, "{head}\n{text}");
+        assert_eq!(lines[0].chars().count(), width, "{heading}\n{text}");
         // 67 million pairs of 80 operations in 0.2 s are 26.8 GFLOP/s: a tenth of the peak.
         for word in ["3d-f32", "262 144", "200.00", "1.31", "335", "10.0 %", "10.0", "1.00", "300"] {
             assert!(lines[0].contains(word), "no `{word}` in {}", lines[0]);
         }
         assert!(lines[1].contains("2.00") && lines[1].contains("10.0 %") && !lines[1].contains("3d-f32"));
-        let close = close(&[("3d-f32", figures)], 3.0);
-        assert!(close.contains("density 25.0, rates 75.0; 80 FLOP a pair; 1.000e-3 s of flow"), "{close}");
+        let summary = summary(&[("3d-f32", figures)], 3.0);
+        assert!(
+            summary.contains("density 25.0, rates 75.0; 80 FLOP per pair; 1.000e-3 s of flow"),
+            "{summary}"
+        );
         let timings = vec![timing(2, 0.1)];
         let unknown =
-            Figures { particles: 1, pairs: 1, operations: 1, scalar_rate: 1.0, memory: None, timings };
+            BenchResult { particles: 1, pairs: 1, operations: 1, scalar_rate: 1.0, memory: None, timings };
         assert_eq!(rows("box", &unknown, 1.0).matches(" -").count(), 2, "neither speed-up nor memory");
     }
 }

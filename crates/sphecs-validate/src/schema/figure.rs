@@ -1,49 +1,50 @@
-//! How a figure of a case is measured.
+//! Measurement of a figure of a case.
 
 use serde::Deserialize;
 
 use sphecs_scene::notation::typed::Spanned;
 use sphecs_scene::schema::{Formula, Number, Text};
 
-/// How a figure is measured.
+/// Measurement of a figure.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ValueFile {
-    /// Distance of what line or point probes measured from a reference.
+    /// Distance of the values of line or point probes from a reference.
     Profile {
         /// Run.
         run: Text,
-        /// Probe of its scene; with `*` for any letters it is all that have such a name.
+        /// Probe of the scene; `*` stands for any letters and may match several probes.
         probe: Text,
         /// Field.
         field: FieldFile,
-        /// When.
+        /// Time or interval.
         when: Spanned<WhenFile>,
-        /// What should be there.
+        /// Reference.
         reference: ReferenceFile,
-        /// How the distances are put together.
+        /// Norm of the distances.
         norm: NormFile,
-        /// What they are divided by, default 1.
+        /// Divisor, default 1.
         #[serde(default)]
         scale: Option<Number>,
     },
-    /// What the profile of a line probe looks like.
+    /// Feature of the profile of a line probe.
     Feature {
         /// Run.
         run: Text,
-        /// Line probe; with `*` for any letters it is all that have such a name.
+        /// Line probe; `*` stands for any letters and may match several probes.
         probe: Text,
         /// Field.
         field: FieldFile,
-        /// When; `Every` for the largest and the smallest only.
+        /// Time or interval; `Every` for the largest and the smallest only.
         when: Spanned<WhenFile>,
-        /// What is looked for.
+        /// Feature.
         take: FeatureFile,
-        /// What it is divided by, default 1.
+        /// Divisor, default 1.
         #[serde(default)]
         scale: Option<Number>,
     },
-    /// A column over time: of the monitor, of the forces on bodies, or of a section or point probe.
+    /// Statistic of a column over time of the monitor, of the forces on bodies, or of a section or
+    /// point probe.
     Series {
         /// Run.
         run: Text,
@@ -51,25 +52,27 @@ pub enum ValueFile {
         table: Text,
         /// Name of the column without its unit.
         column: Text,
-        /// From when to when, s.
+        /// Interval, s.
         over: (Number, Number),
-        /// What is taken of it.
+        /// Statistic.
         take: TakeFile,
-        /// What it is divided by, default 1.
+        /// Divisor, default 1.
         #[serde(default)]
         scale: Option<Number>,
     },
-    /// A coefficient of a body over the interval that the scene gives it, as in `forces_mean.csv`.
+    /// Coefficient of a body over the interval given by the scene, as in `forces_mean.csv`.
     Body {
         /// Run.
         run: Text,
-        /// Name of the body's wall part.
+        /// Name of the wall part of the body.
         body: Text,
-        /// Which.
+        /// Coefficient.
         take: CoefficientFile,
     },
-    /// How far a column over time is from that of another run: √(Σ (f − f_other)²/Σ f_other²) over the samples of the first, between whose
-    /// times the other's are interpolated. Negi et al. (2020), Eq. 32.
+    /// Relative distance of a column over time from another run, √(Σ (f − f_other)²/Σ f_other²).
+    ///
+    /// Sums run over the samples of the first run, to whose times the other is interpolated. Negi
+    /// et al. (2020), Eq. 32.
     Departure {
         /// Run.
         run: Text,
@@ -77,67 +80,71 @@ pub enum ValueFile {
         table: Text,
         /// Name of the column without its unit.
         column: Text,
-        /// The other run.
+        /// Other run.
         from: Text,
-        /// From when to when, s.
+        /// Interval, s.
         over: (Number, Number),
     },
-    /// Exponential growth, 1/s, of the amplitude of a wave along a line probe, while it is between two bounds.
+    /// Growth rate, 1/s, of the amplitude of a wave along a line probe while it is between two
+    /// bounds.
     Growth {
         /// Run.
         run: Text,
-        /// Line probe over whole wavelengths, its last point the first of the next period.
+        /// Line probe over whole wavelengths; its last point is the first of the next period.
         probe: Text,
         /// Field.
         field: FieldFile,
-        /// Waves on the line.
+        /// Number of waves on the line.
         waves: Number,
         /// Bounds of the amplitude.
         between: (Number, Number),
     },
-    /// Reflection of sound: largest |p' − Z u'| over the second interval against largest |p' + Z u'| over the first.
+    /// Reflection coefficient of an acoustic wave: largest |p' − Z u'| in the second interval over
+    /// largest |p' + Z u'| in the first.
     Reflection {
         /// Run.
         run: Text,
-        /// Point probe, or a line across, its last point the first of the next period.
+        /// Point probe, or a line across the channel whose last point is the first of the next
+        /// period.
         probe: Text,
-        /// Waves on the line, 0 for a point.
+        /// Number of waves on the line, 0 for a point.
         #[serde(default)]
         waves: Option<Number>,
         /// Impedance Z = ρ c/cos θ, kg/(m² s).
         impedance: Number,
-        /// When the incident wave passes, s.
+        /// Interval of the incident wave, s.
         incident: (Number, Number),
-        /// When the reflected one does, s.
+        /// Interval of the reflected wave, s.
         reflected: (Number, Number),
     },
-    /// Order of convergence: slope of the logarithms of figures over those of spacings, by least squares.
+    /// Order of convergence: least-squares slope of the logarithms of figures over the logarithms
+    /// of spacings.
     Order {
-        /// Figures before this one.
+        /// Earlier figures.
         figures: Vec<Text>,
         /// Spacing of each, in any unit.
         spacings: Vec<Number>,
     },
-    /// A formula of the figures before this one.
+    /// Formula of earlier figures.
     Formula(Text),
 }
 
-/// A coefficient of a body.
+/// Coefficient of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum CoefficientFile {
     /// Mean drag coefficient.
     DragMean,
-    /// Half of the largest less the least drag coefficient.
+    /// Half the difference of the largest and the smallest drag coefficient.
     DragAmplitude,
     /// Mean lift coefficient.
     LiftMean,
-    /// Half of the largest less the least lift coefficient.
+    /// Half the difference of the largest and the smallest lift coefficient.
     LiftAmplitude,
     /// Strouhal number of the lift.
     Strouhal,
 }
 
-/// Quantity of a line or point probe: a column of `probes.csv`, or what follows from it.
+/// Quantity of a line or point probe: a column of `probes.csv`, or derived from columns.
 #[derive(Clone, Debug, Deserialize)]
 pub enum FieldFile {
     /// Velocity along x, m/s.
@@ -158,31 +165,31 @@ pub enum FieldFile {
     /// Density, kg/m³.
     #[serde(rename = "density")]
     Density,
-    /// Velocity along a direction, m/s: its components, not longer or shorter than 1 by more than rounding.
+    /// Velocity along a direction, m/s, given by its components, which must have length 1.
     Along(Spanned<Vec<Number>>),
-    /// Slope of another field along the line, over m: central differences between its points.
+    /// Derivative of another field along the line, per m, by central differences.
     Slope(Box<FieldFile>),
 }
 
-/// When a profile is taken.
+/// Time or interval of a profile.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WhenFile {
-    /// The sample nearest to a time, s; the reference is that of the sample's own time.
+    /// Sample nearest to a time, s; the reference is evaluated at the time of the sample.
     At(Number),
-    /// The time mean from the first to the second, s.
+    /// Time mean from the first to the second, s.
     Mean(Number, Number),
-    /// Every sample from the first to the second, s: the worst counts.
+    /// All samples from the first to the second, s.
     Every(Number, Number),
 }
 
-/// What a profile should be.
+/// Reference of a profile.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ReferenceFile {
-    /// A formula of x, y, z, t.
+    /// Formula of x, y, z, t.
     Formula(Formula),
-    /// The series of plane Poiseuille flow from rest between y = ± `half_width`: see [`exact`](crate::exact).
+    /// Plane Poiseuille flow from rest between y = ± `half_width`, see [`exact`](crate::exact).
     PoiseuilleStartup {
         /// Half the gap, m.
         half_width: Number,
@@ -191,29 +198,29 @@ pub enum ReferenceFile {
         /// Kinematic viscosity, m²/s.
         viscosity: Number,
     },
-    /// The series of plane Couette flow from rest over y from `bottom`, where the wall stands.
+    /// Plane Couette flow from rest above the wall at rest at y = `bottom`.
     CouetteStartup {
-        /// Place of the wall at rest, m.
+        /// Position of the wall at rest, m.
         bottom: Number,
         /// Gap, m.
         gap: Number,
-        /// Speed of the other wall, m/s.
+        /// Velocity of the other wall, m/s.
         velocity: Number,
         /// Kinematic viscosity, m²/s.
         viscosity: Number,
     },
     /// Developed laminar flow along x in a rectangular duct about the x axis.
     RectangularDuct {
-        /// Half the edge along y, m.
+        /// Half width along y, m.
         half_width: Number,
-        /// Half the edge along z, m.
+        /// Half width along z, m.
         half_height: Number,
         /// Force per mass along x, m/s².
         body_force: Number,
         /// Kinematic viscosity, m²/s.
         viscosity: Number,
     },
-    /// Columns of a CSV file beside the case, with straight lines between.
+    /// Columns of a CSV file beside the case, interpolated linearly.
     Table {
         /// File.
         file: Text,
@@ -224,48 +231,49 @@ pub enum ReferenceFile {
         /// Column of the value.
         value: Text,
     },
-    /// The same probe and time of another run. Of ensembles the means are compared, and the error is that of their
-    /// difference where both have several members.
+    /// Equal probe and time of another run. For ensembles the means are compared, with the error of
+    /// their difference if both have several members.
     Run(Text),
-    /// The other members of the run's own ensemble: the root of the mean square of the distances of two of them.
+    /// Other members of the ensemble of the run: root mean square of the distances of two members.
     Members,
 }
 
-/// An axis.
+/// Axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[expect(missing_docs, reason = "an axis is its name")]
+#[expect(missing_docs, reason = "the variants are the names of the axes")]
 pub enum AxisFile {
     X,
     Y,
     Z,
 }
 
-/// How the distances of a profile are put together.
+/// Norm of the distances of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum NormFile {
-    /// The largest magnitude.
+    /// Largest magnitude.
     Largest,
-    /// The root of the mean square.
+    /// Root mean square.
     RootMeanSquare,
 }
 
-/// What is looked for in a profile. Places are distances from the line's first point, m.
+/// Feature of a profile. Positions are distances from the first point of the line, m.
 #[derive(Clone, Debug, Deserialize)]
 pub enum FeatureFile {
-    /// The largest value.
+    /// Largest value.
     Largest,
-    /// The smallest value.
+    /// Smallest value.
     Smallest,
-    /// Where the value is largest, m.
+    /// Position of the largest value, m.
     PlaceOfLargest,
-    /// Length of the stretch about the largest value on which the value is at least this share of it, m.
+    /// Length around the largest value on which the value is at least this fraction of it, m.
     Width(Number),
-    /// End of the longest stretch of negative values, m: 0 without one, and a lower bound where it reaches the line's end.
+    /// End of the longest interval of negative values, m: 0 without one, a lower bound if it
+    /// reaches the end of the line.
     Reattachment,
 }
 
-/// What is taken of a column.
+/// Statistic of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum TakeFile {
     /// Time mean.
@@ -276,8 +284,8 @@ pub enum TakeFile {
     Largest,
     /// Smallest.
     Smallest,
-    /// The last.
+    /// Last.
     Last,
-    /// Slope of the straight line nearest to it, by least squares, per second.
+    /// Least-squares slope, per second.
     Drift,
 }

@@ -1,11 +1,11 @@
-//! Distances of a probe's profile from what it should be.
+//! Profiles of a probe and their distances from a reference.
 
 use super::fields;
 use super::reference::Reference;
 use crate::schema::{FieldFile, NormFile, WhenFile};
 use sphecs_output::probes::history::ProbeHistory;
 
-/// What a probe measured at a time, or on the mean over an interval: a value for each of its points.
+/// Values at the points of a probe at one time or averaged over an interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// Time of the sample, or the end of the interval, s.
@@ -14,15 +14,15 @@ pub struct Profile {
     pub values: Vec<f64>,
 }
 
-/// The profiles of a probe at the times asked for.
+/// Returns the profiles of a probe at a time or in an interval.
 ///
 /// # Errors
-/// That the probe has no such field or no such time.
+/// The probe has no such field or time.
 pub fn profiles(probe: &ProbeHistory, field: &FieldFile, when: &WhenFile) -> Result<Vec<Profile>, String> {
     let column = fields::column(probe, field)?;
     let points = probe.places.len();
     let sample = |index: usize| {
-        let values = column.get(index * points..(index + 1) * points).ok_or("a sample is not whole")?;
+        let values = column.get(index * points..(index + 1) * points).ok_or("a sample is incomplete")?;
         Ok(Profile { time: probe.times[index], values: values.to_vec() })
     };
     match when {
@@ -32,7 +32,7 @@ pub fn profiles(probe: &ProbeHistory, field: &FieldFile, when: &WhenFile) -> Res
             let nearest = nearest.ok_or_else(|| format!("probe `{}` has no samples", probe.name))?;
             let spacing = probe.times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
             if distance(&nearest) > spacing.max(1e-12) {
-                return Err(format!("probe `{}` has nothing at {} s", probe.name, time.value));
+                return Err(format!("probe `{}` has no sample at {} s", probe.name, time.value));
             }
             Ok(vec![sample(nearest)?])
         }
@@ -45,7 +45,7 @@ pub fn profiles(probe: &ProbeHistory, field: &FieldFile, when: &WhenFile) -> Res
             let found =
                 (0..probe.times.len()).filter(inside).map(sample).collect::<Result<Vec<_>, String>>()?;
             if found.is_empty() {
-                Err(format!("probe `{}` has no samples then", probe.name))
+                Err(format!("probe `{}` has no samples in the interval", probe.name))
             } else {
                 Ok(found)
             }
@@ -53,10 +53,10 @@ pub fn profiles(probe: &ProbeHistory, field: &FieldFile, when: &WhenFile) -> Res
     }
 }
 
-/// Distances of a probe from its reference, at every point and time asked for.
+/// Returns the distances of a probe from its reference at all points and times.
 ///
 /// # Errors
-/// What is missing.
+/// Field, time or samples that are missing.
 pub fn distances(
     probe: &ProbeHistory,
     field: &FieldFile,
@@ -70,10 +70,10 @@ pub fn distances(
     Ok(profiles(probe, field, when)?.iter().flat_map(of_profile).collect())
 }
 
-/// Distances of a probe from its reference at each sample, put together: times, s, and norms.
+/// Returns times, s, and norms of the distances of a probe from its reference at each sample.
 ///
 /// # Errors
-/// What is missing.
+/// Field, time or samples that are missing.
 pub fn distance_over_time(
     probe: &ProbeHistory,
     field: &FieldFile,
@@ -88,7 +88,7 @@ pub fn distance_over_time(
     Ok(probe.times.iter().zip(column.chunks_exact(probe.places.len())).map(of_sample).collect())
 }
 
-/// Distances put together; a value that is none shows.
+/// Returns the norm of distances; NaN if any of them is NaN.
 pub fn norm(distances: &[f64], norm: NormFile) -> f64 {
     match norm {
         NormFile::Largest => {
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances_over_time_are_those_of_each_sample() {
+    fn distances_over_time_are_computed_for_each_sample() {
         let probe = ProbeHistory {
             name: "line".to_owned(),
             places: vec![[0.0; 3], [1.0, 0.0, 0.0]],
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn norms_are_theirs() {
+    fn norms_have_their_definitions() {
         assert_eq!(norm(&[1.0, -3.0, 2.0], NormFile::Largest), 3.0);
         assert_eq!(norm(&[3.0, 4.0], NormFile::RootMeanSquare), 12.5_f64.sqrt());
         assert!(norm(&[1.0, f64::NAN, 2.0], NormFile::Largest).is_nan());

@@ -1,32 +1,32 @@
-//! Whether the disk has room for what a run will write: asked before anything is.
+//! Check of the free disk space before a run writes its results.
 
 use super::RunOptions;
-use super::words::{figure, grouped};
+use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk::free_space;
 use sphecs_output::error::OutputError;
 use sphecs_scene::disk_estimate::Demand;
 use sphecs_scene::model::Scene;
 
-/// Whether the results of a run find room.
+/// Compares the size of the results with the free disk space.
 ///
 /// # Errors
-/// [`OutputError::NoRoom`] with what to change.
+/// [`OutputError::DiskFull`] with the options that would make the results fit.
 pub fn check(scene: &Scene, options: &RunOptions) -> Result<(), OutputError> {
-    let demand = Demand::of(scene, options.until, options.steps);
+    let demand = Demand::of(scene, options.until, options.max_steps);
     let Some(free) = free_space(&options.folder) else { return Ok(()) };
     if demand.bytes() <= free as f64 {
         return Ok(());
     }
     let every = demand.fitting_interval(scene.output.every, free as f64);
     let interval = match every {
-        Some(every) => format!("raise `output.every` to at least {} s", figure(1.01 * every)),
+        Some(every) => format!("raise `output.every` to at least {} s", significant(1.01 * every)),
         None => "raise `output.monitor_every` or give another folder by `--out`".to_owned(),
     };
-    Err(OutputError::NoRoom {
+    Err(OutputError::DiskFull {
         path: options.folder.clone(),
         what: format!("a run with {} frames", grouped(demand.frames as u64)),
         needed: demand.bytes() as u64,
         free,
-        cure: format!("{interval}, or begin all the same by `--allow-oversize`"),
+        cure: format!("{interval}, or start anyway by `--allow-oversize`"),
     })
 }

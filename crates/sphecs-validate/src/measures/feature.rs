@@ -1,23 +1,24 @@
-//! What the profile of a line looks like: its largest value and where, its width, where the flow attaches.
+//! Features of the profile along a line: extreme values, position, width and reattachment.
 //!
-//! Places are distances from the line's first point, m; between points the profile is straight.
+//! Positions are distances from the first point of the line, m; the profile is linear between
+//! points.
 
 use super::profile::Profile;
 use crate::schema::FeatureFile;
 
-/// What was found of a profile.
+/// Feature of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feature {
-    /// The value, in the unit of the field or in m.
+    /// Value, in the unit of the field or in m.
     pub value: f64,
-    /// Whether the line ends before it does.
+    /// True if the value is a lower bound because the line ends first.
     pub at_least: bool,
 }
 
-/// A feature of profiles over points of a line; of several profiles the largest or the smallest value.
+/// Returns a feature of profiles along a line; several profiles have only extreme values.
 ///
 /// # Errors
-/// That a place is asked of several profiles.
+/// A position is requested of several profiles.
 pub fn feature(places: &[[f64; 3]], profiles: &[Profile], take: &FeatureFile) -> Result<Feature, String> {
     let all = || profiles.iter().flat_map(|profile| profile.values.iter().copied());
     let extreme = |better: fn(f64, f64) -> bool| {
@@ -32,12 +33,12 @@ pub fn feature(places: &[[f64; 3]], profiles: &[Profile], take: &FeatureFile) ->
         _ => {}
     }
     let [profile] = profiles else {
-        return Err("a place is that of one time or mean".to_owned());
+        return Err("a position or a width needs one profile".to_owned());
     };
     let along: Vec<f64> = places.iter().map(|place| distance(places[0], *place)).collect();
     let values = &profile.values;
     if values.iter().any(|value| value.is_nan()) {
-        return Err("some of the line's points have no value".to_owned());
+        return Err("some points of the line have no value".to_owned());
     }
     Ok(match take {
         FeatureFile::PlaceOfLargest => Feature { value: along[peak(values)], at_least: false },
@@ -54,7 +55,7 @@ fn peak(values: &[f64]) -> usize {
     (0..values.len()).fold(0, |best, at| if values[at] > values[best] { at } else { best })
 }
 
-/// Where the straight line between two points passes a level.
+/// Returns the position where the line between two points crosses a level, m.
 fn crossing(along: &[f64], values: &[f64], first: usize, level: f64) -> f64 {
     let (low, high) = (values[first], values[first + 1]);
     along[first] + (along[first + 1] - along[first]) * (level - low) / (high - low)
@@ -64,10 +65,10 @@ fn width(along: &[f64], values: &[f64], share: f64) -> Feature {
     let (top, last) = (peak(values), values.len() - 1);
     let level = share * values[top];
     let before = (0..top).rev().find(|&at| values[at] < level);
-    let behind = (top + 1..=last).find(|&at| values[at] < level);
+    let after = (top + 1..=last).find(|&at| values[at] < level);
     let from = before.map_or(along[0], |at| crossing(along, values, at, level));
-    let to = behind.map_or(along[last], |at| crossing(along, values, at - 1, level));
-    Feature { value: to - from, at_least: before.is_none() || behind.is_none() }
+    let to = after.map_or(along[last], |at| crossing(along, values, at - 1, level));
+    Feature { value: to - from, at_least: before.is_none() || after.is_none() }
 }
 
 fn reattachment(along: &[f64], values: &[f64]) -> Feature {
@@ -98,45 +99,45 @@ mod tests {
     use sphecs_scene::notation::tree::Span;
     use sphecs_scene::notation::typed::Spanned;
 
-    /// A line of points 0.5 m apart that begins at (1, 2) m and runs along y.
+    /// Returns a feature of a line along y from (1, 2) m with points 0.5 m apart.
     fn of(values: &[f64], take: &FeatureFile) -> Feature {
         let places: Vec<[f64; 3]> = (0..values.len()).map(|at| [1.0, 2.0 + 0.5 * at as f64, 0.0]).collect();
         feature(&places, &[Profile { time: 0.0, values: values.to_vec() }], take).expect("a feature")
     }
 
-    fn sure(value: f64) -> Feature {
+    fn exact(value: f64) -> Feature {
         Feature { value, at_least: false }
     }
 
     #[test]
-    fn extremes_and_their_place() {
+    fn extremes_and_position_are_found() {
         let values = [1.0, -2.0, 5.0, 0.0];
-        assert_eq!(of(&values, &FeatureFile::Largest), sure(5.0));
-        assert_eq!(of(&values, &FeatureFile::Smallest), sure(-2.0));
-        assert_eq!(of(&values, &FeatureFile::PlaceOfLargest), sure(1.0));
+        assert_eq!(of(&values, &FeatureFile::Largest), exact(5.0));
+        assert_eq!(of(&values, &FeatureFile::Smallest), exact(-2.0));
+        assert_eq!(of(&values, &FeatureFile::PlaceOfLargest), exact(1.0));
     }
 
     #[test]
-    fn width_ends_where_the_profile_falls_below_the_share() {
+    fn width_ends_where_the_profile_falls_below_the_fraction() {
         let half = Spanned { value: 0.5, span: Span::PLACEHOLDER, head: Span::PLACEHOLDER };
         let half = FeatureFile::Width(half);
         // Above 2 from 0.25 to 1.5 m.
-        assert_eq!(of(&[0.0, 4.0, 3.0, 2.0, 1.0, 3.0], &half), sure(1.25));
+        assert_eq!(of(&[0.0, 4.0, 3.0, 2.0, 1.0, 3.0], &half), exact(1.25));
         assert_eq!(of(&[3.0, 4.0, 0.0], &half), Feature { value: 0.75, at_least: true });
     }
 
     #[test]
-    fn the_flow_attaches_behind_its_longest_backward_stretch() {
-        // A corner eddy that turns the other way, the eddy behind the step, and a short one further on.
+    fn flow_reattaches_after_its_longest_reversed_interval() {
+        // A counter-rotating corner eddy, the eddy behind the step, and a short one further on.
         let values = [-0.1, 0.1, -1.0, -1.0, -1.0, 1.0, -0.1, 0.1];
-        assert_eq!(of(&values, &FeatureFile::Reattachment), sure(2.25));
-        assert_eq!(of(&[1.0, 2.0], &FeatureFile::Reattachment), sure(0.0));
+        assert_eq!(of(&values, &FeatureFile::Reattachment), exact(2.25));
+        assert_eq!(of(&[1.0, 2.0], &FeatureFile::Reattachment), exact(0.0));
         let open = of(&[1.0, -1.0, -1.0], &FeatureFile::Reattachment);
         assert_eq!(open, Feature { value: 1.0, at_least: true });
     }
 
     #[test]
-    fn places_of_several_times_are_refused() {
+    fn position_of_several_profiles_is_an_error() {
         let profile = Profile { time: 0.0, values: vec![1.0] };
         let two = [profile.clone(), profile];
         assert!(feature(&[[0.0; 3]], &two, &FeatureFile::PlaceOfLargest).is_err());

@@ -1,57 +1,60 @@
-//! Stirred boxes: particles as a flow leaves them, not on the lattice that it began with.
+//! Boxes filled with disordered particles of an advected flow instead of the initial lattice.
 //!
-//! What a step costs depends on how the particles lie: on a lattice those of a cell are close together and in order, so that
-//! fewer candidates are in reach of them. A large box would have to be stirred for minutes. So a small one is, a tile, and the large
-//! one is paved with it: positions and velocities of every particle are those of the tile's at the same place of the lattice.
+//! The cost of a step depends on the particle disorder: on a lattice the particles of a cell are
+//! ordered, so that fewer candidates are tested. Advecting a large box would take minutes, so a
+//! small one, the tile, is advected and copied. Each particle of the large box has position and
+//! velocity of the particle of the tile at its lattice site.
 
 use glam::{DVec3, IVec3};
 
-use super::cases::{BoxTerms, StirredBox};
+use super::cases::{BoxTerms, PeriodicBox};
 use sphecs_engine::components::{ParticleId, Position, Velocity};
 use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::faults::SceneErrors;
 use sphecs_scene::model::{ParticleSeed, Precision};
 
-/// Edges of a tile, in spacings, from which the largest that divides a box is taken.
+/// Edges of a tile, in spacings; the largest that divides the box is used.
 const EDGES: std::ops::RangeInclusive<usize> = 8..=20;
 
-/// Steps that a tile is stirred for: some ten spacings in 3D, six in 2D at the fastest.
+/// Steps of the advection, some ten spacings in 3D and six in 2D at the highest speed.
 const STEPS: usize = 100;
 
-/// Why there is no tile.
+/// Error that prevents a tile.
 #[derive(Debug, thiserror::Error)]
 pub enum TileError {
-    /// Its scene has faults.
+    /// The scene has faults.
     #[error(transparent)]
     Scene(#[from] SceneErrors),
-    /// Its flow blew up.
+    /// The flow diverged.
     #[error(transparent)]
     Flow(#[from] Stop),
 }
 
-/// A small periodic box after it has been stirred.
+/// Small periodic box after advection.
 #[derive(Clone, Debug)]
 pub struct Tile {
     /// Spacing Δ, m.
     spacing: f64,
     /// Edge, in spacings.
     edge: i32,
-    /// Position in the tile, m, and velocity, m/s, by the place on the lattice at the start, x fastest.
+    /// Position in the tile, m, and velocity, m/s, by initial lattice site, x fastest.
     particles: Vec<(DVec3, DVec3)>,
 }
 
 impl Tile {
-    /// Stirs a tile for a box.
+    /// Advects a tile for a box.
     ///
     /// # Errors
-    /// [`TileError`]: neither is to be expected of so small and tame a flow.
-    pub fn of(stirred: StirredBox) -> Result<Self, TileError> {
-        let edge = EDGES.rev().find(|edge| stirred.count.is_multiple_of(*edge)).unwrap_or(stirred.count);
-        let tile = StirredBox { count: edge, precision: Precision::F32, terms: BoxTerms::Laminar, ..stirred };
+    /// [`TileError`], not expected for so small and stable a flow.
+    pub fn of(periodic_box: PeriodicBox) -> Result<Self, TileError> {
+        let edge =
+            EDGES.rev().find(|edge| periodic_box.count.is_multiple_of(*edge)).unwrap_or(periodic_box.count);
+        let tile =
+            PeriodicBox { count: edge, precision: Precision::F32, terms: BoxTerms::Laminar, ..periodic_box };
         let mut simulation =
             Simulation::builder(tile.scene()?).build().expect("a scene without plugins can be built");
         let mut this = Self { spacing: simulation.scene().spacing, edge: edge as i32, particles: Vec::new() };
-        let mut places = vec![0; edge.pow(stirred.dimensions as u32)];
+        let mut places = vec![0; edge.pow(periodic_box.dimensions as u32)];
         for (id, position, _) in states(&mut simulation) {
             places[id] = this.place(this.site(position));
         }
@@ -66,8 +69,8 @@ impl Tile {
         Ok(this)
     }
 
-    /// Puts the particles of a box, which are on their lattice, where those of the tiles are.
-    pub fn pave(&self, seeds: &mut [ParticleSeed]) {
+    /// Moves the particles of a box from their lattice to the positions of the tile.
+    pub fn fill(&self, seeds: &mut [ParticleSeed]) {
         for seed in seeds {
             let site = self.site(seed.position);
             let tile = site.div_euclid(IVec3::splat(self.edge)).as_dvec3();
@@ -77,19 +80,19 @@ impl Tile {
         }
     }
 
-    /// Place on the lattice of a box along each axis.
+    /// Returns the lattice site of a position in a box.
     fn site(&self, position: DVec3) -> IVec3 {
         (position / self.spacing).floor().as_ivec3()
     }
 
-    /// The particle of the tile at a place on the lattice of a box.
+    /// Returns the index in the tile of a lattice site of a box.
     fn place(&self, site: IVec3) -> usize {
         let IVec3 { x, y, z } = site.rem_euclid(IVec3::splat(self.edge));
         ((z * self.edge + y) * self.edge + x) as usize
     }
 }
 
-/// Number, position, m, and velocity, m/s, of every particle.
+/// Returns number, position, m, and velocity, m/s, of every particle.
 fn states(simulation: &mut Simulation) -> Vec<(usize, DVec3, DVec3)> {
     let world = simulation.world_mut();
     let mut query = world.query::<(&ParticleId, &Position, &Velocity)>();
@@ -103,41 +106,41 @@ mod tests {
     use sphecs_scene::seeds;
 
     fn check(dimensions: usize, count_along: usize, tiles: i32) {
-        let stirred = StirredBox {
+        let periodic_box = PeriodicBox {
             dimensions,
             count: count_along,
             precision: Precision::F64,
             terms: BoxTerms::Laminar,
         };
-        let tile = Tile::of(stirred).expect("a tile");
+        let tile = Tile::of(periodic_box).expect("a tile");
         assert_eq!(tile.edge * tiles, count_along as i32);
-        let scene = stirred.scene().expect("a scene");
+        let scene = periodic_box.scene().expect("a scene");
         let on_the_lattice = seeds(&scene);
-        let mut paved = on_the_lattice.clone();
-        tile.pave(&mut paved);
+        let mut filled = on_the_lattice.clone();
+        tile.fill(&mut filled);
         let length = count_along as f64 * tile.spacing;
-        for seed in &paved {
+        for seed in &filled {
             let inside = seed.position.to_array()[..dimensions].iter().all(|x| (0.0..=length).contains(x));
             assert!(inside, "{} is not in the box", seed.position);
         }
-        // Every tile is the same.
+        // All tiles are equal.
         let edge = f64::from(tile.edge) * tile.spacing;
         let copies = tiles.pow(dimensions as u32) as usize;
-        for seed in paved.iter().filter(|seed| seed.position.max_element() < edge) {
-            // What is half a period of the vortices away may have the same velocity to the last bit.
+        for seed in filled.iter().filter(|seed| seed.position.max_element() < edge) {
+            // Particles half a period of the vortices away may have a bitwise identical velocity.
             let is_copy = |other: &&ParticleSeed| {
                 let tiles_away = (other.position - seed.position) / edge;
                 other.velocity == seed.velocity && (tiles_away - tiles_away.round()).length() < 1e-9
             };
-            assert_eq!(paved.iter().filter(is_copy).count(), copies);
+            assert_eq!(filled.iter().filter(is_copy).count(), copies);
         }
-        // The particles are no longer on their lattice, and none is where another is: the flow goes on.
+        // The particles have left their lattice, and no two coincide: the flow can be advanced.
         let moved =
             |(a, b): &(&ParticleSeed, &ParticleSeed)| a.position.distance(b.position) > 0.1 * tile.spacing;
-        assert!(on_the_lattice.iter().zip(&paved).filter(moved).count() > paved.len() * 9 / 10);
-        let mut simulation = Simulation::builder(scene).particles(paved).build().expect("a simulation");
+        assert!(on_the_lattice.iter().zip(&filled).filter(moved).count() > filled.len() * 9 / 10);
+        let mut simulation = Simulation::builder(scene).particles(filled).build().expect("a simulation");
         for _ in 0..5 {
-            simulation.step().expect("a tame flow");
+            simulation.step().expect("a stable flow");
         }
         let (particles, pairs) = count(&mut simulation);
         let neighbours = pairs as f64 / particles as f64;
@@ -146,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_is_paved_with_tiles_of_a_flow() {
+    fn box_is_filled_with_tiles() {
         check(2, 40, 2);
         check(3, 16, 1);
     }

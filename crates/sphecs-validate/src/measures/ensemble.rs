@@ -1,29 +1,29 @@
-//! How far apart two flows are, each known from the members of an ensemble.
+//! Distance of two flows, each given by the members of an ensemble.
 //!
 //! ```text
 //! d = ‖ā − b̄‖,   error of d = ‖√(s_a²/n_a + s_b²/n_b)‖,   within one flow: ‖√2 s_a‖
 //! ```
 //!
-//! ā and s_a are mean and standard deviation over the n_a members at each point of the probes. Flows whose distance is
-//! not well above its error are not told apart: of two ensembles of the same flow d is, as a root of the mean square
-//! over many, as large as its error. The distance of two members of one flow, by the same norm, is what its own
-//! sensitivity makes of a disturbance that should not matter.
+//! ā and s_a are mean and standard deviation over the n_a members at each point of the probes.
+//! Flows whose distance is not well above its error are statistically indistinguishable: for two
+//! ensembles of one flow the root mean square of d equals its error. The distance of two members of
+//! one flow, in that norm, is the sensitivity of the flow to a tiny disturbance.
 
+use super::measurement::{Measurement, mean_and_deviation};
 use super::profile::{norm, profiles};
-use super::reading::{Reading, mean_and_deviation};
 use super::{RunResults, fields};
 use crate::schema::{FieldFile, NormFile, WhenFile};
 
-/// What is compared.
+/// Quantity that is compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Comparison<'a> {
     /// Probes.
     pub probe: &'a str,
     /// Field.
     pub field: &'a FieldFile,
-    /// When.
+    /// Time or interval.
     pub when: &'a WhenFile,
-    /// How the distances of the points are put together.
+    /// Norm over the points.
     pub norm: NormFile,
 }
 
@@ -31,7 +31,7 @@ pub struct Comparison<'a> {
 type Point = (f64, f64);
 
 impl Comparison<'_> {
-    /// Mean and deviation over members at every point and time asked for.
+    /// Returns mean and deviation over the members at all points and times.
     fn points(&self, members: &[RunResults]) -> Result<Vec<Point>, String> {
         let values = |member: &RunResults| {
             let probe = fields::probe(&member.probes, self.probe)?;
@@ -50,11 +50,11 @@ impl Comparison<'_> {
         Ok((0..count).map(of_point).collect())
     }
 
-    /// Distance of two flows, with its error where both have several members.
+    /// Returns the distance of two flows, with its error if both have several members.
     ///
     /// # Errors
-    /// What is missing, or that the probes have other points.
-    pub fn apart(&self, one: &[RunResults], other: &[RunResults]) -> Result<Reading, String> {
+    /// Results are missing, or the probes have other points.
+    pub fn between(&self, one: &[RunResults], other: &[RunResults]) -> Result<Measurement, String> {
         let (a, b) = (self.points(one)?, self.points(other)?);
         if a.len() != b.len() {
             return Err(format!("probe `{}` has other points or times in the other run", self.probe));
@@ -65,20 +65,20 @@ impl Comparison<'_> {
         let errors =
             || pairs().map(|(a, b)| (a.1 * a.1 / n_a + b.1 * b.1 / n_b).sqrt()).collect::<Vec<f64>>();
         let error = (one.len() > 1 && other.len() > 1).then(|| norm(&errors(), self.norm));
-        Ok(Reading { error, ..Reading::plain(norm(&distances, self.norm)) })
+        Ok(Measurement { error, ..Measurement::plain(norm(&distances, self.norm)) })
     }
 
-    /// Distance of two members of one flow, as a root of the mean square over all pairs.
+    /// Returns the root mean square of the distances of two members of one flow over all pairs.
     ///
     /// # Errors
-    /// What is missing, or that there is one member only.
-    pub fn within(&self, members: &[RunResults]) -> Result<Reading, String> {
+    /// Results are missing, or there is one member only.
+    pub fn within(&self, members: &[RunResults]) -> Result<Measurement, String> {
         if members.len() < 2 {
             return Err("the run has one member only".to_owned());
         }
         let distances: Vec<f64> =
             self.points(members)?.iter().map(|point| std::f64::consts::SQRT_2 * point.1).collect();
-        Ok(Reading::plain(norm(&distances, self.norm)))
+        Ok(Measurement::plain(norm(&distances, self.norm)))
     }
 }
 
@@ -89,7 +89,7 @@ mod tests {
     use sphecs_scene::notation::tree::Span;
     use sphecs_scene::notation::typed::Spanned;
 
-    /// A run with u at two points at 0 s.
+    /// Returns a run with u at two points at 0 s.
     fn run(u: [f64; 2]) -> RunResults {
         let probe = ProbeHistory {
             name: "line".to_owned(),
@@ -109,19 +109,19 @@ mod tests {
     }
 
     #[test]
-    fn distance_of_means_has_the_error_of_both() {
+    fn distance_of_means_has_the_errors_of_both() {
         let when = start();
         let one = [run([1.0, 3.0]), run([3.0, 3.0])];
         let other = [run([0.0, 0.0]), run([0.0, 0.0])];
-        let found = comparison(&when).apart(&one, &other).expect("a distance");
+        let found = comparison(&when).between(&one, &other).expect("a distance");
         assert!((found.value - (13.0_f64 / 2.0).sqrt()).abs() < 1e-12);
-        // s² = 2 at the first point, of two members; none at the second.
+        // s² = 2 at the first point for two members, 0 at the second.
         assert!((found.error.expect("an error") - 0.5_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(comparison(&when).apart(&one[..1], &other).expect("a distance").error, None);
+        assert_eq!(comparison(&when).between(&one[..1], &other).expect("a distance").error, None);
     }
 
     #[test]
-    fn two_members_are_as_far_apart_as_they_are() {
+    fn distance_of_two_members_is_their_norm() {
         let when = start();
         let found = comparison(&when).within(&[run([1.0, 0.0]), run([1.0, 4.0])]).expect("a distance");
         assert!((found.value - 8.0_f64.sqrt()).abs() < 1e-12, "{found:?}");
@@ -129,8 +129,8 @@ mod tests {
     }
 
     #[test]
-    fn ensembles_of_one_flow_are_as_far_apart_as_their_error() {
-        // 200 pairs of ensembles of four from the same even numbers.
+    fn distance_of_ensembles_of_one_flow_equals_its_error() {
+        // 200 pairs of ensembles of four uniformly distributed values.
         let mut state = 7_u64;
         let mut number = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -141,11 +141,11 @@ mod tests {
         for _ in 0..200 {
             let mut ensemble = || [0; 4].map(|_| run([number(), number()]));
             let (one, other) = (ensemble(), ensemble());
-            let found = comparison(&when).apart(&one, &other).expect("a distance");
+            let found = comparison(&when).between(&one, &other).expect("a distance");
             squares += found.value.powi(2);
             errors += found.error.expect("an error").powi(2);
         }
-        // 400 squares, each with a deviation of its own size: 7 %.
+        // 400 squares with a relative deviation of 1 each: 7 %.
         assert!((squares / errors - 1.0).abs() < 0.2, "{}", squares / errors);
     }
 }

@@ -1,4 +1,4 @@
-//! What may stand on the command line of a run and of one that is gone on with.
+//! Arguments of `run` and `resume`.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -13,8 +13,8 @@ use super::arguments::{SceneArguments, assignment, finite, positive};
     sphecs run scenes/quickstart.ron --threads 2\n  \
     sphecs run scenes/duct3d.ron --smoke --steps 20 --out runs/duct_trial --force\n  \
     sphecs run scenes/square_bend.ron --max-walltime 23:50:00 --checkpoint-every 30min\n\n\
-    Ctrl-C or SIGTERM finishes the step, writes a checkpoint and a last frame and closes the files; a second one kills.\n\
-    SIGUSR1 writes a checkpoint and goes on. `sphecs resume` takes up what was stopped or killed.")]
+    Ctrl-C or SIGTERM finishes the step, writes a checkpoint and a last frame and closes the files; a second one kills the run.\n\
+    SIGUSR1 writes a checkpoint and the run continues. `sphecs resume` resumes a run that was stopped or killed.")]
 pub struct RunArguments {
     #[command(flatten)]
     #[expect(
@@ -30,11 +30,12 @@ pub struct RunArguments {
         missing_docs,
         reason = "a doc comment on a flattened group would become the help of the command"
     )]
-    pub pace: PaceArguments,
+    pub limits: LimitArguments,
     /// Replace an earlier run in the folder
     #[arg(long)]
     pub force: bool,
-    /// Begin although the particles need more than the free memory, or the results more than the free disk
+    /// Start although the free memory is too small for the particles, or the free disk space for
+    /// the results
     #[arg(long)]
     pub allow_oversize: bool,
     #[command(flatten)]
@@ -42,7 +43,7 @@ pub struct RunArguments {
         missing_docs,
         reason = "a doc comment on a flattened group would become the help of the command"
     )]
-    pub words: WordArguments,
+    pub verbosity: VerbosityArguments,
 }
 
 /// `sphecs resume`.
@@ -51,13 +52,13 @@ pub struct RunArguments {
     sphecs resume runs/square_bend --max-walltime 23:50:00\n  \
     sphecs resume runs/quickstart --until 4\n  \
     sphecs resume runs/quickstart --set output.every=0.01\n\n\
-    The output is cut back to the last checkpoint first: no time is written twice and none is left out.\n\
-    What may be changed by --set: time.end, output.every, output.monitor_every, output.checkpoint_every.")]
+    The output is first cut back to the last checkpoint, so that no time is repeated or omitted.\n\
+    Values that --set may change: time.end, output.every, output.monitor_every, output.checkpoint_every.")]
 pub struct ResumeArguments {
     /// Run folder
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
-    /// Change a value of the scene that does not change the flow, as `time.end=4.0`; repeatable
+    /// Change a value of the scene that does not affect the flow, as `time.end=4.0`; repeatable
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
     pub sets: Vec<(String, String)>,
     #[command(flatten)]
@@ -65,8 +66,8 @@ pub struct ResumeArguments {
         missing_docs,
         reason = "a doc comment on a flattened group would become the help of the command"
     )]
-    pub pace: PaceArguments,
-    /// Go on although this machine has another instruction set than the checkpoint: the bits will differ
+    pub limits: LimitArguments,
+    /// Resume on another instruction set than that of the checkpoint: results will differ bitwise
     #[arg(long)]
     pub allow_other_isa: bool,
     #[command(flatten)]
@@ -74,41 +75,43 @@ pub struct ResumeArguments {
         missing_docs,
         reason = "a doc comment on a flattened group would become the help of the command"
     )]
-    pub words: WordArguments,
+    pub verbosity: VerbosityArguments,
 }
 
-/// How far a run goes and with what, and its checkpoints.
+/// Threads, end and checkpoints of a run.
 #[derive(Args, Debug)]
-pub struct PaceArguments {
-    /// Threads to compute with [default: all cores]; the results are the same bits for any number
+pub struct LimitArguments {
+    /// Number of threads [default: all cores]; results are bitwise identical for any number
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Stop at this time, s [default: the scene's end; in a resumed run where it was to stop]
+    /// Stop at this time, s [default: end of the scene, or of the run that is resumed]
     #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     pub until: Option<f64>,
-    /// Stop after this many steps, if the end is not reached before; in a resumed run those before included
+    /// Stop after this many steps, counted from the start of the run
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub steps: Option<u64>,
-    /// Wall time between checkpoints, as `90s`, `10min`, `2h` or `0:10:00` [default: the scene's, 10min if it has none]
+    /// Wall time between checkpoints, as `90s`, `10min`, `2h` or `0:10:00` [default: that of the
+    /// scene, else 10min]
     #[arg(long, value_name = "WALLTIME", value_parser = wall_time)]
     pub checkpoint_every: Option<f64>,
-    /// Wall time after which the run writes a checkpoint, closes its files and ends with code 75, as `23:50:00` or `4h`
+    /// Wall time after which the run writes a checkpoint, closes its files and exits with code 75,
+    /// as `23:50:00` or `4h`
     #[arg(long, value_name = "WALLTIME", value_parser = wall_time)]
     pub max_walltime: Option<f64>,
 }
 
-/// How much is said.
+/// Amount of text on standard output.
 #[derive(Args, Debug)]
-pub struct WordArguments {
+pub struct VerbosityArguments {
     /// Print nothing but errors
     #[arg(long, short, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Print a line of figures for every frame written
+    /// Print a line for every frame and checkpoint
     #[arg(long, short)]
     pub verbose: bool,
 }
 
-/// A wall time in s: a number with its unit, or `h:mm:ss` as batch systems write it.
+/// Returns a wall time in s from a number with its unit, or `h:mm:ss` as batch systems write it.
 fn wall_time(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let seconds = if text.contains(':') {
@@ -141,14 +144,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wall_times_have_a_unit() {
+    fn wall_times_need_a_unit() {
         for (text, seconds) in
             [("90s", 90.0), ("10min", 600.0), ("1.5h", 5400.0), ("23:50:00", 85_800.0), ("0.2 s", 0.2)]
         {
             assert_eq!(wall_time(text), Ok(seconds), "{text}");
         }
         for text in ["10", "10m", "-3min", "0h", "1:30", "1:2:3:4", "::", "nan s", ""] {
-            assert!(wall_time(text).is_err(), "`{text}` was taken");
+            assert!(wall_time(text).is_err(), "`{text}` was accepted");
         }
     }
 }

@@ -1,14 +1,14 @@
-//! What a profile should be, point by point.
+//! References of profiles as functions of position and time.
 
 use crate::case::Case;
 use crate::exact::{couette, duct, poiseuille_startup};
 use crate::schema::{AxisFile, ReferenceFile};
 use sphecs_scene::schema::FormulaText;
 
-/// A reference as a function of place (m) and time (s).
+/// Reference as a function of position (m) and time (s).
 pub type Reference = Box<dyn Fn([f64; 3], f64) -> f64>;
 
-/// The run that a reference is taken from, if it is one.
+/// Returns the run that a reference is taken from.
 pub fn run_of(reference: &ReferenceFile) -> Option<&str> {
     match reference {
         ReferenceFile::Run(run) => Some(&run.value),
@@ -16,10 +16,10 @@ pub fn run_of(reference: &ReferenceFile) -> Option<&str> {
     }
 }
 
-/// The function of a reference; None for another run and for other members.
+/// Returns the function of a reference; None for another run and for other members.
 ///
 /// # Errors
-/// Why a formula or a table does not read.
+/// Reason why a formula or a table cannot be parsed.
 pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Reference>, String> {
     let function: Reference = match reference {
         ReferenceFile::Run(_) | ReferenceFile::Members => return Ok(None),
@@ -29,7 +29,8 @@ pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Referen
                 Box::new(move |_, _| number)
             }
             FormulaText::Text(text) => {
-                let expression = case.constants.field(text).map_err(|_| format!("`{text}` does not read"))?;
+                let expression =
+                    case.constants.field(text).map_err(|_| format!("`{text}` cannot be parsed"))?;
                 Box::new(move |[x, y, z], t| expression.value(x, y, z, t))
             }
         },
@@ -56,7 +57,7 @@ pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Referen
     Ok(Some(function))
 }
 
-/// A component of a place.
+/// Returns a component of a position.
 pub fn coordinate(place: [f64; 3], axis: AxisFile) -> f64 {
     match axis {
         AxisFile::X => place[0],
@@ -65,7 +66,7 @@ pub fn coordinate(place: [f64; 3], axis: AxisFile) -> f64 {
     }
 }
 
-/// Two columns of a CSV text with `#` lines, in rising order of the first.
+/// Returns two columns of a CSV text with `#` comments, in ascending order of the first.
 fn read_table(text: &str, along: &str, value: &str) -> Result<Vec<(f64, f64)>, String> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let headers = reader.headers().map_err(|error| error.to_string())?.clone();
@@ -85,11 +86,11 @@ fn read_table(text: &str, along: &str, value: &str) -> Result<Vec<(f64, f64)>, S
     if points.len() < 2 { Err("has fewer than two rows".to_owned()) } else { Ok(points) }
 }
 
-/// The straight line between the neighbours; NaN outside the table.
+/// Returns the linear interpolation in a table; NaN outside it.
 fn between(points: &[(f64, f64)], x: f64) -> f64 {
     let above = points.partition_point(|point| point.0 < x).clamp(1, points.len() - 1);
     let (low, high) = (points[above - 1], points[above]);
-    // An end of a probe is a hair beside that of the table.
+    // The end of a probe may differ from that of the table by rounding.
     let slack = 1e-9 * (points[points.len() - 1].0 - points[0].0);
     if x < low.0 - slack || x > high.0 + slack {
         return f64::NAN;

@@ -1,27 +1,28 @@
-//! Which probes a name means, and the quantities of a probe: its columns, and what follows from them.
+//! Probes selected by a name or pattern, and the quantities of a probe.
 
 use std::borrow::Cow;
 
 use crate::schema::FieldFile;
 use sphecs_output::probes::history::ProbeHistory;
 
-/// Stands for any letters in the name of a probe.
+/// Wildcard for any letters in the name of a probe.
 const ANY: char = '*';
 
-/// Whether a name is the pattern, whose `*` stand for any letters.
-pub fn fits(pattern: &str, name: &str) -> bool {
+/// Returns true if a name matches a pattern, whose `*` stand for any letters.
+pub fn matches(pattern: &str, name: &str) -> bool {
     let Some((head, tail)) = pattern.split_once(ANY) else { return pattern == name };
     let Some(rest) = name.strip_prefix(head) else { return false };
     let starts = rest.char_indices().map(|(at, _)| at).chain([rest.len()]);
-    starts.into_iter().any(|at| fits(tail, &rest[at..]))
+    starts.into_iter().any(|at| matches(tail, &rest[at..]))
 }
 
-/// The probe of a name, or one that has the points of all that fit a pattern, in their order.
+/// Returns the probe of a name, or one with the points of all probes that match a pattern, in their
+/// order.
 ///
 /// # Errors
-/// That there is none.
+/// There is none.
 pub fn probe<'a>(probes: &'a [ProbeHistory], pattern: &str) -> Result<Cow<'a, ProbeHistory>, String> {
-    let found: Vec<&ProbeHistory> = probes.iter().filter(|probe| fits(pattern, &probe.name)).collect();
+    let found: Vec<&ProbeHistory> = probes.iter().filter(|probe| matches(pattern, &probe.name)).collect();
     match found[..] {
         [] => Err(format!("no probe `{pattern}`")),
         [single] => Ok(Cow::Borrowed(single)),
@@ -39,17 +40,17 @@ pub fn probe<'a>(probes: &'a [ProbeHistory], pattern: &str) -> Result<Cow<'a, Pr
     }
 }
 
-/// A column of all probes: that of all at the first time, then at the next.
+/// Returns a column of all probes: all at the first time, then all at the next.
 fn joined(probes: &[&ProbeHistory], name: &str, times: usize) -> Vec<f64> {
     (0..times)
         .flat_map(|index| probes.iter().filter_map(move |probe| probe.sample(name, index)).flatten().copied())
         .collect()
 }
 
-/// All values of a field, those of all points at the first time, then at the next.
+/// Returns all values of a field: all points at the first time, then all at the next.
 ///
 /// # Errors
-/// That the probe does not measure it.
+/// The probe does not measure it.
 pub fn column<'a>(probe: &'a ProbeHistory, field: &FieldFile) -> Result<Cow<'a, [f64]>, String> {
     let of = |name: &str| probe.column(name).ok_or_else(|| format!("probe `{}` has no `{name}`", probe.name));
     let weighted = |direction: [f64; 3]| {
@@ -82,7 +83,7 @@ pub fn column<'a>(probe: &'a ProbeHistory, field: &FieldFile) -> Result<Cow<'a, 
     }
 }
 
-/// Slopes at the points of a line: between the neighbours of each, at the ends to the only one.
+/// Returns the derivatives at the points of a line by central differences, one-sided at the ends.
 fn slopes(line: &[f64], places: &[[f64; 3]]) -> Vec<f64> {
     let last = line.len() - 1;
     let between = |a: usize, b: usize| {
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_star_stands_for_any_letters() {
+    fn star_matches_any_letters() {
         for (pattern, name, wanted) in [
             ("axis", "axis", true),
             ("axis", "axis 2", false),
@@ -116,25 +117,25 @@ mod tests {
             ("a*b*c", "a-b-b-c", true),
             ("a*b*c", "acb", false),
         ] {
-            assert_eq!(fits(pattern, name), wanted, "{pattern}, {name}");
+            assert_eq!(matches(pattern, name), wanted, "{pattern}, {name}");
         }
     }
 
     #[test]
-    fn a_family_has_the_points_of_all_its_probes() {
+    fn pattern_combines_the_points_of_all_its_probes() {
         let probes = [
             line("a1", 0.0, [1.0, 2.0, 3.0, 4.0]),
             line("b", 9.0, [0.0; 4]),
             line("a2", 1.0, [5.0, 6.0, 7.0, 8.0]),
         ];
-        let family = probe(&probes, "a*").expect("a family");
-        assert_eq!(family.places.iter().map(|place| place[0]).collect::<Vec<_>>(), [0.0, 0.0, 1.0, 1.0]);
-        assert_eq!(family.sample("u", 1), Some(&[3.0, 4.0, 7.0, 8.0][..]));
+        let combined = probe(&probes, "a*").expect("a probe");
+        assert_eq!(combined.places.iter().map(|place| place[0]).collect::<Vec<_>>(), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(combined.sample("u", 1), Some(&[3.0, 4.0, 7.0, 8.0][..]));
         assert!(probe(&probes, "c*").is_err());
     }
 
     #[test]
-    fn slopes_are_those_between_the_points_of_a_line() {
+    fn slopes_are_central_differences_along_a_line() {
         let probe = ProbeHistory {
             name: "a".to_owned(),
             places: vec![[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],

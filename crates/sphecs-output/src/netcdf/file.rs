@@ -1,0 +1,148 @@
+//! NetCDF-4 files written completely or not at all, and opened for reading.
+
+use std::cell::Cell;
+use std::path::Path;
+
+use ::hdf5_metno_sys::LOCK;
+use ::hdf5_metno_sys::h5::H5dont_atexit;
+use ::hdf5_metno_sys::h5e::{H5E_DEFAULT, H5Eset_auto2};
+use ::netcdf::{AttributeValue, File, FileMut, NcTypeDescriptor, VariableMut};
+
+use crate::disk;
+use crate::error::OutputError;
+
+/// Converts an error of the library; a test write finds the cause where the library only reports
+/// "HDF error".
+pub(super) fn write_error(path: &Path) -> impl Fn(::netcdf::Error) -> OutputError + '_ {
+    move |error| {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let what = match disk::test_write(folder) {
+            Some(cause) => format!("cannot write: {cause} (NetCDF says: {error})"),
+            None => error.to_string(),
+        };
+        OutputError::NetCdf { path: path.to_path_buf(), what }
+    }
+}
+
+pub(super) fn read_error(path: &Path) -> impl Fn(::netcdf::Error) -> OutputError + '_ {
+    move |error| OutputError::Damaged { path: path.to_path_buf(), what: format!("cannot be read: {error}") }
+}
+
+/// Error while a file is filled, of the library or of the source of the data.
+pub(super) enum WriteError {
+    Library(::netcdf::Error),
+    Source(OutputError),
+}
+
+impl From<::netcdf::Error> for WriteError {
+    fn from(error: ::netcdf::Error) -> Self {
+        WriteError::Library(error)
+    }
+}
+
+/// Disables error printing and exit handlers of HDF5 for this thread.
+///
+/// NetCDF handles errors of optional items but disables their printing only in the first thread
+/// that uses it, and HDF5 stores this setting by thread. At exit HDF5 flushes files that could not
+/// be closed on a full disk, which crashes; all other files are closed by then, so the exit handler
+/// is not needed.
+fn prepare() {
+    thread_local! {
+        static DONE: Cell<bool> = const { Cell::new(false) };
+    }
+    if !DONE.replace(true) {
+        let _guard = LOCK.lock();
+        // SAFETY: the default error stack always exists, no function means no data for it either,
+        // and the lock is the one under which the netcdf crate calls the library.
+        unsafe {
+            H5dont_atexit();
+            H5Eset_auto2(H5E_DEFAULT, None, std::ptr::null_mut());
+        }
+    }
+}
+
+/// Writes a NetCDF-4 file completely or not at all.
+///
+/// On a full disk `nc_close` accesses open objects of a file that HDF5 has discarded, and crashes
+/// (libnetcdf 4.9.0). So the file is flushed first, where a failure is only an error. After a
+/// failure the file stays open, as the process is about to end.
+pub(super) fn write_file(
+    path: &Path,
+    fill: impl FnOnce(&mut FileMut) -> Result<(), WriteError>,
+) -> Result<(), OutputError> {
+    prepare();
+    let written =
+        ::netcdf::create(disk::fresh_partial(path)).map_err(WriteError::from).and_then(|mut file| {
+            match fill(&mut file).and_then(|()| Ok(file.sync()?)) {
+                // Without an explicit close, data lost to a full disk would go unnoticed.
+                Ok(()) => Ok(file.close()?),
+                Err(error) => {
+                    std::mem::forget(file);
+                    Err(error)
+                }
+            }
+        });
+    if let Err(error) = written {
+        let error = match error {
+            WriteError::Library(error) => write_error(path)(error),
+            WriteError::Source(error) => error,
+        };
+        disk::discard(path);
+        return Err(error);
+    }
+    disk::commit(path)
+}
+
+pub(super) fn open_file(path: &Path) -> Result<File, OutputError> {
+    prepare();
+    ::netcdf::open(path).map_err(read_error(path))
+}
+
+/// Adds a compressed variable with its attributes; missing values of floating-point types are NaN.
+pub(super) fn add_variable<'f, T: Stored>(
+    file: &'f mut FileMut,
+    name: &str,
+    dimensions: &[&str],
+    chunks: &[usize],
+    attributes: &[(&str, AttributeValue)],
+) -> Result<VariableMut<'f>, ::netcdf::Error> {
+    let mut variable = file.add_variable::<T>(name, dimensions)?;
+    if !dimensions.is_empty() {
+        variable.set_chunking(chunks)?;
+        // The only compression that xarray, ParaView and netCDF-Java all read.
+        variable.set_compression(1, true)?;
+    }
+    if let Some(missing) = T::MISSING {
+        variable.set_fill_value(missing)?;
+    }
+    for (name, value) in attributes {
+        variable.put_attribute(name, value.clone())?;
+    }
+    Ok(variable)
+}
+
+/// Element type of a variable.
+pub(super) trait Stored: NcTypeDescriptor + Copy {
+    /// Value of `_FillValue`; None for integers, which readers such as xarray would turn into
+    /// floats.
+    const MISSING: Option<Self>;
+}
+
+impl Stored for f32 {
+    const MISSING: Option<Self> = Some(f32::NAN);
+}
+impl Stored for f64 {
+    const MISSING: Option<Self> = Some(f64::NAN);
+}
+impl Stored for u8 {
+    const MISSING: Option<Self> = None;
+}
+impl Stored for u16 {
+    const MISSING: Option<Self> = None;
+}
+impl Stored for u32 {
+    const MISSING: Option<Self> = None;
+}
+impl Stored for i64 {
+    const MISSING: Option<Self> = None;
+}

@@ -1,0 +1,70 @@
+//! Names of the files and folders inside a run folder.
+
+use std::path::{Path, PathBuf};
+
+/// Scene as run, RON.
+pub const SCENE: &str = "scene.ron";
+/// Tables that the scene names, JSON.
+pub const TABLES: &str = "tables.json";
+/// State of the run and how it ended, JSON.
+pub const SUMMARY: &str = "summary.json";
+/// File that a process locks while it writes the run.
+pub const LOCK: &str = ".lock";
+
+/// Folder of one file per frame while the run is not packed.
+pub const JOURNAL: &str = "journal";
+/// Journal after `particles.nc` is complete and before the journal is removed.
+pub const PACKED_JOURNAL: &str = "journal.packed";
+/// Folder of the checkpoints.
+pub const CHECKPOINTS: &str = "checkpoints";
+
+/// All frames of a packed run.
+pub const PARTICLES: &str = "particles.nc";
+/// Integral quantities over time.
+pub const MONITOR_CSV: &str = "monitor.csv";
+/// Integral quantities over time, made from the CSV file when the run is packed.
+pub const MONITOR_NETCDF: &str = "monitor.nc";
+/// Probe samples over time.
+pub const PROBES_CSV: &str = "probes.csv";
+/// Probe samples and means, made from the CSV file when the run is packed.
+pub const PROBES_NETCDF: &str = "probes.nc";
+/// Time means of the probes, made when the run is packed.
+pub const PROBES_MEAN_CSV: &str = "probes_mean.csv";
+/// Forces and torques on the bodies over time.
+pub const FORCES_CSV: &str = "forces.csv";
+/// Forces, torques and means, made from the CSV file when the run is packed.
+pub const FORCES_NETCDF: &str = "forces.nc";
+/// Means of the force coefficients, made when the run is packed.
+pub const FORCES_MEAN_CSV: &str = "forces_mean.csv";
+
+/// Particles around the one that diverged.
+pub const DIVERGENCE_NETCDF: &str = "divergence.nc";
+/// Picture of the particles around the one that diverged.
+pub const DIVERGENCE_PICTURE: &str = "divergence.png";
+
+/// Returns the path of the wall particles in a journal.
+pub fn walls(journal: &Path) -> PathBuf {
+    journal.join("walls.nc")
+}
+
+/// Returns the path of a frame in a journal.
+pub fn frame(journal: &Path, index: u64) -> PathBuf {
+    journal.join(format!("frame-{index:08}.nc"))
+}
+
+/// Returns the index of a frame by the name of its file; None for any other file.
+pub fn frame_index(path: &Path) -> Option<u64> {
+    let name = path.file_name()?.to_str()?;
+    name.strip_prefix("frame-")?.strip_suffix(".nc")?.parse().ok()
+}
+
+/// Returns the file name of the checkpoint of a step.
+pub fn checkpoint(step: u64) -> String {
+    format!("step-{step:012}.checkpoint")
+}
+
+/// Returns true for the path of a complete checkpoint.
+pub fn is_checkpoint(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with("step-") && name.ends_with(".checkpoint")
+}

@@ -1,0 +1,392 @@
+//! Loop of a run: steps, output when it is due, progress, and the reasons to stop.
+
+use std::time::Instant;
+
+use super::console::Console;
+use super::error::RunError;
+use super::output_schedule::WallClock;
+use super::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
+use super::run_state::{self, RunState};
+use super::signals::{Signal, Signals};
+use super::{Ending, RunOptions, report};
+use sphecs_core::format::{duration, grouped, significant};
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::saved_state::encode_record;
+use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_output::error::OutputError;
+use sphecs_output::folder::RunFolder;
+use sphecs_output::frame::Frame;
+use sphecs_output::header::Header;
+use sphecs_output::pack::Packed;
+use sphecs_output::probes::ProbeSet;
+use sphecs_output::summary::{LedgerCounts, StageTime, Status, Summary, this_build};
+use sphecs_scene::model::{ForcesEvery, Scene};
+
+/// Run between its first and its last step.
+pub struct RunLoop {
+    simulation: Simulation,
+    folder: RunFolder,
+    probes: ProbeSet,
+    signals: Signals,
+    console: Console,
+    display: ProgressDisplay,
+    until: f64,
+    max_steps: u64,
+    state: RunState,
+    wall_clock: WallClock,
+    /// Step of the last checkpoint submitted; None before the first.
+    last_checkpoint: Option<u64>,
+    speed: SpeedEstimate,
+    /// Number of the simulation's notes already printed.
+    notes_printed: usize,
+    started: Instant,
+}
+
+/// Reason to leave the loop.
+enum Halt {
+    Done,
+    Signal(Signal),
+    OutOfTime,
+    Flow(Stop),
+}
+
+impl RunLoop {
+    /// Builds the simulation, makes the folder and prints the start summary.
+    ///
+    /// # Errors
+    /// [`RunError::Output`] when the folder cannot be made.
+    pub fn start(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Self, RunError> {
+        let mut simulation = Simulation::builder(scene).build()?;
+        let first = Frame::from_world(simulation.world_mut());
+        let scene = simulation.scene();
+        let mut header = Header::new(scene, &first);
+        (header.until, header.max_steps) = (options.until, options.max_steps);
+        let probes = ProbeSet::new(scene);
+        let until = options.until.unwrap_or(scene.time.end);
+        let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
+        options.console.print(&report::start_summary(scene, simulation.ledger(), until, options));
+        let state = RunState::new(scene.output.every, scene.output.monitor_every);
+        Ok(Self::new(simulation, folder, state, None, options, signals))
+    }
+
+    /// Continues a run whose folder is cut back to a checkpoint; simulation and state come from the
+    /// same checkpoint.
+    ///
+    /// The header of the folder has the end of the run.
+    pub(super) fn resume(
+        simulation: Simulation,
+        folder: RunFolder,
+        state: RunState,
+        options: &RunOptions,
+        signals: Signals,
+    ) -> Self {
+        let scene = simulation.scene();
+        let time = simulation.clock().time;
+        let state = RunState {
+            frames: state.frames.resumed(scene.output.every, time),
+            rows: state.rows.resumed(scene.output.monitor_every, time),
+            ..state
+        };
+        let last = (simulation.clock().step > 0).then_some(simulation.clock().step);
+        Self::new(simulation, folder, state, last, options, signals)
+    }
+
+    fn new(
+        simulation: Simulation,
+        folder: RunFolder,
+        state: RunState,
+        last_checkpoint: Option<u64>,
+        options: &RunOptions,
+        signals: Signals,
+    ) -> Self {
+        let (scene, header) = (simulation.scene(), folder.header());
+        let until = header.until.unwrap_or(scene.time.end);
+        let max_steps = header.max_steps.unwrap_or(u64::MAX);
+        let every = options.checkpoint_every.unwrap_or(scene.output.checkpoint_every);
+        let started = Instant::now();
+        let progress = Progress {
+            elapsed: 0.0,
+            fraction: fraction(&simulation.clock(), until, max_steps),
+            particle_steps: state.particle_steps,
+        };
+        Self {
+            wall_clock: WallClock::new(started, every, options.max_wall_time),
+            probes: ProbeSet::new(scene),
+            notes_printed: simulation.notes().len(),
+            simulation,
+            folder,
+            signals,
+            console: options.console,
+            display: ProgressDisplay::new(options.console),
+            until,
+            max_steps,
+            state,
+            last_checkpoint,
+            speed: SpeedEstimate::from(progress),
+            started,
+        }
+    }
+
+    /// Advances the run to its end, or until it is stopped.
+    ///
+    /// # Errors
+    /// [`RunError`]; the folder is closed in any case.
+    pub fn run(mut self) -> Result<Ending, RunError> {
+        let halt = self.steps();
+        self.display.clear();
+        match halt {
+            Ok(Halt::Done) => self.close(Status::Completed).map(|()| Ending::Completed),
+            Ok(Halt::Signal(signal)) => {
+                let status = match signal {
+                    Signal::Interrupt => Status::Interrupted,
+                    Signal::Terminate => Status::Terminated,
+                };
+                self.close(status).map(|()| Ending::Stopped(signal))
+            }
+            Ok(Halt::OutOfTime) => self.close(Status::OutOfTime).map(|()| Ending::OutOfTime),
+            Ok(Halt::Flow(stop)) => Err(self.close_after_failure(stop)),
+            Err(error) => {
+                // The first error is reported: closing may well fail for the same reason, a full
+                // disk.
+                let summary = self.summary(Status::Failed, Some(error.to_string()));
+                let _second = self.folder.finish(summary);
+                Err(error.into())
+            }
+        }
+    }
+
+    fn steps(&mut self) -> Result<Halt, OutputError> {
+        loop {
+            self.write_due_output()?;
+            let now = Instant::now();
+            let halt = self.halt(now);
+            let is_requested = self.signals.take_checkpoint_request();
+            // Before the last row and frame, which an uninterrupted run would not write.
+            if halt.is_some() || self.wall_clock.is_checkpoint_due(now) || is_requested {
+                self.write_checkpoint(now)?;
+            }
+            if let Some(halt) = halt {
+                self.write_last_output()?;
+                return Ok(halt);
+            }
+            if let Err(stop) = self.simulation.step() {
+                if matches!(stop, Stop::ReservoirEmpty { .. } | Stop::Drained { .. }) {
+                    self.write_last_output()?;
+                }
+                return Ok(Halt::Flow(stop));
+            }
+            self.print_notes();
+            self.write_forces()?;
+            self.update_progress();
+        }
+    }
+
+    /// Prints the notes that the last step added.
+    fn print_notes(&mut self) {
+        for note in &self.simulation.notes()[self.notes_printed..] {
+            self.display.print(&format!("note: {note}"));
+            self.notes_printed += 1;
+        }
+    }
+
+    fn halt(&self, now: Instant) -> Option<Halt> {
+        let clock = self.simulation.clock();
+        if clock.time >= self.until || clock.step >= self.max_steps {
+            return Some(Halt::Done);
+        }
+        let signal = self.signals.received().map(Halt::Signal);
+        signal.or_else(|| self.wall_clock.is_time_up(now).then_some(Halt::OutOfTime))
+    }
+
+    /// Submits the state to the writer thread, unless this step already has a checkpoint.
+    fn write_checkpoint(&mut self, now: Instant) -> Result<(), OutputError> {
+        self.wall_clock.checkpoint_written(now);
+        let clock = self.simulation.clock();
+        if self.last_checkpoint == Some(clock.step) {
+            return Ok(());
+        }
+        self.last_checkpoint = Some(clock.step);
+        let mut columns = self.simulation.state();
+        let state = RunState {
+            wall_time: self.wall_time(),
+            stages: self.stages().into_iter().map(|(_, seconds)| seconds).collect(),
+            ..self.state.clone()
+        };
+        columns.put(run_state::COLUMN, encode_record(&state));
+        self.folder.checkpoint(&clock, columns)?;
+        self.state.output_time += now.elapsed().as_secs_f64();
+        if self.console == Console::Verbose {
+            let (time, step) = (significant(clock.time), grouped(clock.step));
+            self.display.print(&format!("checkpoint  t = {time} s step {step}"));
+        }
+        Ok(())
+    }
+
+    /// Returns the wall time of the run, earlier processes included, s.
+    fn wall_time(&self) -> f64 {
+        self.state.wall_time + self.started.elapsed().as_secs_f64()
+    }
+
+    /// Returns the wall time by stage, earlier processes included, s.
+    fn stages(&self) -> Vec<(&'static str, f64)> {
+        let stages = self.simulation.stage_times().into_iter().enumerate();
+        stages.map(|(index, (name, seconds))| (name, self.state.stage(index, seconds))).collect()
+    }
+
+    fn write_due_output(&mut self) -> Result<(), OutputError> {
+        let started = Instant::now();
+        let time = self.simulation.clock().time;
+        if self.state.rows.advance(time) {
+            self.write_row()?;
+        }
+        if self.state.frames.advance(time) {
+            self.write_frame()?;
+        }
+        self.state.output_time += started.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Writes the forces of the last step if every step or the monitor row at its beginning asks
+    /// for them.
+    fn write_forces(&mut self) -> Result<(), OutputError> {
+        let row = self.simulation.body_forces();
+        let every_step = self.simulation.scene().output.forces == ForcesEvery::Step;
+        if every_step || self.state.last_row_step == Some(row.step) {
+            self.folder.forces(row)?;
+        }
+        Ok(())
+    }
+
+    fn write_last_output(&mut self) -> Result<(), OutputError> {
+        let step = Some(self.simulation.clock().step);
+        // A row may have been due at this step without a frame; a second one would repeat its time.
+        if self.state.last_row_step != step {
+            self.write_row()?;
+        }
+        if self.state.last_frame != step {
+            self.write_frame()?;
+        }
+        Ok(())
+    }
+
+    fn write_row(&mut self) -> Result<(), OutputError> {
+        self.state.last_row = self.simulation.monitor_row();
+        self.state.last_row_step = Some(self.state.last_row.step);
+        self.folder.monitor(&self.state.last_row)?;
+        if !self.probes.is_empty() {
+            let samples = self.simulation.sample_seeing(&self.probes.points());
+            let flows = self.simulation.mass_flows(&self.probes.sections());
+            self.folder.probe(&self.probes.reduce(self.state.last_row.time, &samples, &flows))?;
+        }
+        Ok(())
+    }
+
+    fn write_frame(&mut self) -> Result<(), OutputError> {
+        self.folder.submit(Frame::from_world(self.simulation.world_mut()))?;
+        let clock = self.simulation.clock();
+        if self.console == Console::Verbose {
+            let row = &self.state.last_row;
+            self.display.print(&format!(
+                "frame {:>4}  t = {:<10} step {:<9} largest speed {} m/s, |Δρ|/ρ0 {}, {} through walls, {} close pairs",
+                self.state.frame_count,
+                format!("{} s", significant(clock.time)),
+                grouped(clock.step),
+                significant(row.largest_speed),
+                significant(row.largest_density_deviation),
+                row.through_walls,
+                row.close_pairs,
+            ));
+        }
+        self.state.last_frame = Some(clock.step);
+        self.state.frame_count += 1;
+        Ok(())
+    }
+
+    fn update_progress(&mut self) {
+        let clock = self.simulation.clock();
+        let ledger = self.simulation.ledger();
+        self.state.particle_steps += (ledger.total() - ledger.count(Zone::Reservoir)) as f64;
+        let fraction = fraction(&clock, self.until, self.max_steps);
+        self.speed.record(Progress {
+            elapsed: self.started.elapsed().as_secs_f64(),
+            fraction,
+            particle_steps: self.state.particle_steps,
+        });
+        let (speed, until) = (&self.speed, self.until);
+        self.display.update(fraction, || {
+            format!(
+                "t = {} of {} s, step {}, Δt {} s, {} particle-steps/s, {} left",
+                significant(clock.time),
+                significant(until),
+                grouped(clock.step),
+                significant(clock.time_step),
+                significant(speed.particle_steps_per_second()),
+                speed.seconds_left().map_or("?".to_owned(), duration),
+            )
+        });
+    }
+
+    /// Packs the results and prints the end summary.
+    fn close(self, status: Status) -> Result<(), RunError> {
+        let summary = self.summary(status, None);
+        let wall_time = summary.wall_time;
+        let stages: Vec<(String, f64)> =
+            summary.stages.iter().map(|stage| (stage.stage.clone(), stage.seconds)).collect();
+        let stages: Vec<(&str, f64)> =
+            stages.iter().map(|(name, seconds)| (name.as_str(), *seconds)).collect();
+        let ledger = self.simulation.ledger().clone();
+        let end = report::EndState {
+            status,
+            clock: self.simulation.clock(),
+            wall_time,
+            particle_steps: self.state.particle_steps,
+            stages: &stages,
+            ledger: &ledger,
+        };
+        let (header, path) = (self.folder.header().clone(), self.folder.path().to_owned());
+        let packed: Packed = self.folder.finish(summary)?;
+        self.console.print(&report::end_summary(&end, &header, &path, &packed));
+        Ok(())
+    }
+
+    /// Closes the folder of a flow that cannot be advanced further.
+    fn close_after_failure(self, stop: Stop) -> RunError {
+        let (status, cure) = report::status_and_cure(&stop);
+        let summary = self.summary(status, Some(stop.to_string()));
+        let (path, header) = (self.folder.path().to_owned(), self.folder.header().clone());
+        let (clock, frames) = (self.simulation.clock(), self.state.frame_count);
+        let report = match self.folder.finish(summary) {
+            Ok(_) => {
+                let scene = self.simulation.scene();
+                let report = |diverged| report::failure_report(&path, &header, scene, &clock, diverged);
+                let on_particle = self.simulation.diverged_particle().map(report).unwrap_or_default();
+                on_particle + &report::results_kept(&path, frames, self.last_checkpoint)
+            }
+            Err(error) => report::results_not_closed(&error),
+        };
+        RunError::Flow { stop, cure, report }
+    }
+
+    fn summary(&self, status: Status, message: Option<String>) -> Summary {
+        let clock = self.simulation.clock();
+        let stage_time = |(stage, seconds): (&str, f64)| StageTime { stage: stage.to_owned(), seconds };
+        let mut stages: Vec<StageTime> = self.stages().into_iter().map(stage_time).collect();
+        stages.push(StageTime { stage: "output".to_owned(), seconds: self.state.output_time });
+        Summary {
+            status,
+            message,
+            wall_time: self.wall_time(),
+            steps: clock.step,
+            time: clock.time,
+            frames: self.state.frame_count,
+            threads: rayon::current_num_threads(),
+            lanes: InstructionSet::best().name().to_owned(),
+            ledger: LedgerCounts::from(self.simulation.ledger()),
+            stages,
+            notes: self.simulation.notes().to_vec(),
+            build: this_build().to_owned(),
+            run: self.folder.header().clone(),
+        }
+    }
+}
