@@ -19,7 +19,7 @@
 //!   transport velocity: the mean pressure needs no pass of its own. The loop sums differences to p_a, which single
 //!   precision keeps where the pressures themselves would cancel. The half of the stress that is the
 //!   particle's own, ρ_a v_a (w_a·Σ S ∇W)/2, comes from the same sum.
-//! * The printed viscous factor F r²/(r² + η²), η² = 0.01 h², is the option `printed`: F is finite at r = 0 without it.
+//! * The printed viscous factor F r²/(r² + η²), η² = 0.01 h², is the option `as_published`: F is finite at r = 0 without it.
 //! * ν and ν_edac are divided by what the viscous sum returns on the lattice (`math/lattice.rs`): the quintic spline at
 //!   h = 1.2 Δ returns 0.9994 ν in 2D, and 0.9917 ν with the printed factor.
 //! * The divergence sees a wall's own velocity, as that of Adami et al. (2012), not its image's: the image's factor 1 + d_b/d_a
@@ -46,8 +46,7 @@ pub struct Edac {
     pub lattice_normalised: bool,
     /// Rate r at which the pressure goes to that of the summed density, over c_s/h, dimensionless; 0 as printed.
     pub relaxation: f64,
-    /// Whether the viscous sums have the printed η² = 0.01 h² in the denominator.
-    #[serde(rename = "printed")]
+    /// Whether the viscous sums have the published η² = 0.01 h² in the denominator.
     pub as_published: bool,
 }
 

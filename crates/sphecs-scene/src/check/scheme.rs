@@ -121,7 +121,7 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
             average_pressure,
             lattice_normalised,
             relaxation,
-            printed,
+            as_published,
         } => {
             let kernel = kernel.unwrap_or(Kernel::QuinticSpline);
             let smoothing_ratio = ratio(smoothing_ratio.as_ref(), kernel, dimensions, check);
@@ -144,7 +144,7 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
                     "relaxation",
                     check,
                 ),
-                as_published: printed.unwrap_or(usual.as_published),
+                as_published: as_published.unwrap_or(usual.as_published),
             };
             Scheme::EdacTvf(EdacTvf { kernel, smoothing_ratio, terms })
         }

@@ -189,9 +189,9 @@ pub enum SchemeFile {
         /// Rate at which the pressure goes to that of the summed density, over c0/h, default 0, as published.
         #[serde(default)]
         relaxation: Option<Number>,
-        /// With the printed η² = 0.01 h² in the denominator of the viscous sums, default false.
+        /// Use the published η² = 0.01 h² in the denominator of the viscous sums, default false.
         #[serde(default)]
-        printed: Option<bool>,
+        as_published: Option<bool>,
     },
 }
 

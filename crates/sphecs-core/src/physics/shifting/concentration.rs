@@ -26,10 +26,8 @@ use crate::math::lanes::Lanes;
 pub enum DriftCorrection {
     /// The shift keeps it, and carries fluid upstream where a flow is stretched.
     #[default]
-    #[serde(rename = "Kept")]
     Off,
     /// The mean of the neighbours' shifting vectors, weighted with V_b W_ab, is subtracted.
-    #[serde(rename = "Removed")]
     On,
 }
 

@@ -19,7 +19,7 @@ pub struct Fickian {
     #[serde(default = "usual_coefficient")]
     pub coefficient: f64,
     /// Treatment of the part that neighbours share.
-    #[serde(default, rename = "drift")]
+    #[serde(default)]
     pub drift_correction: DriftCorrection,
 }
 

@@ -20,7 +20,7 @@ pub struct Local {
     #[serde(default = "usual_coefficient")]
     pub coefficient: f64,
     /// Treatment of the part that neighbours share.
-    #[serde(default, rename = "drift")]
+    #[serde(default)]
     pub drift_correction: DriftCorrection,
 }
 

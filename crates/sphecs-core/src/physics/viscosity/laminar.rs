@@ -24,7 +24,7 @@ pub struct Laminar {
     #[serde(default = "yes")]
     pub lattice_normalised: bool,
     /// Use the denominator with η² = 0.01 h² of Alvarado-Rodríguez et al. (2017), Eq. 10.
-    #[serde(default, rename = "printed")]
+    #[serde(default)]
     pub as_published: bool,
 }
 

@@ -117,7 +117,7 @@ impl<'a> Typed<'a> {
                         field.name.span,
                         format!("`{}` has no such field", self.field),
                     )
-                    .help(advice(text, known.iter().copied())),
+                    .help(former_field(text, known).unwrap_or_else(|| advice(text, known.iter().copied()))),
                 );
                 // A misspelt field is not also missing.
                 let meant = nearest(text, known.iter().copied());
@@ -190,4 +190,17 @@ fn elsewhere(field: &str, name: &str) -> Option<String> {
         _ => return None,
     };
     Some(advice.to_owned())
+}
+
+/// Returns advice on a field that had its name changed, if the struct has the new one.
+fn former_field(name: &str, known: &[&str]) -> Option<String> {
+    let (new, advice) = match name {
+        "drift" => (
+            "drift_correction",
+            "write `drift_correction: On` for `drift: Removed`, `drift_correction: Off` for `drift: Kept`",
+        ),
+        "printed" => ("as_published", "it is now called `as_published`, with the same values"),
+        _ => return None,
+    };
+    known.contains(&new).then(|| advice.to_owned())
 }

@@ -23,7 +23,12 @@ fn numbers_out_of_bounds_are_faults() {
         "the strength of the shifting is out of bounds",
         "Local(coefficient: -1)",
     );
-    check("Fickian()", "Fickian(drift: Gone)", "`Gone` is not a choice for `drift`", "Gone");
+    check(
+        "Fickian()",
+        "Fickian(drift_correction: Gone)",
+        "`Gone` is not a choice for `drift_correction`",
+        "Gone",
+    );
     check("end: 1.0", "end: 0", "`end` must be finite and greater than 0", "0");
     check("cfl: 0.3", "cfl: 3", "`cfl` must be greater than 0 and at most `1`", "3");
     check("every: 0.1", "every: -1", "`every` must be finite and greater than 0", "-1");
@@ -244,4 +249,16 @@ fn the_exact_startup_needs_a_viscosity() {
     let text = SOUND.replace("Normal(\"v0 * y\")", "PoiseuilleStartup(body_force: 1.0)");
     let faults = faults_of(&text.replace("viscosity: 1.0e-3", "viscosity: 0"));
     assert!(faults.faults()[0].title.contains("needs a viscosity"), "{faults:?}");
+}
+
+#[test]
+fn former_names_of_fields_are_answered_by_the_new_ones() {
+    let advice = |new: &str| {
+        let faults = faults_of(&SOUND.replace("Fickian()", new));
+        faults.faults().iter().filter_map(|fault| fault.help.clone()).collect::<Vec<_>>().join("; ")
+    };
+    assert!(advice("Fickian(drift: Removed)").contains("`drift_correction: On`"));
+    assert!(advice("Local(drift: Kept)").contains("`drift_correction: Off`"));
+    let laminar = faults_of(&SOUND.replace("Laminar()", "Laminar(printed: true)"));
+    assert!(laminar.faults()[0].help.as_ref().is_some_and(|help| help.contains("`as_published`")));
 }
