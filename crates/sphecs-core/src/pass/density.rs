@@ -7,7 +7,9 @@
 use std::ops::Range;
 
 use super::blocks::for_each_block;
-use super::pack::{CULLED_DIMENSIONS, Covered, Entry, Near, NearNotes, Only, Pack, Source, noted};
+use super::pack::{
+    CULLED_DIMENSIONS, CoveredLanes, Entry, MaskBuilder, NeighbourMask, Only, Pack, Source, mask_len,
+};
 use super::settings::{PairSettings, PressureLaw};
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -30,7 +32,7 @@ pub fn sum_density<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
-    sums.near.resize(noted::<D>(particles.len()), Near::ALL);
+    sums.near.resize(mask_len::<D>(particles.len()), NeighbourMask::ALL);
     sums.columns.forget_densities();
     pair.kernel.with_shape(DensityPass { pair, grid, particles, sums });
 }
@@ -77,7 +79,7 @@ impl<R: Real, const D: usize> WithShape for DensityPass<'_, R, D> {
 }
 
 /// Density and pressure of a block's rows, and what is near them.
-type Outputs<'a, R> = ([&'a mut [R]; 2], &'a mut [Near]);
+type Outputs<'a, R> = ([&'a mut [R]; 2], &'a mut [NeighbourMask]);
 
 struct DensityBlock<'a, K, R: Real, const D: usize> {
     pair: &'a PairSettings,
@@ -86,7 +88,7 @@ struct DensityBlock<'a, K, R: Real, const D: usize> {
     cells: Range<usize>,
     density: &'a mut [R],
     pressure: &'a mut [R],
-    near: &'a mut [Near],
+    near: &'a mut [NeighbourMask],
     pack: &'a mut Pack<R>,
     shape: std::marker::PhantomData<K>,
 }
@@ -142,39 +144,39 @@ pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut 
 fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
     point: [L::Real; D],
-) -> (L::Real, Near) {
+) -> (L::Real, NeighbourMask) {
     let mut x_a = [L::constant(0.0); D];
     for d in 0..D {
         x_a[d] = L::splat(point[d]);
     }
     let mut sum = L::constant(0.0);
-    let mut near = Near::ALL;
-    let mut covered = Covered::default();
+    let mut near = NeighbourMask::ALL;
+    let mut covered = CoveredLanes::default();
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
-    for stretch in pack.stretches::<L, D>(D) {
-        let notes = if of_near_alone::<K, L, D>() {
-            let notes = stretch.find_near(x_a, limit);
-            for lane in stretch.near(notes, &mut covered) {
-                sum = K::add_value(squared_distance(x_a, stretch.at_lane(lane)).roots().0, sum);
+    for tile in pack.tiles::<L, D>(D) {
+        let builder = if finds_neighbours_first::<K, L, D>() {
+            let builder = tile.find_neighbours(x_a, limit);
+            for lane in tile.start_lanes(builder, &mut covered) {
+                sum = K::add_value(squared_distance(x_a, tile.at_lane(lane)).roots().0, sum);
             }
-            notes
+            builder
         } else {
-            let mut notes = NearNotes::default();
-            for vector in 0..stretch.len() {
-                let q2 = squared_distance(x_a, stretch.at(vector));
-                notes.take::<L, D>(q2, limit);
+            let mut builder = MaskBuilder::default();
+            for vector in 0..tile.len() {
+                let q2 = squared_distance(x_a, tile.at(vector));
+                builder.add::<L, D>(q2, limit);
                 sum = K::add_value(q2.roots().0, sum);
             }
-            notes
+            builder
         };
-        stretch.note(notes, &mut near);
+        tile.store_mask(builder, &mut near);
     }
     (sum.sum(), near)
 }
 
 /// Whether what is near is found before its values are. It spares roots and values of what is not, and costs distances twice and a wrong guess
 /// a row: in single precision, whose vectors are fewer and whose roots are cheap, about as much as it spares, or more.
-const fn of_near_alone<K: KernelShape, L: Lanes, const D: usize>() -> bool {
+const fn finds_neighbours_first<K: KernelShape, L: Lanes, const D: usize>() -> bool {
     let is_double = size_of::<L::Real>() == size_of::<f64>();
     D < CULLED_DIMENSIONS && is_double && (L::COSTLY_ROOTS || K::COSTLY_VALUE)
 }

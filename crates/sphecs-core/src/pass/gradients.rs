@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
-use super::pack::{Near, Only, Pack, Source};
+use super::pack::{NeighbourMask, Only, Pack, Source};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -110,7 +110,7 @@ struct GradientBlock<'a, K, R: Real, const D: usize> {
     pair: &'a PairSettings,
     source: &'a Source<'a, R, D>,
     particles: &'a ParticleArrays<R, D>,
-    near: &'a [Near],
+    near: &'a [NeighbourMask],
     cells: Range<usize>,
     gradient: Outputs<'a, R, D>,
     pack: &'a mut Pack<R>,
@@ -166,8 +166,8 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
-        let near = Near::of_row(self.near, row);
-        for entry in self.pack.entries_near::<L, D>(D + self.source.columns.len(), near) {
+        let near = NeighbourMask::of_row(self.near, row);
+        for entry in self.pack.masked_entries::<L, D>(D + self.source.columns.len(), near) {
             let mut x = [zero; D];
             let mut v = [zero; D];
             let mut q2 = L::constant(LEAST_Q2);

@@ -6,7 +6,7 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::blocks::for_each_part;
-use super::pack::{Near, PackPool};
+use super::pack::{NeighbourMask, PackPool};
 use super::settings::PairSettings;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -51,7 +51,7 @@ pub struct PairSums<R, const D: usize> {
     /// Σ w(q) over the fluid rows that feel it; empty with it.
     pub friction_felt: Vec<R>,
     /// Which vectors of its cell's pack have something in the support of a row whose density was summed since the last sort; empty before that and in 3D.
-    pub(super) near: Vec<Near>,
+    pub(super) near: Vec<NeighbourMask>,
     pub(super) columns: PairColumns<R>,
     pub(super) packs: PackPool<R>,
 }

@@ -28,7 +28,7 @@ use row::{RowSums, sum};
 
 use super::blocks::for_each_block;
 use super::density::{LEAST_Q2, finish};
-use super::pack::{Near, Only, Pack, STRETCH, Source, noted};
+use super::pack::{NeighbourMask, Only, Pack, Source, TILE_VECTORS, mask_len};
 use super::rates::VelocityLevel;
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -54,7 +54,7 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
-    sums.near.resize(noted::<D>(particles.len()), Near::ALL);
+    sums.near.resize(mask_len::<D>(particles.len()), NeighbourMask::ALL);
     sums.columns.forget_densities();
     sums.columns.find_flow(particles);
     for column in sums.strain.iter_mut().take(components(D)) {
@@ -84,7 +84,7 @@ struct StrainPass<'a, R: Real, const D: usize> {
 
 /// Density and pressure, components of the strain, gradient, ∇C, and what is near, of a block's rows.
 type Outputs<'a, R, const D: usize> =
-    ([&'a mut [R]; 2], Gradients<'a, R, D>, ([&'a mut [R]; D], &'a mut [Near]));
+    ([&'a mut [R]; 2], Gradients<'a, R, D>, ([&'a mut [R]; D], &'a mut [NeighbourMask]));
 
 impl<R: Real, const D: usize> WithShape for StrainPass<'_, R, D> {
     type Output = ();
@@ -164,7 +164,7 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for StrainBlock<'_, 
         let (q, inverse_q) = L::constant(LEAST_Q2).roots();
         let own_weight = K::slope(q, inverse_q).largest().to_f64();
         let mut ends = Ends::<D>::new(own_weight, self.source.inverse_h);
-        let mut all_slopes = [L::constant(0.0); STRETCH];
+        let mut all_slopes = [L::constant(0.0); TILE_VECTORS];
         for cell in self.cells.clone() {
             let rows = grid.rows(cell);
             if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.zone[row])) {
