@@ -4,10 +4,10 @@
 
 use divan::Bencher;
 use divan::counter::BytesCount;
-use sphecs::bench::cases::Case;
-use sphecs::output::checkpoint::store::Store;
-use sphecs::output::checkpoint::{Checkpoint, Facts};
-use sphecs::simulation::Simulation;
+use sphecs::Simulation;
+use sphecs_bench::cases::Case;
+use sphecs_output::checkpoint::store::Store;
+use sphecs_output::checkpoint::{Checkpoint, Facts};
 
 fn main() {
     divan::main();

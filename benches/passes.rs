@@ -7,20 +7,21 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use sphecs::bench::measure::ordered_pairs;
-use sphecs::bench::peak::Chains;
-use sphecs::bench::scalar::density_and_force;
-use sphecs::math::grid::CellGrid;
-use sphecs::math::kernel::Kernel;
-use sphecs::math::lanes::InstructionSet;
-use sphecs::math::real::Real;
-use sphecs::particles::arrays::{ParticleArrays, SpareColumns};
-use sphecs::particles::rows::Row;
-use sphecs::pass::density::sum_density;
-use sphecs::pass::rates::{VelocityLevel, sum_rates};
-use sphecs::pass::settings::PairSettings;
-use sphecs::pass::sums::PairSums;
-use sphecs::physics::eos::Tait;
+use sphecs_bench::measure::ordered_pairs;
+use sphecs_bench::peak::Chains;
+use sphecs_bench::scalar::density_and_force;
+use sphecs_core::discretisation::Discretisation;
+use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::kernel::Kernel;
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_core::math::real::Real;
+use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
+use sphecs_core::particles::rows::Row;
+use sphecs_core::pass::density::sum_density;
+use sphecs_core::pass::rates::{VelocityLevel, sum_rates};
+use sphecs_core::pass::settings::PairSettings;
+use sphecs_core::pass::sums::PairSums;
+use sphecs_core::physics::eos::Tait;
 
 const SPACING: f64 = 0.01;
 
@@ -57,10 +58,9 @@ impl<R: Real, const D: usize> Flow<R, D> {
     fn new() -> Self {
         let (count, ratio): (usize, f64) = if D == 2 { (400, 1.33) } else { (64, 2.02) };
         let tait = Tait { reference_density: 1000.0, sound_speed: 10.0 };
-        let pair = PairSettings {
-            viscosity: 1e-6,
-            ..PairSettings::new(Kernel::WendlandC2, D, SPACING, ratio, tait)
-        };
+        let discretisation =
+            Discretisation::new(Kernel::WendlandC2, D, SPACING, ratio, tait.reference_density);
+        let pair = PairSettings { viscosity: 1e-6, ..PairSettings::new(&discretisation, tait) };
         let upper = [count as f64 * SPACING; D];
         let grid = CellGrid::new([0.0; D], upper, [true; D], pair.support(), pair.cell_size());
         let mut particles = ParticleArrays::default();

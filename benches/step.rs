@@ -12,16 +12,14 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use sphecs::bench::cases::Case;
-use sphecs::bench::measure::{FastestSets, count, paved, scalar_rate};
-use sphecs::bench::operations::per_pair;
-use sphecs::bench::peak::Peaks;
-use sphecs::bench::stirring::Tile;
-use sphecs::bench::table::shares;
-use sphecs::math::lanes::InstructionSet;
-use sphecs::scene::faults::SceneFaults;
-use sphecs::scene::load;
-use sphecs::scene::model::Scene;
+use sphecs::{Scene, SceneErrors};
+use sphecs_bench::cases::Case;
+use sphecs_bench::measure::{FastestSets, count, paved, scalar_rate};
+use sphecs_bench::operations::per_pair;
+use sphecs_bench::peak::Peaks;
+use sphecs_bench::stirring::Tile;
+use sphecs_bench::table::shares;
+use sphecs_core::math::lanes::InstructionSet;
 
 /// What a bench found, for the table at the end.
 struct Report {
@@ -97,7 +95,7 @@ fn time(bencher: Bencher, name: &str) {
 fn time_flow(
     bencher: Bencher,
     name: String,
-    scene: Result<Scene, SceneFaults>,
+    scene: Result<Scene, SceneErrors>,
     tile: Option<Tile>,
     warm_up: usize,
 ) {
@@ -155,8 +153,13 @@ fn square_duct(bencher: Bencher, name: &str) {
 /// The backward-facing step with another outlet.
 fn time_outlet(bencher: Bencher, scheme: &str, condition: &str) {
     let sets = [("scheme", scheme), ("outlets.0.condition", condition)];
-    let sets = sets.map(|(path, value)| (path.to_owned(), value.to_owned()));
-    time_flow(bencher, format!("{scheme} {condition}"), load(Path::new("scenes/step.ron"), &sets), None, 20);
+    time_flow(
+        bencher,
+        format!("{scheme} {condition}"),
+        Scene::from_file(Path::new("scenes/step.ron")).sets(sets).load(),
+        None,
+        20,
+    );
 }
 
 #[divan::bench(args = OUTLETS, sample_count = 100, sample_size = 1)]

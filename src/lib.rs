@@ -1,31 +1,35 @@
-//! sphecs: a data-oriented ECS engine for smoothed particle hydrodynamics with open boundaries.
+//! Smoothed particle hydrodynamics (SPH) of flows with open boundaries.
 //!
-//! The house has floors, and a file imports from its own floor or lower ones only:
+//! **A scene describes the flow.** [`Scene::from_file`] reads it from a RON file, changes values on
+//! request, and reports all errors at once. **A simulation computes it.** [`Simulation::builder`]
+//! takes the scene and plugins; [`Simulation::run_until`] advances the flow until a time, or
+//! returns a [`Stop`] that tells why it cannot continue. **Results are read between two steps:**
+//! [`Simulation::sample`] returns the fields at points, [`Simulation::monitor_row`] the integral
+//! quantities, [`Simulation::mass_flows`] the flows through sections, and [`Simulation::world`] the
+//! particles as entities with components. All quantities are in SI units.
 //!
-//! ```text
-//!   cli ── bench ── run ── simulation   what the user asks, figures of speed, the run loop, the plugin list
-//!   6  output     frames, probes, pictures: reads the world, never changes it
-//!   5  systems    thin systems, sets, plugins: the schedule of a step
-//!   4  scene      from a RON file to a scene that cannot be wrong
-//!   3  pass       the hot loops over the arrays                            ┐
-//!   2  particles  components (between steps) and arrays (within a step)    │ 0, 1 and 3 know no ECS,
-//!   1  physics    one method per room, as pure functions                   │ no files and no clock
-//!   0  math       lanes, kernels, the cell grid                            ┘
 //! ```
-//!
-//! A scene becomes a flow:
-//!
-//! ```no_run
-//! use std::path::Path;
-//!
 //! use sphecs::glam::DVec3;
-//! use sphecs::scene;
-//! use sphecs::simulation::Simulation;
+//! use sphecs::{AddedForces, ParticleState, Plugin, PluginContext, Scene, Simulation};
+//!
+//! /// Spring that attracts the fluid to the axis of the channel.
+//! struct Spring {
+//!     /// Stiffness per mass, 1/s².
+//!     stiffness: f64,
+//! }
+//!
+//! impl Plugin for Spring {
+//!     fn build(&self, context: &mut PluginContext<'_>) {
+//!         let stiffness = self.stiffness;
+//!         let force = move |at: &ParticleState| DVec3::Y * (-stiffness * at.position.y);
+//!         context.world.get_resource_or_init::<AddedForces>().add(force);
+//!     }
+//! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let scene = scene::load(Path::new("scenes/quickstart.ron"), &[])?;
-//! let mut simulation = Simulation::from_scene(scene);
-//! simulation.run_until(0.1)?;
+//! let scene = Scene::from_file("scenes/quickstart.ron").set("spacing", 2.5e-3).load()?;
+//! let mut simulation = Simulation::builder(scene).plugin(Spring { stiffness: 2.0 }).build()?;
+//! simulation.run_until(0.01)?;
 //! for sample in simulation.sample(&[DVec3::new(0.05, 0.0, 0.0)]).into_iter().flatten() {
 //!     println!("{} m/s, {} Pa", sample.velocity, sample.pressure);
 //! }
@@ -33,57 +37,34 @@
 //! # }
 //! ```
 //!
-//! What the engine does not have is a plugin of one's own: here a spring that draws the fluid to the axis.
+//! A plugin adds its systems to the sets of [`StepSet`] and [`StageSet`]. The folder `examples/`
+//! has complete programs: a force, sampled fields and a sweep over a parameter.
 //!
-//! ```
-//! use std::path::Path;
-//!
-//! use sphecs::glam::DVec3;
-//! use sphecs::scene;
-//! use sphecs::simulation::Simulation;
-//! use sphecs::systems::forces::{AddedForces, ParticleState};
-//! use sphecs::plugins::{Parts, Plugin};
-//!
-//! struct Spring {
-//!     /// Stiffness per mass, 1/s².
-//!     stiffness: f64,
-//! }
-//!
-//! impl Plugin for Spring {
-//!     fn build(&self, parts: &mut Parts<'_>) {
-//!         let stiffness = self.stiffness;
-//!         let force = move |particle: &ParticleState| DVec3::new(0.0, -stiffness * particle.position.y, 0.0);
-//!         parts.world.get_resource_or_init::<AddedForces>().add(force);
-//!     }
-//! }
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let scene = scene::load_smoke(Path::new("scenes/quickstart.ron"), &[])?;
-//! let mut simulation = Simulation::with_plugins(scene, &[&Spring { stiffness: 2.0 }]);
-//! simulation.step()?;
-//! # Ok(())
-//! # }
-//! ```
-//!
-//! A plugin adds systems to the sets of [`StepSet`](schedule::StepSet) and
-//! [`StageSet`](schedule::StageSet) in the same way.
-//! SI units everywhere.
+//! Everything else is in the crates of the layers: `sphecs_core` (kernels, physics, pair passes),
+//! `sphecs_scene`, `sphecs_engine` (components, resources, systems), `sphecs_output` (files) and
+//! `sphecs_run` (the loop of the program `sphecs`).
 
-// The versions that the public interface speaks: a user's own would be other types.
+// The versions in the public interface: types of other versions would not match.
 pub use bevy_ecs;
 pub use glam;
 
-pub use sphecs_bench as bench;
-pub use sphecs_core::{math, particles, pass, physics};
-pub use sphecs_engine::{arrays, components, simulation, systems, transfer};
-pub use sphecs_output as output;
-pub use sphecs_run as run;
-pub use sphecs_scene as scene;
-pub use sphecs_validate as validate;
+pub use sphecs_core::particles::zone::Zone;
+pub use sphecs_core::pass::section::Section;
+pub use sphecs_engine::components::{ParticleId, Position, Thermodynamics, Velocity};
+pub use sphecs_engine::plugins::{Plugin, PluginContext};
+pub use sphecs_engine::resources::clock::Clock;
+pub use sphecs_engine::resources::ledger::Ledger;
+pub use sphecs_engine::schedule::{StageSet, StepSet};
+pub use sphecs_engine::simulation::{BuildError, Sample, Simulation, SimulationBuilder, Stop};
+pub use sphecs_engine::systems::forces::{AddedForces, ParticleState};
+pub use sphecs_engine::systems::monitor::MonitorRow;
+pub use sphecs_scene::model::Precision;
+pub use sphecs_scene::{Scene, SceneErrors, SceneLoader};
 
+#[doc(hidden)]
 pub mod cli;
 
-/// The examples of the README compile.
+/// Compiles the examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,17 +1,18 @@
-//! A step that is warm allocates nothing: its buffers are kept from step to step. In an open flow, but for the rare growth of a
-//! list.
+//! Allocations of a step after warm-up: none, except for the rare growth of a list in an open flow.
 //!
-//! A program of its own with one test, since the counting allocator counts for the whole process.
+//! A separate test program, since the counting allocator counts for the whole process.
 
-use sphecs::scene::load_str;
-use sphecs::simulation::Simulation;
+mod common;
+
+use common::{simulation, text_scene};
+use sphecs::Simulation;
 
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
-/// Blocks that the steps allocate, after others that fill the buffers.
+/// Returns the number of blocks that the steps allocate after the warm-up.
 fn blocks(simulation: &mut Simulation, warm_up: usize, steps: usize) -> u64 {
-    // On a thread of the pool, as a run is: handing a step over to the pool is not part of it.
+    // On a thread of the pool, as in a run, so that the hand-over to the pool is not counted.
     rayon::scope(|_| {
         for _ in 0..warm_up {
             simulation.step().expect("a step");
@@ -24,17 +25,12 @@ fn blocks(simulation: &mut Simulation, warm_up: usize, steps: usize) -> u64 {
     })
 }
 
-fn sets(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
-    pairs.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect()
-}
-
 #[test]
-fn a_warm_step_allocates_nothing() {
+fn step_after_warm_up_allocates_nothing() {
     let _profiler = dhat::Profiler::builder().testing().build();
     let mut found = Vec::new();
     let mut check = |name: &str, text: &str, set: &[(&str, &str)], warm_up: usize, allowed: u64| {
-        let scene = load_str(name, text, &sets(set)).unwrap_or_else(|faults| panic!("{faults:?}"));
-        let blocks = blocks(&mut Simulation::from_scene(scene), warm_up, 50);
+        let blocks = blocks(&mut simulation(text_scene(name, text, set)), warm_up, 50);
         if blocks > allowed {
             found.push(format!("{name} {set:?}: {blocks} blocks in 50 steps"));
         }
@@ -43,7 +39,7 @@ fn a_warm_step_allocates_nothing() {
     check("taylor_green", vortices, &[("spacing", "0.04")], 50, 0);
     check("taylor_green", vortices, &[("spacing", "0.04"), ("precision", "F32")], 50, 0);
     check("taylor_green", vortices, &[("spacing", "0.04"), ("scheme.viscosity", "Sps()")], 50, 0);
-    // More rows than a thread takes at a time, 14 400, so that the work is handed about.
+    // 14 400 rows, more than one task takes.
     check("taylor_green", vortices, &[("spacing", "0.008333333333333333")], 20, 0);
     let poiseuille = include_str!("../scenes/poiseuille_periodic.ron");
     check("poiseuille_periodic", poiseuille, &[("spacing", "4.0e-5")], 50, 0);
@@ -52,11 +48,12 @@ fn a_warm_step_allocates_nothing() {
     check("taylor_green_edac", evolved, &[("spacing", "0.04"), ("precision", "F32")], 50, 0);
     let evolved = include_str!("../scenes/poiseuille_edac.ron");
     check("poiseuille_edac", evolved, &[("spacing", "4.0e-5"), ("body_force", "(0.0, 0.0)")], 50, 0);
-    // Particles change zone in these. A list of rows may still become longer than it ever was, and doubles its room.
+    // Particles change zone here. A list of rows may still reach a new maximum and double its
+    // capacity.
     check("constricted_r2", include_str!("../scenes/constricted_r2.ron"), &[("spacing", "2.22e-3")], 500, 2);
-    // Between steps 300 and 350 all columns of the arrays grow, once.
+    // All columns of the arrays grow once between steps 300 and 350.
     check("duct3d", include_str!("../scenes/duct3d.ron"), &[("spacing", "0.03")], 400, 2);
-    // An even stream: a condition that lets the flow swing makes the reservoir grow.
+    // A uniform flow: if the flow oscillated, the reservoir would grow.
     let stream = include_str!("../scenes/acoustic_pulse.ron");
     for condition in ["Hybrid()", "Mirror()", "ModifiedDoNothing()"] {
         let sets = [("spacing", "0.02"), ("constants.A", "0.0"), ("outlets.0.condition", condition)];

@@ -1,6 +1,7 @@
-//! What a caller and a plugin of one's own can do with a flow.
+//! Changes of a flow by a caller between steps and by plugins of a user.
 
 mod census;
+mod common;
 mod plug;
 
 use census::{census, of};
@@ -8,15 +9,11 @@ use plug::scene;
 use sphecs::bevy_ecs::resource::Resource;
 use sphecs::bevy_ecs::schedule::IntoScheduleConfigs;
 use sphecs::bevy_ecs::system::{Res, ResMut};
-use sphecs::components::{ParticleId, Position, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::particles::zone::Zone;
-use sphecs::plugins::{Plugin, PluginContext};
-use sphecs::resources::clock::Clock;
-use sphecs::resources::ledger::Ledger;
-use sphecs::schedule::StepSet;
-use sphecs::simulation::Simulation;
-use sphecs::systems::forces::{AddedForces, ParticleState};
+use sphecs::{Clock, Ledger, Simulation, StepSet, Zone};
+use sphecs_engine::components::{ParticleId, Position, Velocity};
+use sphecs_engine::plugins::{Plugin, PluginContext};
+use sphecs_engine::systems::forces::{AddedForces, ParticleState};
 
 /// Spacing of the particles, m.
 const SPACING: f64 = 0.01;
@@ -26,20 +23,20 @@ const CLOSED: [(&str, &str); 4] =
     [("inlets", "[]"), ("outlets", "[]"), ("periodic", r#"["x", "y"]"#), ("constants.u", "0.0")];
 
 fn closed() -> Simulation {
-    Simulation::from_scene(scene(&CLOSED))
+    common::simulation(scene(&CLOSED))
 }
 
 /// A constant force per mass, m/s².
 struct Wind(DVec3);
 
 impl Plugin for Wind {
-    fn build(&self, parts: &mut PluginContext<'_>) {
+    fn build(&self, context: &mut PluginContext<'_>) {
         let force = self.0;
-        parts.world.get_resource_or_init::<AddedForces>().add(move |_: &ParticleState| force);
+        context.world.get_resource_or_init::<AddedForces>().add(move |_: &ParticleState| force);
     }
 }
 
-/// What a system of one's own saw after each step.
+/// Clock and number of entered particles after each step.
 #[derive(Resource, Default)]
 struct Seen(Vec<(Clock, u64)>);
 
@@ -50,30 +47,34 @@ fn watch(clock: Res<Clock>, ledger: Res<Ledger>, mut seen: ResMut<Seen>) {
 }
 
 impl Plugin for Watch {
-    fn build(&self, parts: &mut PluginContext<'_>) {
-        parts.world.init_resource::<Seen>();
-        parts.step.add_systems(watch.in_set(StepSet::Observe));
+    fn build(&self, context: &mut PluginContext<'_>) {
+        context.world.init_resource::<Seen>();
+        context.step.add_systems(watch.in_set(StepSet::Observe));
     }
 }
 
 #[test]
-fn an_added_force_accelerates_the_fluid_as_newton_says() {
+fn added_force_accelerates_the_fluid_as_newton_predicts() {
     let (wind, more) = (DVec3::new(0.02, -0.01, 0.0), DVec3::new(0.01, 0.0, 0.0));
-    let mut simulation = Simulation::with_plugins(scene(&CLOSED), &[&Wind(wind), &Wind(more)]);
+    let mut simulation = Simulation::builder(scene(&CLOSED))
+        .plugin(Wind(wind))
+        .plugin(Wind(more))
+        .build()
+        .expect("a simulation");
     for _ in 0..120 {
         simulation.step().expect("a step");
     }
     let expected = (wind + more) * simulation.clock().time;
     for particle in of(&census(&mut simulation), Zone::Fluid) {
-        // A plain step and a leapfrog are both exact under a constant force.
+        // Both integrators are exact under a constant force.
         let off = particle.velocity.distance(expected) / expected.length();
         assert!(off < 1e-9, "{} is not {expected}", particle.velocity);
     }
 }
 
 #[test]
-fn a_system_in_observe_sees_the_step_that_has_just_been_made() {
-    let mut simulation = Simulation::with_plugins(scene(&[]), &[&Watch]);
+fn system_in_observe_runs_after_each_step() {
+    let mut simulation = Simulation::builder(scene(&[])).plugin(Watch).build().expect("a simulation");
     let mut expected = Vec::new();
     for _ in 0..60 {
         simulation.step().expect("a step");
@@ -84,10 +85,10 @@ fn a_system_in_observe_sees_the_step_that_has_just_been_made() {
     assert!(seen.last().is_some_and(|(_, entered)| *entered > 0), "nothing entered");
 }
 
-/// The leapfrog would lose it: it starts from the velocities one step earlier, which are no caller's business.
+/// An integrator that started from the previous velocities would lose the change.
 #[test]
-fn the_next_step_starts_from_the_velocities_that_a_caller_leaves() {
-    let stirred = DVec3::new(0.03, 0.02, 0.0);
+fn next_step_starts_from_the_velocities_of_the_caller() {
+    let imposed = DVec3::new(0.03, 0.02, 0.0);
     let mut simulation = closed();
     for _ in 0..7 {
         simulation.step().expect("a step");
@@ -95,7 +96,7 @@ fn the_next_step_starts_from_the_velocities_that_a_caller_leaves() {
     let before = census(&mut simulation);
     let world = simulation.world_mut();
     for mut velocity in world.query::<&mut Velocity>().iter_mut(world) {
-        velocity.0 = stirred;
+        velocity.0 = imposed;
     }
     for step in 1..=60 {
         let from = simulation.clock().time;
@@ -103,25 +104,29 @@ fn the_next_step_starts_from_the_velocities_that_a_caller_leaves() {
         let elapsed = simulation.clock().time - from;
         for particle in of(&census(&mut simulation), Zone::Fluid) {
             assert!(
-                particle.velocity.distance(stirred) < 1e-9,
-                "step {step}: {} is not {stirred}",
+                particle.velocity.distance(imposed) < 1e-9,
+                "step {step}: {} is not {imposed}",
                 particle.velocity
             );
             if step == 1 {
                 let moved = particle.position - before[particle.id as usize].position;
-                // Across the seam of the period a particle comes in again on the other side.
+                // A particle that crosses the periodic boundary is wrapped.
                 let wrapped = moved.length() > SPACING;
-                assert!(wrapped || moved.distance(stirred * elapsed) < 1e-12, "it moved by {moved}");
+                assert!(wrapped || moved.distance(imposed * elapsed) < 1e-12, "it moved by {moved}");
             }
         }
     }
 }
 
-/// Rows, samples and frames of one time are read from one sort and one density: of that time, not of the one read before.
+/// Rows, samples and frames of one time share one sort and one density, which must be those of that
+/// time.
 #[test]
-fn what_is_read_is_of_the_present_step_however_often_it_was_read_before() {
-    let wind = Wind(DVec3::new(0.5, 0.3, 0.0));
-    let (mut read, mut twin) = [(), ()].map(|()| Simulation::with_plugins(scene(&[]), &[&wind])).into();
+fn samples_belong_to_the_present_step_after_earlier_reads() {
+    let simulation = || {
+        let wind = Wind(DVec3::new(0.5, 0.3, 0.0));
+        Simulation::builder(scene(&[])).plugin(wind).build().expect("a simulation")
+    };
+    let (mut read, mut twin) = (simulation(), simulation());
     for _ in 0..20 {
         read.monitor_row();
         read.step().expect("a step");
@@ -133,7 +138,7 @@ fn what_is_read_is_of_the_present_step_however_often_it_was_read_before() {
 }
 
 #[test]
-fn the_next_step_starts_from_the_positions_that_a_caller_leaves() {
+fn next_step_starts_from_the_positions_of_the_caller() {
     let mut simulation = closed();
     for _ in 0..3 {
         simulation.step().expect("a step");
@@ -145,7 +150,8 @@ fn the_next_step_starts_from_the_positions_that_a_caller_leaves() {
     let mut state = world.query::<(&ParticleId, &mut Position)>();
     let found = state.iter_mut(world).find(|(id, _)| id.0 == moved.id);
     found.expect("the particle").1.0 += aside;
-    // What is read before the step belongs to the new place: two particles that stand close have a higher density.
+    // Values read before the step belong to the new position: close particles have a higher
+    // density.
     let densest = census(&mut simulation)[moved.id as usize];
     assert_eq!(densest.position, moved.position + aside);
     assert!(densest.density > moved.density + 1.0, "{} kg/m³ after {}", densest.density, moved.density);

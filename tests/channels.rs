@@ -1,15 +1,15 @@
-//! Openings of any number and orientation, in 2D and 3D, with every way to say how fast the flow enters.
+//! Openings of any number and orientation, in 2D and 3D, with every form of an inlet velocity.
 
 mod census;
+mod common;
 mod plug;
 
 use census::{census, of};
+use common::{Sets, text_scene};
 use sphecs::glam::DVec3;
-use sphecs::particles::zone::Zone;
-use sphecs::scene::load_str;
-use sphecs::simulation::Simulation;
+use sphecs::{Simulation, Zone};
 
-/// A channel with walls, turned about its inlet.
+/// Channel with walls, rotated about its inlet.
 const TURNED: &str = r#"Scene(
     title: "A channel that is turned",
     dimensions: 2,
@@ -29,7 +29,7 @@ const TURNED: &str = r#"Scene(
     output: (every: 1.0),
 )"#;
 
-/// A vessel with openings on all sides: in from the left and the right, out upwards and downwards.
+/// Vessel with inlets on the left and on the right, and outlets at the top and at the bottom.
 const CROSS: &str = r#"Scene(
     title: "Four arms",
     dimensions: 2,
@@ -53,7 +53,7 @@ const CROSS: &str = r#"Scene(
     output: (every: 1.0),
 )"#;
 
-/// Plug flow in 3D along a direction of its own.
+/// Plug flow in 3D along −z.
 const DUCT: &str = r#"Scene(
     title: "A duct across",
     dimensions: 3,
@@ -74,13 +74,11 @@ const DUCT: &str = r#"Scene(
     output: (every: 1.0),
 )"#;
 
-fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
-    Simulation::from_scene(load_str("channel", text, &sets).unwrap_or_else(|faults| panic!("{faults:?}")))
+fn simulation(text: &str, sets: Sets) -> Simulation {
+    common::simulation(text_scene("channel", text, sets))
 }
 
-/// Runs until a time, s, with a census every so many steps.
+/// Runs until a time, s, with a census every ten steps.
 #[track_caller]
 fn run(simulation: &mut Simulation, until: f64) {
     while simulation.clock().time < until {
@@ -91,8 +89,8 @@ fn run(simulation: &mut Simulation, until: f64) {
     }
 }
 
-/// A turned channel's flow from 1.5 to 3.5 s: mean velocity along it, m/s, its mean mass flows in and out, kg/s, and
-/// its inflow particles at the start and the end.
+/// Flow of a rotated channel from 1.5 to 3.5 s: mean velocity along it, m/s, mean mass flows in and
+/// out, kg/s, and number of inflow particles at the start and at the end.
 #[derive(Debug)]
 struct Carried {
     velocity: f64,
@@ -121,11 +119,12 @@ fn carried(sets: &[(&str, &str)]) -> Carried {
 }
 
 #[test]
-fn a_channel_turned_by_a_right_angle_carries_the_same_flow() {
+fn channel_rotated_by_a_right_angle_has_the_same_flow() {
     let (along_x, along_y) = (carried(&[]), carried(&[("constants.angle", "90.0")]));
-    // The same sums in another order: rounding grows slowly in so viscous a flow.
+    // The sums differ only in their order: rounding errors grow slowly in such a viscous flow.
     assert!((along_y.velocity / along_x.velocity - 1.0).abs() < 1e-8, "{along_x:?}\n{along_y:?}");
-    // 2/3 · 0.1 m/s · 0.16 m. The start fills the channel up a little; a particle counts whole when it crosses.
+    // 2/3 · 0.1 m/s · 0.16 m. The channel fills slightly at the start; a particle counts as a whole
+    // when it crosses the plane.
     let exact = 2.0 / 3.0 * 0.1 * 0.16 * 1000.0;
     for Carried { entered, left, .. } in [along_x, along_y] {
         assert!(
@@ -136,34 +135,37 @@ fn a_channel_turned_by_a_right_angle_carries_the_same_flow() {
 }
 
 #[test]
-fn a_channel_turned_askew_carries_a_plug_like_one_along_x() {
+fn oblique_channel_carries_the_plug_flow_of_one_along_x() {
     let plug = |angle| {
         let velocity = ("inlets.0.velocity", r#"Normal("0.06*0.5*(1 - cos(pi*min(t/0.5, 1)))")"#);
         carried(&[("constants.angle", angle), ("walls", "(slip: FreeSlip)"), velocity])
     };
     let (straight, askew) = (plug("0.0"), plug("30.0"));
     let off = askew.velocity / straight.velocity - 1.0;
-    // The same flow enters: 0.3 % of difference were measured. The lattice has no layer midway between wall and fluid and
-    // 3 % fewer particles, which have to be faster for it: by 4.0 %.
+    // The inflow differs by 0.3 % (measured). The oblique lattice has 3 % fewer particles, which
+    // are faster by 4.0 %.
     assert!((askew.entered / straight.entered - 1.0).abs() < 0.01, "{straight:?}\n{askew:?}");
     assert!((0.0..0.05).contains(&off), "{straight:?}\n{askew:?}");
 }
 
 #[test]
-fn a_slanted_lattice_loses_no_inflow_to_its_neighbours() {
+fn oblique_lattice_keeps_its_inflow_particles() {
     let (straight, askew) = (carried(&[]), carried(&[("constants.angle", "30.0")]));
     let [start, end] = askew.inflow;
-    // Beyond those of the start, the zone holds what was pushed back over the plane and will cross it again.
+    // Beyond those of the start, the zone contains particles that were pushed back across the
+    // plane.
     assert!((start..=start + 8).contains(&end), "{start} inflow particles became {end}");
-    // Rows of unlike speed pass each other closely and push the fluid to and fro at the plane: 5 % were measured.
+    // Lines of different speed pass each other closely and disturb the fluid at the plane by 5 %
+    // (measured).
     let off = askew.velocity / straight.velocity - 1.0;
     assert!(off.abs() < 0.08, "{straight:?}\n{askew:?}");
 }
 
-/// On a lattice across a sheared inflow every particle has a speed of its own: carried on by its zone as it is, it clumped
-/// and burst after 5 to 6 s. Three passages of the mean flow.
+/// On an oblique lattice in a sheared inflow every particle has a different speed. A zone that only
+/// advected its particles clumped and diverged after 5 to 6 s. Runs for three passages of the mean
+/// flow.
 #[test]
-fn a_sheared_inflow_on_a_slanted_lattice_lasts() {
+fn sheared_inflow_on_an_oblique_lattice_stays_regular() {
     for angle in ["20.0", "45.0"] {
         let mut simulation = simulation(TURNED, &[("constants.angle", angle)]);
         run(&mut simulation, 6.0);
@@ -181,7 +183,7 @@ fn a_sheared_inflow_on_a_slanted_lattice_lasts() {
 }
 
 #[test]
-fn what_two_inlets_bring_leaves_by_two_outlets() {
+fn inflow_of_two_inlets_equals_outflow_of_two_outlets() {
     let mut simulation = simulation(CROSS, &[]);
     let particles = census(&mut simulation);
     for (zone, patches) in [(Zone::Inflow, 2), (Zone::Outflow, 2)] {
@@ -197,21 +199,21 @@ fn what_two_inlets_bring_leaves_by_two_outlets() {
     let exact = 0.08 * 0.08 * 1000.0;
     let rows: f64 =
         row.inlet_mass_flow.iter().map(|flow| flow / exact - 1.0).fold(0.0, |a, b| b.abs().max(a));
-    // 16 rows of 8 pass each inlet; one may be under way.
+    // 16 columns of 8 particles pass each inlet; one may be incomplete.
     assert!(rows < 0.07, "{:?} kg/s, not {exact}", row.inlet_mass_flow);
     let (entered, left): (f64, f64) = (row.inlet_mass_flow.iter().sum(), row.outlet_mass_flow.iter().sum());
-    assert!((left / entered - 1.0).abs() < 0.05, "{entered} kg/s enter, {left} kg/s leave");
+    assert!((left / entered - 1.0).abs() < 0.05, "inflow {entered} kg/s, outflow {left} kg/s");
     let halves = row.outlet_mass_flow[0] / left;
-    assert!((halves - 0.5).abs() < 0.05, "{halves} of the flow leave upwards");
+    assert!((halves - 0.5).abs() < 0.05, "a share of {halves} leaves at the top");
 }
 
 #[test]
-fn a_duct_in_3d_keeps_a_plug_as_it_is() {
+fn plug_flow_in_3d_keeps_its_velocity() {
     let mut simulation = simulation(DUCT, &[]);
     let start = simulation.ledger().by_zone;
     run(&mut simulation, 0.9);
     let ledger = simulation.ledger();
-    // Nine layers of 36 in 0.9 s, less one that is under way.
+    // Nine layers of 36 particles in 0.9 s, of which one may be incomplete.
     assert!((288..=324).contains(&ledger.entered[0]), "{} entered", ledger.entered[0]);
     for (zone, (&now, before)) in Zone::ALL.iter().zip(ledger.by_zone.iter().zip(start)) {
         assert!(now.abs_diff(before) <= 36, "{} went from {before} to {now}", zone.name());
@@ -222,43 +224,45 @@ fn a_duct_in_3d_keeps_a_plug_as_it_is() {
     }
 }
 
-/// Runs plug flow with an inlet's velocity and compares its inflow particles with a formula of position and time.
+/// Runs plug flow with an inlet velocity and compares the inflow particles with a formula of
+/// position and time.
 #[track_caller]
 fn check_inlet(velocity: &str, expected: impl Fn(DVec3, f64) -> DVec3) {
     let still = ("constants.u", "0.0");
     let scene = plug::scene(&[still, ("inlets.0.velocity", velocity)]);
-    let mut simulation = Simulation::from_scene(scene);
+    let mut simulation = common::simulation(scene);
     let mut seen = 0;
     for _ in 0..300 {
         simulation.step().unwrap_or_else(|stop| panic!("{velocity}: {stop}"));
         let time = simulation.clock().time;
         let particles = census(&mut simulation);
         for particle in of(&particles, Zone::Inflow) {
-            // What stood there in the kick has moved by a step since: the formulas vary by 1e-3 m/s over it.
+            // Particles have moved by a step since the kick, over which the formulas vary by
+            // 1e-3 m/s.
             let expected = expected(particle.position, time);
             let off = particle.velocity.distance(expected);
             assert!(off < 1e-3, "{velocity}: {} at t = {time}, not {expected}", particle.velocity);
             seen += 1;
         }
     }
-    assert!(seen > 300 * 30, "{velocity}: only {seen} looks at inflow particles");
-    assert!(simulation.ledger().entered[0] >= 16, "{velocity}: fewer than two rows entered");
+    assert!(seen > 300 * 30, "{velocity}: only {seen} comparisons with inflow particles");
+    assert!(simulation.ledger().entered[0] >= 16, "{velocity}: fewer than two columns entered");
 }
 
 #[test]
-fn an_inlet_follows_a_table_in_time() {
-    // Held before the first row and after the last, linear between.
+fn inlet_velocity_follows_a_table_in_time() {
+    // Constant before the first and after the last entry, linear between them.
     let speed = |t: f64| 0.02 + 0.03 * ((t - 0.2) / 0.6).clamp(0.0, 1.0);
     check_inlet("TimeTable(rows: [(0.2, 0.02), (0.8, 0.05)])", |_, t| DVec3::new(speed(t), 0.0, 0.0));
 }
 
 #[test]
-fn an_inlet_follows_a_profile_from_a_file() {
+fn inlet_velocity_follows_a_profile_from_a_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("profile.csv");
     std::fs::write(&file, "0.0,-0.04,0.04\n0.0,0.02,0.03\n0.5,0.03,0.05\n").expect("a table");
     let speed = |position: DVec3, t: f64| {
-        // The profile's positions count from the middle of the section.
+        // The positions of the profile are relative to the centre of the section.
         let across = ((position.y - 0.04) + 0.04) / 0.08;
         let time = (t / 0.5).min(1.0);
         (0.02 + 0.01 * across) * (1.0 - time) + (0.03 + 0.02 * across) * time
@@ -268,6 +272,6 @@ fn an_inlet_follows_a_profile_from_a_file() {
 }
 
 #[test]
-fn an_inlet_may_blow_slantwise() {
+fn inlet_velocity_may_be_oblique_to_its_plane() {
     check_inlet("Components((0.05, 0.02))", |_, _| DVec3::new(0.05, 0.02, 0.0));
 }

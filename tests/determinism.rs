@@ -1,28 +1,27 @@
-//! A run gives the same bits for any number of threads, and whoever looks at it meanwhile.
+//! Bitwise identical results for any number of threads, and with reads between the steps.
 
 mod census;
-mod shipped;
+mod common;
 
 use std::path::Path;
 
 use census::{Particle, census};
+use common::{shipped_scenes, smoke_scene, text_scene};
 use rayon::ThreadPoolBuilder;
-use shipped::shipped;
+use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs::scene::{load_smoke, load_str};
-use sphecs::simulation::Simulation;
 
-/// Steps of each run: particles change zone, and plain steps come round, several times.
+/// Steps of each run, which include many changes of zone and corrective steps.
 const STEPS: usize = 500;
 
-/// Steps of the runs that somebody looks at.
-const LOOKED_AT: usize = 100;
+/// Steps of the runs with reads between the steps.
+const STEPS_WITH_READS: usize = 100;
 
 fn simulation(path: &Path) -> Simulation {
-    Simulation::from_scene(load_smoke(path, &[]).expect("a shipped scene reads"))
+    common::simulation(smoke_scene(path, &[]))
 }
 
-/// Every bit of a particle: `==` would take -0 for 0.
+/// Returns every bit of a particle: `==` would equate −0 and 0.
 fn bits(particle: &Particle) -> [u64; 17] {
     let vectors = [particle.position, particle.velocity, particle.velocity_before];
     let vectors = vectors.map(|v| v.to_array().map(f64::to_bits));
@@ -38,25 +37,25 @@ fn bits(particle: &Particle) -> [u64; 17] {
     all
 }
 
-/// The first particle of which a bit differs, with both of its states.
+/// Returns the first particle that differs in a bit, with both of its states.
 fn difference(one: &mut Simulation, other: &mut Simulation) -> Option<String> {
     let (a, b) = (one.clock(), other.clock());
     if (a.time.to_bits(), a.step) != (b.time.to_bits(), b.step) {
-        return Some(format!("{a:?} against {b:?}"));
+        return Some(format!("{a:?}, other {b:?}"));
     }
     let (a, b) = (census(one), census(other));
     if a.len() != b.len() {
-        return Some(format!("{} particles against {}", a.len(), b.len()));
+        return Some(format!("{} particles, other {}", a.len(), b.len()));
     }
-    a.iter().zip(&b).find(|(a, b)| bits(a) != bits(b)).map(|(a, b)| format!("{a:?}\nagainst {b:?}"))
+    a.iter().zip(&b).find(|(a, b)| bits(a) != bits(b)).map(|(a, b)| format!("{a:?}\nother {b:?}"))
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit() {
+fn shipped_scenes_are_bitwise_identical_for_any_number_of_threads() {
     let pools = [1, 2, 3].map(|threads| {
         ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads")
     });
-    for path in shipped() {
+    for path in shipped_scenes() {
         let mut runs = [(); 3].map(|()| simulation(&path));
         for (run, pool) in runs.iter_mut().zip(&pools) {
             pool.install(|| (0..STEPS).for_each(|_| run.step().expect("a step")));
@@ -64,12 +63,13 @@ fn the_number_of_threads_changes_no_bit() {
         let [one, others @ ..] = &mut runs;
         for (other, threads) in others.iter_mut().zip(2..) {
             let found = difference(one, other);
-            assert_eq!(found, None, "{}: 1 thread against {threads}", path.display());
+            assert_eq!(found, None, "{}: 1 thread and {threads} differ", path.display());
         }
     }
 }
 
-/// More rows than several threads would share out among themselves: inlet, outlet, walls, a force that is a formula.
+/// Channel with enough rows for several tasks per pass, with inlet, outlet, walls and a body force
+/// by a formula.
 const CHANNEL: &str = r#"Scene(
     title: "Channel", dimensions: 2, spacing: 0.005, smoke: 0.01,
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
@@ -81,38 +81,36 @@ const CHANNEL: &str = r#"Scene(
     time: (end: 1.0), output: (every: 1.0),
 )"#;
 
-/// The shipped scenes at their smoke spacings have few rows to share out.
+/// At smoke spacing the shipped scenes have few rows per pass.
 #[test]
-fn the_number_of_threads_changes_no_bit_where_rows_are_many() {
-    same_for_threads(&[]);
-    same_for_threads(&[("outlets.0.condition", "Hybrid()"), ("scheme", "EdacTvf()")]);
-    same_for_threads(&[("outlets.0.condition", "Mirror()")]);
+fn many_rows_are_bitwise_identical_for_any_number_of_threads() {
+    check_threads(&[]);
+    check_threads(&[("outlets.0.condition", "Hybrid()"), ("scheme", "EdacTvf()")]);
+    check_threads(&[("outlets.0.condition", "Mirror()")]);
 }
 
 #[track_caller]
-fn same_for_threads(sets: &[(&str, &str)]) {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
+fn check_threads(sets: &[(&str, &str)]) {
     let mut runs = [1, 3].map(|threads| {
-        let scene = load_str("channel", CHANNEL, &sets).unwrap_or_else(|faults| panic!("{faults}"));
-        let mut run = Simulation::from_scene(scene);
+        let mut run = common::simulation(text_scene("channel", CHANNEL, sets));
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads");
         pool.install(|| (0..160).for_each(|_| run.step().expect("a step")));
-        assert!(run.ledger().entered[0] > 0, "particles must have crossed the inlet");
-        assert!(run.ledger().total() > 12_000, "too few rows to be shared out");
+        assert!(run.ledger().entered[0] > 0, "no particle crossed the inlet");
+        assert!(run.ledger().total() > 12_000, "too few rows for several tasks");
         run
     });
     let [one, other] = &mut runs;
     assert_eq!(difference(one, other), None);
 }
 
-/// Runs each shipped scene as it is and with what `look` does before its steps, and fails with all differences.
+/// Runs each shipped scene with and without the reads of `look` before its steps, and fails with
+/// all differences.
 #[track_caller]
-fn each_scene_stays_the_same_under(look: impl Fn(&mut Simulation, usize)) {
+fn check_reads(look: impl Fn(&mut Simulation, usize)) {
     let mut faults = Vec::new();
-    for path in shipped() {
+    for path in shipped_scenes() {
         let (mut alone, mut looked_at) = (simulation(&path), simulation(&path));
-        for step in 0..LOOKED_AT {
+        for step in 0..STEPS_WITH_READS {
             look(&mut looked_at, step);
             alone.step().expect("a step");
             looked_at.step().expect("a step");
@@ -125,8 +123,8 @@ fn each_scene_stays_the_same_under(look: impl Fn(&mut Simulation, usize)) {
 }
 
 #[test]
-fn reading_between_steps_changes_no_bit() {
-    each_scene_stays_the_same_under(|simulation, step| match step % 11 {
+fn reading_between_steps_leaves_the_flow_bitwise_identical() {
+    check_reads(|simulation, step| match step % 11 {
         0 => drop(simulation.monitor_row()),
         3 => drop(simulation.sample(&[DVec3::ZERO, DVec3::splat(1e-4)])),
         5 => drop(census(simulation)),
@@ -135,8 +133,8 @@ fn reading_between_steps_changes_no_bit() {
 }
 
 #[test]
-fn taking_the_world_and_leaving_it_as_it_is_changes_no_bit() {
-    each_scene_stays_the_same_under(|simulation, step| {
+fn borrowing_the_world_leaves_the_flow_bitwise_identical() {
+    check_reads(|simulation, step| {
         if step % 7 == 0 {
             simulation.world_mut();
         }

@@ -5,13 +5,13 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use sphecs::output::folder::RunFolder;
-use sphecs::output::frame::Frame;
-use sphecs::output::header::Header;
-use sphecs::output::pack::pack;
-use sphecs::output::probes::ProbeSet;
-use sphecs::output::results::Results;
-use sphecs::systems::monitor::MonitorRow;
+use sphecs::MonitorRow;
+use sphecs_output::folder::RunFolder;
+use sphecs_output::frame::Frame;
+use sphecs_output::header::Header;
+use sphecs_output::pack::pack;
+use sphecs_output::probes::ProbeSet;
+use sphecs_output::results::Results;
 
 const FOLDER: &str = "SPHECS_KILLED_RUN_FOLDER";
 

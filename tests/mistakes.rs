@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use miette::{GraphicalReportHandler, GraphicalTheme};
-use sphecs::scene::load_str;
+use sphecs::Scene;
 
 const SCENE: &str = include_str!("../scenes/quickstart.ron");
 
@@ -90,7 +90,7 @@ fn masked(line: &str, before: &str, behind: &str) -> String {
 
 /// The message for a scene, without colours.
 fn message(text: &str) -> String {
-    let faults = match load_str("scene.ron", text, &[]) {
+    let faults = match Scene::from_text("scene.ron", text).load() {
         Ok(_) => return "none".to_owned(),
         Err(faults) => faults,
     };

@@ -5,15 +5,13 @@ mod census;
 mod plug;
 
 use census::{census, of};
-use sphecs::arrays::Arrays;
-use sphecs::components::ParticleId;
 use sphecs::glam::DVec3;
-use sphecs::particles::zone::Zone;
-use sphecs::resources::grid::Grid;
-use sphecs::resources::scene::ActiveScene;
-use sphecs::scene::load_str;
-use sphecs::simulation::Simulation;
-use sphecs::systems::boundaries::rows::PatchRows;
+use sphecs::{Scene, Simulation, Zone};
+use sphecs_engine::arrays::Arrays;
+use sphecs_engine::components::ParticleId;
+use sphecs_engine::resources::grid::Grid;
+use sphecs_engine::resources::scene::ActiveScene;
+use sphecs_engine::systems::boundaries::rows::PatchRows;
 
 /// The conditions of Negi et al. (2020) on a stream of some velocity, m/s.
 fn conditions(velocity: &str) -> Vec<String> {
@@ -62,7 +60,7 @@ fn a_uniform_stream_stays_as_it_is_forwards_and_backwards() {
                     ("scheme", scheme),
                     ("outlets.0.condition", condition.as_str()),
                 ];
-                let simulation = Simulation::from_scene(plug::scene(&sets));
+                let simulation = Simulation::builder(plug::scene(&sets)).build().expect("a simulation");
                 let stream = DVec3::X * velocity.parse::<f64>().expect("a number");
                 check_stream(&format!("{scheme}, {velocity}, {condition}"), simulation, steps, stream, 1e-8);
             }
@@ -83,9 +81,11 @@ const DUCT: &str = r#"Scene(
 )"#;
 
 fn simulation(text: &str, sets: &[(&str, &str)]) -> Simulation {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
-    Simulation::from_scene(load_str("outlet", text, &sets).unwrap_or_else(|faults| panic!("{faults:?}")))
+    Simulation::builder(
+        Scene::from_text("outlet", text).sets(sets).load().unwrap_or_else(|faults| panic!("{faults:?}")),
+    )
+    .build()
+    .expect("a simulation")
 }
 
 /// Single precision loses 1e-7 of a pressure difference of ρ c0², a hundredth of which is c0² over the stream's own.
@@ -330,14 +330,18 @@ fn a_condition_that_says_too_little_or_nonsense_is_told_so() {
         ("Hybrid(velocity: -1.0)", "greater than 0"),
     ];
     for (condition, word) in expected {
-        let sets = [("outlets.0.condition".to_owned(), condition.to_owned())];
-        let faults = load_str("outlet", DUCT, &sets).err().unwrap_or_else(|| panic!("{condition} was taken"));
+        let sets = [("outlets.0.condition", condition)];
+        let faults = Scene::from_text("outlet", DUCT)
+            .sets(sets)
+            .load()
+            .err()
+            .unwrap_or_else(|| panic!("{condition} was taken"));
         let message = format!("{:?}", miette::Report::new(faults));
         assert!(message.contains(word), "{condition}: {message}");
     }
     let with = |value: &str| {
-        let sets = [("reservoir".to_owned(), value.to_owned())];
-        format!("{:?}", load_str("outlet", DUCT, &sets).err().map(miette::Report::new))
+        let sets = [("reservoir", value)];
+        format!("{:?}", Scene::from_text("outlet", DUCT).sets(sets).load().err().map(miette::Report::new))
     };
     assert!(with("(recycle: false, particles: 3)").contains("`particles` must not be given"));
     assert!(with("(recycle: false, when_empty: Stop)").contains("`when_empty: Stop` must not be given"));
@@ -353,7 +357,7 @@ const DELETING: [(&str, &str); 4] = [
 
 #[test]
 fn what_leaves_is_deleted_and_its_number_given_anew() {
-    let mut simulation = Simulation::from_scene(plug::scene(&DELETING));
+    let mut simulation = Simulation::builder(plug::scene(&DELETING)).build().expect("a simulation");
     let initial = simulation.ledger().initial;
     let mut largest = 0;
     for step in 0..900 {

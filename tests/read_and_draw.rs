@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use sphecs::output::folder::RunFolder;
-use sphecs::output::frame::Frame;
-use sphecs::output::header::Header;
-use sphecs::output::info;
-use sphecs::output::picture::{Field, RenderOptions, Slice, render, render_all};
-use sphecs::output::probes::ProbeSet;
-use sphecs::output::results::Results;
-use sphecs::output::summary::{Status, Summary};
-use sphecs::output::vtk::export_vtu;
+use sphecs_output::folder::RunFolder;
+use sphecs_output::frame::Frame;
+use sphecs_output::header::Header;
+use sphecs_output::info;
+use sphecs_output::picture::{Field, RenderOptions, Slice, render, render_all};
+use sphecs_output::probes::ProbeSet;
+use sphecs_output::results::Results;
+use sphecs_output::summary::{Status, Summary};
+use sphecs_output::vtk::export_vtu;
 
 const SPACING: f64 = 0.05;
 

@@ -1,56 +1,46 @@
-//! A state taken out of a flow and put into another world goes on to the same bits.
+//! Bitwise identical continuation of a flow from its saved state in another world.
 
-mod shipped;
+mod common;
 
 use std::any::TypeId;
 use std::path::Path;
 
+use common::{shipped_scenes, simulation, smoke_scene, text_scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use shipped::shipped;
-use sphecs::arrays::Arrays;
 use sphecs::bevy_ecs::resource::Resource;
 use sphecs::bevy_ecs::schedule::{IntoScheduleConfigs, Schedule, Schedules};
 use sphecs::bevy_ecs::world::World;
-use sphecs::components::{
+use sphecs::glam::DVec3;
+use sphecs::{Ledger, Scene, Simulation, StepSet};
+use sphecs_core::math::column::Columns;
+use sphecs_engine::arrays::Arrays;
+use sphecs_engine::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Returned, SpsStress, Thermodynamics, Tracer,
     Velocity, Wall, WallSurface,
 };
-use sphecs::glam::DVec3;
-use sphecs::math::column::Columns;
-use sphecs::plugins::{Plugin, PluginContext};
-use sphecs::resources::entity_index::{EntityIndex, FreeParticles};
-use sphecs::resources::grid::{Grid, SortBuffers};
-use sphecs::resources::ledger::Ledger;
-use sphecs::resources::pair::Pair;
-use sphecs::resources::pair_sums::Sums;
-use sphecs::resources::scene::{ActiveScene, Resolution};
-use sphecs::resources::state_location::StateLocation;
-use sphecs::resources::stopwatch::Stopwatch;
-use sphecs::saved_state::SavedResources;
-use sphecs::scene::model::Scene;
-use sphecs::scene::{load_smoke, load_str};
-use sphecs::schedule::StepSet;
-use sphecs::simulation::Simulation;
-use sphecs::systems::body_forces::Bodies;
-use sphecs::systems::boundaries::rows::PatchRows;
-use sphecs::systems::divergence::{Failure, check_state};
-use sphecs::systems::forces::AddedForces;
-use sphecs::systems::transitions::TransitionLists;
+use sphecs_engine::plugins::{Plugin, PluginContext};
+use sphecs_engine::resources::entity_index::{EntityIndex, FreeParticles};
+use sphecs_engine::resources::grid::{Grid, SortBuffers};
+use sphecs_engine::resources::pair::Pair;
+use sphecs_engine::resources::pair_sums::Sums;
+use sphecs_engine::resources::scene::ActiveScene;
+use sphecs_engine::resources::state_location::StateLocation;
+use sphecs_engine::resources::stopwatch::Stopwatch;
+use sphecs_engine::saved_state::SavedResources;
+use sphecs_engine::systems::body_forces::Bodies;
+use sphecs_engine::systems::boundaries::rows::PatchRows;
+use sphecs_engine::systems::divergence::{Failure, check_state};
+use sphecs_engine::systems::forces::AddedForces;
+use sphecs_engine::systems::transitions::TransitionLists;
 
-/// Steps from one cut to the next: plain steps come round, particles change zone.
+/// Steps between two saved states, which include corrective steps and changes of zone.
 const STEPS: usize = 52;
-
-fn smoke(path: &Path, sets: &[(&str, &str)]) -> Scene {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-    load_smoke(path, &sets).unwrap_or_else(|faults| panic!("{}: {faults:?}", path.display()))
-}
 
 fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads")
 }
 
-/// The columns in which two states differ.
+/// Returns the names of the columns in which two states differ.
 fn differences(one: &Columns, other: &Columns) -> Vec<String> {
     let names: Vec<&str> = one.iter().map(|(name, _)| name).collect();
     assert!(other.iter().map(|(name, _)| name).eq(names), "two states have different columns");
@@ -58,23 +48,24 @@ fn differences(one: &Columns, other: &Columns) -> Vec<String> {
     both.filter(|((_, a), (_, b))| a != b).map(|((name, _), _)| name.to_owned()).collect()
 }
 
-/// Crossings of inlet and outlet planes.
+/// Returns the number of crossings of inlet and outlet planes.
 fn crossings(run: &Simulation) -> u64 {
     let ledger = run.ledger();
     [&ledger.entered, &ledger.entered_back, &ledger.left, &ledger.left_back].into_iter().flatten().sum()
 }
 
-/// Runs a scene, looks at it as outputs do, and cuts it where steps have been made and where a particle has just crossed
-/// a plane. Every piece is carried on in a world of its own, with another number of threads.
+/// Runs a scene with reads as for output, and restores its state twice into another world with
+/// another number of threads: after a fixed number of steps and directly after a particle crossed a
+/// plane.
 fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
     let pools = [1, 2, 3].map(pool);
-    let mut whole = Simulation::from_scene(scene());
+    let mut whole = simulation(scene());
     let mut pieces = None;
     for part in 0..3 {
         let mut steps = 0;
         while steps < STEPS {
             for run in std::iter::once(&mut whole).chain(pieces.as_mut()) {
-                // Between outputs as well as at them.
+                // At intervals that differ from those of the saved states.
                 if run.clock().step.is_multiple_of(29) {
                     run.monitor_row();
                     run.sample(&[DVec3::ZERO]);
@@ -89,7 +80,7 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
                 pools[(part + 1) % 3].install(|| pieces.step().expect("a step"));
             }
             steps += 1;
-            // The second cut is made in the moment of an injection, if there is one.
+            // The second state is saved in the step of an injection, if there is one.
             if part == 1 && crossings(&whole) > before {
                 break;
             }
@@ -98,16 +89,21 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
         if let Some(pieces) = &mut pieces {
             let different = differences(&state, &pieces.state());
             if !different.is_empty() {
-                faults.push(format!("{name}: after {part} cuts these differ: {}", different.join(", ")));
+                faults.push(format!(
+                    "{name}: after {part} restored states these differ: {}",
+                    different.join(", ")
+                ));
                 return;
             }
         }
-        let mut next = Simulation::from_state(scene(), state.clone(), &[])
-            .unwrap_or_else(|misfit| panic!("{name}: {misfit}"));
+        let mut next = Simulation::builder(scene())
+            .state(state.clone())
+            .build()
+            .unwrap_or_else(|mismatch| panic!("{name}: {mismatch}"));
         let different = differences(&state, &next.state());
         assert!(
             different.is_empty(),
-            "{name}: a state is not what it was restored from: {}",
+            "{name}: the restored state differs from the saved one: {}",
             different.join(", ")
         );
         pieces = Some(next);
@@ -115,16 +111,16 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
 }
 
 #[test]
-fn every_shipped_scene_goes_on_to_the_same_bits() {
+fn every_shipped_scene_resumes_bitwise_identically() {
     let mut faults = Vec::new();
-    for path in shipped() {
-        check(&path.display().to_string(), || smoke(&path, &[]), &mut faults);
+    for path in shipped_scenes() {
+        check(&path.display().to_string(), || smoke_scene(&path, &[]), &mut faults);
     }
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }
 
 #[test]
-fn other_precisions_stresses_and_outlets_go_on_to_the_same_bits() {
+fn other_precisions_stresses_and_outlets_resume_bitwise_identically() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut faults = Vec::new();
     let variants: [(&str, &[(&str, &str)]); 14] = [
@@ -147,14 +143,15 @@ fn other_precisions_stresses_and_outlets_go_on_to_the_same_bits() {
         ("quickstart.ron", &[("outlets.0.condition", "Characteristic(velocity: 0.1, pressure: 0.0)")]),
     ];
     for (name, sets) in variants {
-        check(&format!("{name} {sets:?}"), || smoke(&scenes.join(name), sets), &mut faults);
+        check(&format!("{name} {sets:?}"), || smoke_scene(&scenes.join(name), sets), &mut faults);
     }
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }
 
-/// Particles that tremble on the inlet plane, and a reservoir that is empty at the start and grows.
-const BREATHING: &str = r#"Scene(
-    title: "Breathing channel", dimensions: 2, spacing: 0.01, smoke: 0.01,
+/// Channel with particles that oscillate across the inlet plane, and a reservoir that is empty at
+/// the start.
+const OSCILLATING: &str = r#"Scene(
+    title: "Oscillating channel", dimensions: 2, spacing: 0.01, smoke: 0.01,
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 4.0),
     domain: Box(min: (0.0, -0.05), max: (0.3, 0.05)),
     inlets: [(at: (0.0, 0.0), towards: (1.0, 0.0), velocity: Normal("0.3*sin(60*t)"))],
@@ -164,18 +161,20 @@ const BREATHING: &str = r#"Scene(
     time: (end: 1.0), output: (every: 1.0),
 )"#;
 
-/// Takes the breathing channel up from its state every 90 steps; the ledger, when all steps were the same.
+/// Restores the oscillating channel from its state every 90 steps; returns the particle counts at
+/// the end.
 #[track_caller]
-fn go_on_side_by_side(sets: &[(&str, &str)], steps: u32) -> Ledger {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-    let scene = || load_str("breathing", BREATHING, &sets).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let mut run = Simulation::from_scene(scene());
-    let mut resumed = Simulation::from_scene(scene());
+fn check_side_by_side(sets: &[(&str, &str)], steps: u32) -> Ledger {
+    let scene = || text_scene("oscillating", OSCILLATING, sets);
+    let mut run = simulation(scene());
+    let mut resumed = simulation(scene());
     for step in 0..steps {
         if step % 90 == 13 {
             let state = run.state();
-            resumed = Simulation::from_state(scene(), state, &[]).unwrap_or_else(|misfit| panic!("{misfit}"));
+            resumed = Simulation::builder(scene())
+                .state(state)
+                .build()
+                .unwrap_or_else(|mismatch| panic!("{mismatch}"));
         }
         run.step().expect("a step");
         resumed.step().expect("a step");
@@ -186,29 +185,30 @@ fn go_on_side_by_side(sets: &[(&str, &str)], steps: u32) -> Ledger {
 }
 
 #[test]
-fn backflow_through_planes_and_a_growing_reservoir_go_on_to_the_same_bits() {
-    let ledger = go_on_side_by_side(&[], 900);
+fn backflow_and_a_growing_reservoir_resume_bitwise_identically() {
+    let ledger = check_side_by_side(&[], 900);
     assert!(ledger.grown > 0 && ledger.entered_back[0] > 0 && ledger.left_back[0] > 0, "{ledger:?}");
 }
 
-/// Numbers are free in between.
 #[test]
-fn deleted_particles_and_free_numbers_go_on_to_the_same_bits() {
-    let ledger = go_on_side_by_side(&[("reservoir", "(recycle: false)")], 500);
+fn deleted_particles_and_free_numbers_resume_bitwise_identically() {
+    let ledger = check_side_by_side(&[("reservoir", "(recycle: false)")], 500);
     assert!(ledger.created > 0 && ledger.deleted > 0 && ledger.grown == 0, "{ledger:?}");
 }
 
-/// A frame leaves the state in the components, and a world hands these out in an order of its own.
+/// After a frame the components are current, and their order in a world differs from that of the
+/// rows.
 #[test]
-fn a_state_taken_behind_a_frame_has_its_rows_in_the_same_order() {
-    let scene = || load_str("breathing", BREATHING, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let mut run = Simulation::from_scene(scene());
+fn state_saved_after_a_frame_keeps_the_order_of_its_rows() {
+    let scene = || text_scene("oscillating", OSCILLATING, &[]);
+    let mut run = simulation(scene());
     for _ in 0..200 {
         run.step().expect("a step");
     }
-    assert!(crossings(&run) > 0, "every zone has changed");
+    assert!(crossings(&run) > 0, "no zone has changed");
     let state = run.state();
-    let mut resumed = Simulation::from_state(scene(), state, &[]).unwrap_or_else(|misfit| panic!("{misfit}"));
+    let mut resumed =
+        Simulation::builder(scene()).state(state).build().unwrap_or_else(|mismatch| panic!("{mismatch}"));
     for step in 0..20 {
         for run in [&mut run, &mut resumed] {
             run.step().expect("a step");
@@ -220,16 +220,16 @@ fn a_state_taken_behind_a_frame_has_its_rows_in_the_same_order() {
 }
 
 #[test]
-fn a_state_of_another_scene_is_refused_with_what_does_not_fit() {
+fn state_of_another_scene_is_refused_with_the_mismatch() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let quick = |sets: &[(&str, &str)]| smoke(&scenes.join("quickstart.ron"), sets);
-    let state = Simulation::from_scene(quick(&[])).state();
+    let quick = |sets: &[(&str, &str)]| smoke_scene(&scenes.join("quickstart.ron"), sets);
+    let state = simulation(quick(&[])).state();
     let refused = |scene: Scene, state: Columns, word: &str| {
-        let misfit = Simulation::from_state(scene, state, &[]).err().expect(word).to_string();
-        assert!(misfit.contains(word), "{misfit}");
+        let mismatch = Simulation::builder(scene).state(state).build().err().expect(word).to_string();
+        assert!(mismatch.contains(word), "{mismatch}");
     };
     refused(quick(&[("precision", "F32")]), state.clone(), "f32");
-    refused(smoke(&scenes.join("duct3d.ron"), &[]), state.clone(), "grid");
+    refused(smoke_scene(&scenes.join("duct3d.ron"), &[]), state.clone(), "grid");
     refused(quick(&[("inlets", "[]")]), state.clone(), "inflow");
     for name in ["arrays.id", "particle.tag", "stored.id", "record.clock", "grid.lower"] {
         let mut incomplete = Columns::default();
@@ -249,7 +249,7 @@ fn a_state_of_another_scene_is_refused_with_what_does_not_fit() {
         let mut zones = state.clone().take::<u8>(name).expect("zones");
         zones[0] = value;
         wrong.put(name, zones);
-        assert!(Simulation::from_state(quick(&[]), wrong, &[]).is_err(), "a zone `{value}` was taken");
+        assert!(Simulation::builder(quick(&[])).state(wrong).build().is_err(), "a zone `{value}` was taken");
     }
     let mut ids = state.clone().take::<u32>("arrays.id").expect("ids");
     for (from, to) in [(ids[0], ids[1]), (ids[0], u32::MAX)] {
@@ -264,92 +264,92 @@ fn a_state_of_another_scene_is_refused_with_what_does_not_fit() {
     }
 }
 
-/// What a world has that no state keeps, and why it need not.
-fn not_kept() -> Vec<(TypeId, &'static str)> {
+/// Returns the resources and components that are not saved, each with the reason.
+fn not_saved() -> Vec<(TypeId, &'static str)> {
     vec![
         (TypeId::of::<ActiveScene>(), "the scene"),
-        (TypeId::of::<Resolution>(), "from the scene"),
         (TypeId::of::<Pair>(), "from the scene"),
-        (TypeId::of::<Grid<2>>(), "its box is kept, its cells are sorted anew in every step"),
+        (TypeId::of::<Grid<2>>(), "its box is saved, its cells are sorted in every step"),
         (TypeId::of::<Schedules>(), "the program"),
         (TypeId::of::<SavedResources>(), "the program"),
-        (TypeId::of::<Seen>(), "of this test"),
+        (TypeId::of::<Registered>(), "of this test"),
         (TypeId::of::<AddedForces>(), "the program: a plugin adds them again"),
-        (TypeId::of::<Stopwatch>(), "wall time"),
-        (TypeId::of::<Arrays<f64, 2>>(), "kept as columns"),
-        (TypeId::of::<FreeParticles>(), "kept as a column"),
-        (TypeId::of::<EntityIndex>(), "entities are seats"),
-        (TypeId::of::<StateLocation>(), "both homes are fresh in a restored world"),
-        (TypeId::of::<Failure>(), "a flow that failed is not kept"),
-        (TypeId::of::<PatchRows>(), "collected anew at each sort"),
+        (TypeId::of::<Stopwatch>(), "wall-clock time"),
+        (TypeId::of::<Arrays<f64, 2>>(), "saved as columns"),
+        (TypeId::of::<FreeParticles>(), "saved as a column"),
+        (TypeId::of::<EntityIndex>(), "a restored world has other entities"),
+        (TypeId::of::<StateLocation>(), "components and arrays agree in a restored world"),
+        (TypeId::of::<Failure>(), "a diverged flow is not saved"),
+        (TypeId::of::<PatchRows>(), "collected at each sort"),
         (TypeId::of::<SortBuffers<f64>>(), "buffer"),
-        (TypeId::of::<Sums<f64, 2>>(), "summed anew in every step"),
-        (TypeId::of::<Bodies>(), "summed anew in every step, from what the scene says"),
+        (TypeId::of::<Sums<f64, 2>>(), "summed in every step"),
+        (TypeId::of::<Bodies>(), "summed in every step with settings of the scene"),
         (TypeId::of::<TransitionLists>(), "buffer"),
-        (TypeId::of::<ParticleId>(), "kept: number of a column"),
-        (TypeId::of::<Position>(), "kept: arrays and reservoir"),
-        (TypeId::of::<Velocity>(), "kept: arrays and reservoir"),
-        (TypeId::of::<Thermodynamics>(), "kept: arrays and reservoir"),
-        (TypeId::of::<Tracer>(), "kept: columns"),
-        (TypeId::of::<Fluid>(), "kept: zone"),
-        (TypeId::of::<Wall>(), "kept: zone and patch"),
-        (TypeId::of::<WallSurface>(), "kept: columns"),
-        (TypeId::of::<Inflow>(), "kept: zone and patch"),
-        (TypeId::of::<Returned>(), "kept: a flag"),
-        (TypeId::of::<Outflow>(), "kept: zone and patch"),
-        (TypeId::of::<Reservoir>(), "kept: reservoir"),
-        (TypeId::of::<SpsStress>(), "summed anew before anybody reads it"),
+        (TypeId::of::<ParticleId>(), "saved: number of a column"),
+        (TypeId::of::<Position>(), "saved: arrays and reservoir"),
+        (TypeId::of::<Velocity>(), "saved: arrays and reservoir"),
+        (TypeId::of::<Thermodynamics>(), "saved: arrays and reservoir"),
+        (TypeId::of::<Tracer>(), "saved: columns"),
+        (TypeId::of::<Fluid>(), "saved: zone"),
+        (TypeId::of::<Wall>(), "saved: zone and patch"),
+        (TypeId::of::<WallSurface>(), "saved: columns"),
+        (TypeId::of::<Inflow>(), "saved: zone and patch"),
+        (TypeId::of::<Returned>(), "saved: a flag"),
+        (TypeId::of::<Outflow>(), "saved: zone and patch"),
+        (TypeId::of::<Reservoir>(), "saved: reservoir"),
+        (TypeId::of::<SpsStress>(), "summed before it is read"),
     ]
 }
 
-/// Types of components and resources that a world knew in a step.
+/// Types of the components and resources of a world during a step.
 #[derive(Resource, Default)]
-struct Seen(Vec<(TypeId, String)>);
+struct Registered(Vec<(TypeId, String)>);
 
-/// Looks at the world from inside the step: reading from outside would add bevy's own notes of the systems that do it.
-struct Look;
+/// Lists the types from inside a step: from outside, bevy would register those of the reading
+/// systems too.
+struct Inspect;
 
 fn types(world: &World) -> Vec<(TypeId, String)> {
     let infos = world.components().iter_registered();
     infos.filter_map(|(_, info)| Some((info.type_id()?, info.name().to_string()))).collect()
 }
 
-fn look(world: &mut World) {
-    let seen = Seen(types(world));
+fn inspect(world: &mut World) {
+    let seen = Registered(types(world));
     world.insert_resource(seen);
 }
 
-impl Plugin for Look {
-    fn build(&self, parts: &mut PluginContext<'_>) {
-        parts.world.init_resource::<Seen>();
-        // Behind the engine's own check, with which it would be ambiguous.
-        parts.step.add_systems(look.in_set(StepSet::Observe).after(check_state::<f64, 2>));
+impl Plugin for Inspect {
+    fn build(&self, context: &mut PluginContext<'_>) {
+        context.world.init_resource::<Registered>();
+        // After the check of the engine, relative to which its order would be ambiguous.
+        context.step.add_systems(inspect.in_set(StepSet::Observe).after(check_state::<f64, 2>));
     }
 }
 
 #[test]
-fn nothing_that_lives_across_steps_is_forgotten() {
-    let sets = [("scheme".to_owned(), "Wcsph(viscosity: Sps())".to_owned())];
-    let scene = load_str("breathing", BREATHING, &sets).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let mut run = Simulation::with_plugins(scene, &[&Look]);
+fn every_resource_that_persists_is_saved_or_listed() {
+    let sets = [("scheme", "Wcsph(viscosity: Sps())")];
+    let scene = text_scene("oscillating", OSCILLATING, &sets);
+    let mut run = Simulation::builder(scene).plugin(Inspect).build().expect("a simulation");
     (0..300).for_each(|_| run.step().expect("a step"));
-    assert!(run.ledger().entered_back[0] > 0, "no particle came back");
+    assert!(run.ledger().entered_back[0] > 0, "no particle returned");
     let world = run.world();
-    let kept: Vec<TypeId> = world.resource::<SavedResources>().types().collect();
-    assert!(kept.len() >= 8, "only {} resources are kept", kept.len());
+    let saved: Vec<TypeId> = world.resource::<SavedResources>().types().collect();
+    assert!(saved.len() >= 8, "only {} resources are saved", saved.len());
     let mut bare = World::new();
-    // An empty schedule would not be built.
+    // bevy does not build an empty schedule.
     let mut schedule = Schedule::default();
     schedule.add_systems(|| {});
     schedule.run(&mut bare);
     let of_bevy: Vec<TypeId> = types(&bare).into_iter().map(|(type_id, _)| type_id).collect();
-    let not_kept: Vec<TypeId> = not_kept().into_iter().map(|(type_id, _)| type_id).collect();
-    let known = [of_bevy, kept, not_kept].concat();
-    let forgotten: Vec<&(TypeId, String)> =
-        world.resource::<Seen>().0.iter().filter(|(type_id, _)| !known.contains(type_id)).collect();
+    let not_saved: Vec<TypeId> = not_saved().into_iter().map(|(type_id, _)| type_id).collect();
+    let known = [of_bevy, saved, not_saved].concat();
+    let unsaved: Vec<&(TypeId, String)> =
+        world.resource::<Registered>().0.iter().filter(|(type_id, _)| !known.contains(type_id)).collect();
     assert!(
-        forgotten.is_empty(),
-        "neither kept by `PluginContext::keep` nor named in `not_kept` with a reason: {forgotten:?}; \
+        unsaved.is_empty(),
+        "neither saved by `PluginContext::save_resource` nor listed in `not_saved` with a reason: {unsaved:?}; \
          `cargo test --features debug` shows the names"
     );
 }

@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use sphecs::output::frame::Frame;
-use sphecs::scene::load_smoke;
-use sphecs::simulation::Simulation;
+use sphecs::{Scene, Simulation};
+use sphecs_output::frame::Frame;
 
 fn simulation(scene: &str, precision: &str) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
-    let sets = [("precision".to_owned(), precision.to_owned())];
-    Simulation::from_scene(load_smoke(&path, &sets).expect("a shipped scene reads"))
+    let sets = [("precision", precision)];
+    Simulation::builder(Scene::from_file(&path).smoke().sets(sets).load().expect("a shipped scene reads"))
+        .build()
+        .expect("a simulation")
 }
 
 /// Every bit of the state that a frame holds.

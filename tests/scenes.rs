@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sphecs::scene::faults::SceneFaults;
-use sphecs::scene::{load, load_smoke};
-use sphecs::simulation::Simulation;
+use sphecs::{Scene, SceneErrors, Simulation};
 
 fn shipped() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -28,19 +26,22 @@ fn each(check: impl Fn(&Path) -> Result<(), String>) {
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }
 
-fn titles(faults: &SceneFaults) -> String {
+fn titles(faults: &SceneErrors) -> String {
     faults.faults().iter().map(|fault| fault.title.clone()).collect::<Vec<_>>().join("; ")
 }
 
 #[test]
 fn every_scene_reads_as_it_is_shipped() {
-    each(|path| load(path, &[]).map(drop).map_err(|faults| titles(&faults)));
+    each(|path| Scene::from_file(path).load().map(drop).map_err(|faults| titles(&faults)));
 }
 
 #[test]
 fn every_scene_takes_steps_at_its_smoke_spacing() {
     each(|path| {
-        let mut simulation = Simulation::from_scene(load_smoke(path, &[]).map_err(|faults| titles(&faults))?);
+        let mut simulation =
+            Simulation::builder(Scene::from_file(path).smoke().load().map_err(|faults| titles(&faults))?)
+                .build()
+                .expect("a simulation");
         for _ in 0..10 {
             simulation.step().map_err(|stop| stop.to_string())?;
         }

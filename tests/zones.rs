@@ -1,29 +1,30 @@
-//! Particles change zone as Fig. 1 of Alvarado-Rodríguez et al. (2017) says, and none is lost.
+//! Changes of zone as in Fig. 1 of Alvarado-Rodríguez et al. (2017), without loss of particles.
 
 mod census;
+mod common;
 mod plug;
 
 use census::{Particle, census, of};
 use plug::scene;
-use sphecs::components::{ParticleId, Position, Velocity};
+use sphecs::Zone;
 use sphecs::glam::DVec3;
-use sphecs::particles::zone::Zone;
-use sphecs::scene::model::ProbeSight;
-use sphecs::simulation::{Simulation, Stop};
+use sphecs_engine::components::{ParticleId, Position, Velocity};
+use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_scene::model::ProbeSight;
 
 /// Spacing of the particles, m.
 const SPACING: f64 = 0.01;
 
-/// Rows across the channel.
+/// Particles across the channel.
 const ROWS: usize = 8;
 
 /// Speed of the flow, m/s.
 const SPEED: f64 = 0.1;
 
-/// Steps until everything that stood in the plug flow has left its last zone.
+/// Steps until all initial particles have been stored.
 const THROUGH: usize = 900;
 
-/// A particle before and after a step in which it changed zone.
+/// Particle before and after a step in which it changed zone.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     before: Particle,
@@ -31,10 +32,10 @@ struct Crossing {
 }
 
 fn flow(sets: &[(&str, &str)]) -> Simulation {
-    Simulation::from_scene(scene(sets))
+    common::simulation(scene(sets))
 }
 
-/// One step, and what changed zone in it.
+/// Takes a step and returns the particles that changed zone.
 #[track_caller]
 fn step(simulation: &mut Simulation, before: &mut Vec<Particle>) -> Vec<Crossing> {
     simulation.step().expect("a step");
@@ -53,18 +54,18 @@ fn between(crossings: &[Crossing], from: Zone, to: Zone) -> Vec<Crossing> {
     crossings.iter().copied().filter(|c| c.before.zone == from && c.after.zone == to).collect()
 }
 
-/// What came out of the reservoir into a zone; a particle may have been stored in the same step.
+/// Returns the particles injected into a zone, which may have been stored in the same step.
 fn injected(crossings: &[Crossing], zone: Zone) -> Vec<Crossing> {
     let taken = |c: &&Crossing| c.after.zone == zone && c.after.passages > c.before.passages;
     crossings.iter().filter(taken).copied().collect()
 }
 
-/// A channel of no whole number of spacings: its inlet takes a row before its outlet gives one back.
+/// Channel whose length is no multiple of the spacing: a column enters before one is stored.
 const UNEVEN: [(&str, &str); 2] =
     [("domain", "Box(min: (0.0, 0.0), max: (0.163, 0.08))"), ("outlets.0.at", "(0.163, 0.04)")];
 
 #[test]
-fn a_particle_that_crosses_the_inlet_is_followed_by_one_from_the_reservoir() {
+fn each_particle_through_the_inlet_is_followed_by_one_from_the_reservoir() {
     let mut simulation = flow(&[]);
     let inlet = simulation.scene().inlets[0].patch.clone();
     let mut particles = census(&mut simulation);
@@ -74,21 +75,21 @@ fn a_particle_that_crosses_the_inlet_is_followed_by_one_from_the_reservoir() {
         let time = simulation.clock().time;
         let crossed = between(&crossings, Zone::Inflow, Zone::Fluid);
         let followed = injected(&crossings, Zone::Inflow);
-        assert_eq!(crossed.len(), followed.len(), "each that enters the fluid is followed by one");
+        assert_eq!(crossed.len(), followed.len(), "each particle that enters the fluid is followed by one");
         entered += crossed.len() as u64;
         assert_eq!(simulation.ledger().entered, [entered]);
         for Crossing { before, after } in &crossed {
             assert!(inlet.along(after.position) >= 0.0);
             assert_eq!((after.passages, after.tag), (before.passages, before.tag));
-            assert!(after.fresh, "a leapfrog would start from a velocity that was prescribed");
+            assert!(after.fresh, "its previous velocity is a prescribed one");
         }
         for Crossing { before, after } in &followed {
             let leader = after.position + inlet.depth * inlet.towards;
             let led = crossed.iter().any(|c| c.after.position.distance(leader) < 1e-12);
-            assert!(led, "particle {} does not stand one zone length behind another", after.id);
+            assert!(led, "particle {} is not one zone length behind another", after.id);
             assert_eq!(after.passages, before.passages + 1);
             assert_eq!(after.velocity, DVec3::new(SPEED, 0.0, 0.0));
-            // The tag belongs to the place and the time of the entry.
+            // The tag is that of the position and the time of the injection.
             let tag = after.position.y + 10.0 * time;
             assert!(
                 (f64::from(after.tag) - tag).abs() < 1e-7 * (1.0 + tag.abs()),
@@ -101,7 +102,7 @@ fn a_particle_that_crosses_the_inlet_is_followed_by_one_from_the_reservoir() {
 }
 
 #[test]
-fn the_lattice_of_an_inflow_zone_stays_regular() {
+fn lattice_of_an_inflow_zone_stays_regular() {
     let mut simulation = flow(&[]);
     let count = simulation.ledger().count(Zone::Inflow);
     for _ in 0..THROUGH {
@@ -113,16 +114,16 @@ fn the_lattice_of_an_inflow_zone_stays_regular() {
     assert_eq!(inflow.len() as u64, count);
     let first = inflow[0].position;
     for particle in inflow {
-        // Each passage rounds a position once or twice in its last digit.
+        // Each passage rounds the last digit of a position once or twice.
         let off = phase(particle.position.x - first.x + 0.5 * SPACING) - 0.5;
         assert!(off.abs() < 1e-9, "{} is off the lattice by {off} spacings", particle.position);
         let off = phase(particle.position.y) - 0.5;
-        assert!(off.abs() < 1e-9, "{} is off its row by {off} spacings", particle.position);
+        assert!(off.abs() < 1e-9, "{} is off its line by {off} spacings", particle.position);
     }
 }
 
 #[test]
-fn fluid_that_crosses_the_outlet_becomes_outflow_and_is_stored_at_rest_beyond_its_end() {
+fn fluid_beyond_the_outlet_becomes_outflow_and_is_stored_at_rest_beyond_the_zone() {
     let mut simulation = flow(&UNEVEN);
     let outlet = simulation.scene().outlets[0].patch.clone();
     let density = simulation.scene().fluid.density;
@@ -147,9 +148,10 @@ fn fluid_that_crosses_the_outlet_becomes_outflow_and_is_stored_at_rest_beyond_it
 }
 
 #[test]
-fn particles_go_round_and_a_plug_keeps_its_speed() {
-    // With c0 = 1 m/s 200 steps are nine spacings: a column then reaches the end of its zone exactly at the end of a step, and
-    // rounding decides which of its particles leave first. The others, alone at the edge, are shifted sideways.
+fn plug_flow_keeps_its_speed_while_particles_circulate() {
+    // With c0 = 1 m/s 200 steps are nine spacings: a column then reaches the end of its zone
+    // exactly at the end of a step, and rounding determines which of its particles are stored
+    // first. The others are then shifted sideways.
     let mut simulation = flow(&[("fluid.sound_speed", "1.0123")]);
     for _ in 0..THROUGH {
         simulation.step().expect("a step");
@@ -157,15 +159,15 @@ fn particles_go_round_and_a_plug_keeps_its_speed() {
     let particles = census(&mut simulation);
     let ledger = simulation.ledger();
     assert_eq!((ledger.grown, ledger.created, ledger.deleted), (0, 0, 0));
-    assert!(of(&particles, Zone::Fluid).all(|particle| particle.passages > 0), "some never left");
+    assert!(of(&particles, Zone::Fluid).all(|particle| particle.passages > 0), "some were never injected");
     for particle in of(&particles, Zone::Fluid) {
-        // The lattice is even, so no force is larger than the rounding of its sums: 1e-16 c0²/Δ, over 4 s.
+        // On a regular lattice no force exceeds the rounding of its sum: 1e-16 c0²/Δ, over 4 s.
         let off = (particle.velocity - DVec3::new(SPEED, 0.0, 0.0)).length() / SPEED;
         assert!(off < 1e-9, "particle {} moves with {}", particle.id, particle.velocity);
     }
 }
 
-/// A flow from the outlet to the inlet with an outlet's condition.
+/// Checks a flow from the outlet to the inlet with an outlet condition.
 #[track_caller]
 fn check_backflow(scheme: &str, condition: &str) {
     const BACK: f64 = 0.03;
@@ -187,17 +189,17 @@ fn check_backflow(scheme: &str, condition: &str) {
         for Crossing { before, after } in injected(&crossings, Zone::Outflow) {
             let leader = after.position - outlet.depth * outlet.towards;
             let led = crossed.iter().any(|c| c.after.position.distance(leader) < 1e-12);
-            assert!(led, "{condition}: {} does not stand one zone length behind another", after.id);
+            assert!(led, "{condition}: {} is not one zone length behind another", after.id);
             assert_eq!(after.passages, before.passages + 1);
         }
-        // What was stored may be taken out in the same step.
+        // A stored particle may be injected in the same step.
         let taken = injected(&crossings, Zone::Outflow).into_iter().filter(|c| c.before.zone == Zone::Inflow);
         stored += (between(&crossings, Zone::Inflow, Zone::Reservoir).len() + taken.count()) as u64;
         let ledger = simulation.ledger();
         assert_eq!((&ledger.entered_back[..], &ledger.left_back[..]), (&[out][..], &[back][..]));
-        assert_eq!((ledger.entered[0], ledger.left[0]), (0, 0), "{condition}: nothing goes forwards");
+        assert_eq!((ledger.entered[0], ledger.left[0]), (0, 0), "{condition}: no forward flow");
     }
-    // A row is under way at each plane, and one more where the start is seen as a wave.
+    // One column may be incomplete at each plane, and one more if the start is treated as a wave.
     let rows = ROWS as u64;
     let passed = (simulation.clock().time * BACK / SPACING) as u64 * rows;
     for (count, what) in [(out, "left"), (back, "entered"), (stored, "were stored")] {
@@ -209,7 +211,7 @@ fn check_backflow(scheme: &str, condition: &str) {
 }
 
 #[test]
-fn a_flow_backwards_is_fed_by_the_outlet_and_goes_to_the_reservoir() {
+fn backflow_is_injected_at_the_outlet_and_stored_at_the_inlet() {
     for scheme in ["Wcsph()", "EdacTvf()"] {
         for condition in [
             "WaveEquation()",
@@ -226,7 +228,8 @@ fn a_flow_backwards_is_fed_by_the_outlet_and_goes_to_the_reservoir() {
     }
 }
 
-/// Puts the particles back where they stood, at rest, and one of them elsewhere. What entered since stays.
+/// Resets the particles to earlier positions at rest, except one. Particles injected since then
+/// stay.
 fn put(simulation: &mut Simulation, stood: &[Particle], id: u32, place: DVec3) {
     let world = simulation.world_mut();
     let mut state = world.query::<(&ParticleId, &mut Position, &mut Velocity)>();
@@ -239,10 +242,10 @@ fn put(simulation: &mut Simulation, stood: &[Particle], id: u32, place: DVec3) {
     }
 }
 
-/// Moves the particle of `zone` that stands nearest to `plane` over it and back, again and again, and counts what
-/// entered: all of it at the first turn.
+/// Moves the particle of `zone` nearest to `plane` across it and back repeatedly, and counts the
+/// injections, all of which must be at the first crossing.
 #[track_caller]
-fn check_trembling(zone: Zone, plane: f64, enters: u64) {
+fn check_oscillation(zone: Zone, plane: f64, enters: u64) {
     let mut simulation = flow(&[("constants.u", "0.0")]);
     let stood = census(&mut simulation);
     let distance = |particle: &Particle| (particle.position.x - plane).abs();
@@ -251,7 +254,7 @@ fn check_trembling(zone: Zone, plane: f64, enters: u64) {
     let mut crossed = 0;
     for turn in 0..20 {
         let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
-        // Far enough that the push of the neighbours does not take it back over the plane in this step.
+        // Far enough that the neighbours do not push it back across the plane in this step.
         let place = near.position.with_x(plane + side * 0.2 * SPACING);
         put(&mut simulation, &stood, near.id, place);
         simulation.step().expect("a step");
@@ -266,16 +269,16 @@ fn check_trembling(zone: Zone, plane: f64, enters: u64) {
 }
 
 #[test]
-fn trembling_on_a_plane_adds_nothing() {
-    // The first crossing of an inflow particle is no return: it is followed.
-    check_trembling(Zone::Inflow, 0.0, 1);
-    check_trembling(Zone::Fluid, 0.0, 0);
-    check_trembling(Zone::Fluid, 0.16, 0);
-    check_trembling(Zone::Outflow, 0.16, 0);
+fn oscillation_across_a_plane_injects_once() {
+    // The first crossing of an inflow particle injects one, as it has not returned from the fluid.
+    check_oscillation(Zone::Inflow, 0.0, 1);
+    check_oscillation(Zone::Fluid, 0.0, 0);
+    check_oscillation(Zone::Fluid, 0.16, 0);
+    check_oscillation(Zone::Outflow, 0.16, 0);
 }
 
 #[test]
-fn an_empty_reservoir_grows_by_what_it_lacks_and_is_counted() {
+fn empty_reservoir_grows_by_the_missing_particles() {
     let mut simulation = flow(&[UNEVEN[0], UNEVEN[1], ("reservoir.particles", "0")]);
     let initial = simulation.ledger().initial;
     assert_eq!(simulation.ledger().count(Zone::Reservoir), 0);
@@ -287,13 +290,13 @@ fn an_empty_reservoir_grows_by_what_it_lacks_and_is_counted() {
         let ledger = simulation.ledger();
         assert_eq!(count, initial + ledger.grown);
     }
-    // Afterwards a row comes back before the next is asked for.
+    // Afterwards a column is stored before the next is injected.
     let grown = simulation.ledger().grown;
     assert!(grown > 0 && grown <= 2 * ROWS as u64, "the reservoir grew {grown} particles");
 }
 
 #[test]
-fn an_empty_reservoir_stops_a_run_that_must_not_grow() {
+fn empty_reservoir_stops_a_scene_that_demands_it() {
     let stop = ("reservoir", "(particles: 0, when_empty: Stop)");
     let mut simulation = flow(&[UNEVEN[0], UNEVEN[1], stop]);
     let stop = (0..THROUGH).find_map(|_| simulation.step().err()).expect("a stop");
@@ -307,8 +310,8 @@ fn an_empty_reservoir_stops_a_run_that_must_not_grow() {
 }
 
 #[test]
-fn an_inlet_that_is_filled_once_is_drained_as_by_a_piston() {
-    // 16 layers, a support of three: the run goes on while more than that is left.
+fn inlet_that_is_filled_once_drains_at_the_inflow_speed() {
+    // The run continues while more than the support of three of the 16 layers is left.
     let once = [("inlets.0.feed", "Once"), ("inlets.0.depth", "0.16"), ("reservoir.particles", "0")];
     let mut simulation = flow(&once);
     let stop = (0..2 * THROUGH).find_map(|_| simulation.step().err()).expect("a stop");
@@ -317,15 +320,15 @@ fn an_inlet_that_is_filled_once_is_drained_as_by_a_piston() {
     let drained = (0.16 - 0.03) / SPEED;
     assert!((time - drained).abs() < SPACING / SPEED, "{time} s, {drained} s");
     let particles = census(&mut simulation);
-    assert!(particles.iter().all(|particle| particle.passages == 0), "nothing has entered");
+    assert!(particles.iter().all(|particle| particle.passages == 0), "nothing is injected");
     let ledger = simulation.ledger();
     assert_eq!((ledger.grown, ledger.initial), (0, particles.len() as u64));
     assert!(ledger.count(Zone::Inflow) <= 3 * ROWS as u64, "{}", ledger.count(Zone::Inflow));
 }
 
-/// Four spacings behind the outlet's plane, where the support of the fluid has ended.
+/// The point is four spacings beyond the plane of the outlet, outside the support of the fluid.
 #[test]
-fn a_probe_looks_into_a_zone_only_where_it_is_asked_to() {
+fn probe_samples_a_zone_only_on_request() {
     let mut simulation = flow(&[]);
     let point = DVec3::new(0.2, 0.04, 0.0);
     let seen = simulation.sample_seeing(&[(point, ProbeSight::Fluid), (point, ProbeSight::Flow)]);

@@ -18,6 +18,7 @@ use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
 use sphecs_output::{info as run_info, pack as packing, vtk};
 use sphecs_run::console::Console;
+use sphecs_run::memory;
 use sphecs_run::resume::{self, ResumeOptions};
 use sphecs_run::words::{columns, figure, grouped};
 use sphecs_run::{Ending, RunOptions, report};
@@ -31,7 +32,7 @@ use sphecs_validate::{Judgement, ValidateError, ValidateOptions, case};
 /// # Errors
 /// [`Failure`] with its exit code.
 pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
-    let memory = summary::available_memory().filter(|_| !arguments.allow_oversize);
+    let memory = memory::available().filter(|_| !arguments.allow_oversize);
     let scene = load_within(&arguments.input, memory)?;
     let options = RunOptions {
         folder: match &arguments.out {
@@ -256,12 +257,12 @@ pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
 }
 
 fn load(input: &SceneArguments) -> Result<Scene, Failure> {
-    load_within(input, summary::available_memory())
+    load_within(input, memory::available())
 }
 
 fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Failure> {
-    let read = if input.smoke { sphecs_scene::load_smoke_within } else { sphecs_scene::load_within };
-    Ok(read(&input.scene, &input.sets, memory)?)
+    let loader = Scene::from_file(&input.scene).sets(&input.sets).memory(memory);
+    Ok(if input.smoke { loader.smoke() } else { loader }.load()?)
 }
 
 /// Makes the folder that a file goes to.

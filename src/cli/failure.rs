@@ -8,7 +8,7 @@ use miette::{Diagnostic, MietteHandlerOpts, Report};
 use sphecs_bench::BenchError;
 use sphecs_output::error::OutputError;
 use sphecs_run::error::RunError;
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 use sphecs_validate::ValidateError;
 
 /// Done.
@@ -34,7 +34,7 @@ pub enum Failure {
     /// The scene has faults.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// The run ended early.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -76,7 +76,7 @@ impl Failure {
 
 fn code_of_run(error: &RunError) -> u8 {
     match error {
-        RunError::Threads(_) | RunError::Scene(_) => BAD_INPUT,
+        RunError::Threads(_) | RunError::Scene(_) | RunError::Build(_) => BAD_INPUT,
         RunError::Flow { .. } => FLOW,
         RunError::Signals(_) => FILES,
         RunError::Output(error) => code_of_output(error),

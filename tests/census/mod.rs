@@ -1,25 +1,24 @@
-//! A flow as a caller sees it: every particle with its one role, checked against the ledger.
+//! Census of a flow: every particle with its single role, checked against the particle counts.
 
 use std::collections::HashMap;
 
-use sphecs::arrays::Arrays;
 use sphecs::bevy_ecs::world::{EntityRef, World};
-use sphecs::components::{
+use sphecs::glam::DVec3;
+use sphecs::{Simulation, Zone};
+use sphecs_core::math::real::Real;
+use sphecs_engine::arrays::Arrays;
+use sphecs_engine::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
-use sphecs::glam::DVec3;
-use sphecs::math::real::Real;
-use sphecs::particles::zone::Zone;
-use sphecs::simulation::Simulation;
 
-/// The components of one particle.
+/// Components of a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Particle {
     /// Number.
     pub id: u32,
     /// Zone by its role component.
     pub zone: Zone,
-    /// Index of inlet, outlet or wall part; 0 for others.
+    /// Index of inlet, outlet or wall part; 0 for other particles.
     pub patch: u16,
     /// Position, m.
     pub position: DVec3,
@@ -27,7 +26,7 @@ pub struct Particle {
     pub velocity: DVec3,
     /// Velocity one step earlier, m/s; zero in the reservoir.
     pub velocity_before: DVec3,
-    /// Plain step next; so in the reservoir.
+    /// True if the next step is a corrective one, as for all particles in the reservoir.
     pub fresh: bool,
     /// Density, kg/m³.
     pub density: f64,
@@ -35,14 +34,14 @@ pub struct Particle {
     pub pressure: f64,
     /// Passive scalar.
     pub tag: f32,
-    /// Injections from the reservoir.
+    /// Number of injections from the reservoir.
     pub passages: u32,
 }
 
-/// Velocity one step earlier, and whether the next step is a plain one, by number.
+/// Previous velocity, and whether the next step is a corrective one, by particle number.
 type Leapfrog = HashMap<u32, (DVec3, bool)>;
 
-/// What the arrays, whichever the world has, hold beside the components.
+/// Reads the values that only the arrays have, in any precision and dimension.
 fn leapfrog(world: &World) -> Leapfrog {
     fn of<R: Real, const D: usize>(world: &World) -> Option<Leapfrog> {
         let arrays = world.get_resource::<Arrays<R, D>>()?;
@@ -53,7 +52,7 @@ fn leapfrog(world: &World) -> Leapfrog {
     found.or_else(|| of::<f32, 2>(world)).or_else(|| of::<f32, 3>(world)).expect("a world has arrays")
 }
 
-/// Everything that a particle has, or what is wrong with it.
+/// Reads a particle, or returns an inconsistency of its components.
 fn read(entity: EntityRef<'_>, id: u32, leapfrog: &Leapfrog) -> Result<Particle, String> {
     let roles = [
         entity.get::<Fluid>().map(|_| (Zone::Fluid, 0)),
@@ -85,10 +84,11 @@ fn read(entity: EntityRef<'_>, id: u32, leapfrog: &Leapfrog) -> Result<Particle,
     whole().ok_or_else(|| format!("particle {id} lacks a component"))
 }
 
-/// All particles in the order of their numbers.
+/// Returns all particles in the order of their numbers.
 ///
 /// # Panics
-/// If a number is missing or given twice, a particle has no role or two, or the ledger counts otherwise.
+/// If a number is missing or occurs twice, if a particle has no role or two, or if the counts
+/// differ.
 #[track_caller]
 pub fn census(simulation: &mut Simulation) -> Vec<Particle> {
     let world = simulation.world();
@@ -106,7 +106,7 @@ pub fn census(simulation: &mut Simulation) -> Vec<Particle> {
     }
     let ledger = simulation.ledger();
     let counted = Zone::ALL.map(|zone| of(&particles, zone).count() as u64);
-    assert_eq!(counted, ledger.by_zone, "step {step}: the ledger counts otherwise than the components");
+    assert_eq!(counted, ledger.by_zone, "step {step}: the particle counts differ from the components");
     assert!(ledger.balances(), "step {step}: the ledger does not balance: {ledger:?}");
     assert_eq!(
         ledger.total(),
@@ -116,7 +116,7 @@ pub fn census(simulation: &mut Simulation) -> Vec<Particle> {
     particles
 }
 
-/// The particles of a zone.
+/// Iterates over the particles of a zone.
 pub fn of(particles: &[Particle], zone: Zone) -> impl Iterator<Item = &Particle> {
     particles.iter().filter(move |particle| particle.zone == zone)
 }

@@ -1,10 +1,11 @@
-//! Force and torque on bodies against what is known of them: the figures of docs/bodies.md, which `--nocapture` prints.
+//! Force and torque on bodies compared with exact values: the figures of docs/bodies.md, printed
+//! with `--nocapture`.
 
 use std::f64::consts::PI;
 
+use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs::pass::body::BodySum;
-use sphecs::simulation::Simulation;
+use sphecs_core::pass::body::BodySum;
 
 use crate::channel::COUETTE;
 use crate::flow;
@@ -16,7 +17,7 @@ fn force(body: &BodySum) -> DVec3 {
     body.pressure_force + body.viscous_force
 }
 
-/// A cylinder in a closed box of water under gravity.
+/// Cylinder in a closed box of water under gravity.
 const SUBMERGED: &str = r#"Scene(
     title: "Submerged cylinder", dimensions: 2, spacing: 0.04, smoke: 0.08,
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
@@ -27,7 +28,7 @@ const SUBMERGED: &str = r#"Scene(
     time: (end: 10.0), output: (every: 0.1), reference: (velocity: 1.0, length: 1.0),
 )"#;
 
-/// Mean forces on cylinder and box over a tenth of a second, when the water has come to rest.
+/// Returns the mean forces on cylinder and box over a tenth of a second, with the water at rest.
 fn at_rest(set: &[(&str, &str)]) -> (Simulation, [DVec3; 2]) {
     let mut simulation = flow(SUBMERGED, set);
     simulation.run_until(6.0).expect("water at rest");
@@ -41,10 +42,11 @@ fn at_rest(set: &[(&str, &str)]) -> (Simulation, [DVec3; 2]) {
     (simulation, sums)
 }
 
-/// Cylinder and box together carry the weight of the water, and the cylinder is lifted by what it displaces: the box alone would carry
-/// more. Rings stand for the round of the cylinder, a lattice for its stairs.
+/// Cylinder and box together carry the weight of the water, and the cylinder is lifted by the
+/// weight of the displaced water; the box alone would carry more. The surface of the cylinder is of
+/// rings or of a lattice with stairs.
 #[test]
-fn a_submerged_cylinder_is_lifted_by_what_it_displaces() {
+fn submerged_cylinder_is_lifted_by_the_displaced_weight() {
     for (scheme, weight_band, bands) in
         [(SCHEMES[0], 0.006, [0.075, 0.02]), (SCHEMES[1], 1e-4, [0.075, 0.015])]
     {
@@ -75,9 +77,9 @@ fn a_submerged_cylinder_is_lifted_by_what_it_displaces() {
     }
 }
 
-/// Steady Couette flow drags lid and floor with μ U/H per area, half a metre of it here: 50 N/m.
+/// Steady Couette flow exerts μ U/H per area on lid and bottom, here 50 N/m on half a metre.
 #[test]
-fn a_lid_is_dragged_by_the_shear() {
+fn lid_has_the_drag_of_the_shear() {
     for scheme in SCHEMES {
         let set = [
             ("scheme", scheme),
@@ -87,20 +89,21 @@ fn a_lid_is_dragged_by_the_shear() {
         let mut simulation = flow(COUETTE, &set);
         simulation.run_until(5.0).expect("a channel flow");
         let row = simulation.body_forces();
-        let [lid, floor] = [0, 1].map(|body| row.forces[body].viscous_force.x);
-        println!("{scheme}: {lid} N/m on the lid, {floor} N/m on the floor, of 50");
+        let [lid, bottom] = [0, 1].map(|body| row.forces[body].viscous_force.x);
+        println!("{scheme}: {lid} N/m on the lid, {bottom} N/m on the bottom, of 50");
         assert!(
-            (lid / -50.0 - 1.0).abs() < 0.01 && (floor / 50.0 - 1.0).abs() < 0.01,
-            "{scheme}: {lid}, {floor}"
+            (lid / -50.0 - 1.0).abs() < 0.01 && (bottom / 50.0 - 1.0).abs() < 0.01,
+            "{scheme}: {lid}, {bottom}"
         );
     }
 }
 
-/// Torque on the turning inner and the outer cylinder, started as it ends, after the time in which shear crosses the gap of ten rows: each
-/// has that of the shear, 4π μ ω R² S²/(S² − R²) = 837.8 N per metre. Of the inner one's −2 μ ω π R² = −314.2 are those of the transposed
-/// gradient (`src/physics/wall/transposed.rs`), the rest those of the pairs.
+/// Torque on the rotating inner and on the outer cylinder, started from the steady flow, after the
+/// time in which shear crosses the gap of ten spacings. Both have the torque of the shear, 4π μ ω
+/// R² S²/(S² − R²) = 837.8 N m per metre. Of the inner one, −2 μ ω π R² = −314.2 N m per metre come
+/// from the transposed gradient (`physics/wall/transposed.rs`), the rest from the pairs.
 #[test]
-fn cylinders_are_turned_by_the_shear_between_them() {
+fn cylinders_have_the_torque_of_the_shear_between_them() {
     let torque = 4.0 * PI * 100.0 * 2.0 * 0.25 / 0.75;
     let inner_rings = "Concentric(center: (0.0, 0.0), radius: 0.5)";
     for (scheme, bands) in [(SCHEMES[0], [0.035, 0.07]), (SCHEMES[1], [0.06, 0.035])] {

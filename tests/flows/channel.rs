@@ -1,22 +1,22 @@
-//! Flows along plane walls against their exact solutions.
+//! Flows along plane walls compared with their exact solutions.
 
 use std::f64::consts::PI;
 use std::path::Path;
 
-use sphecs::physics::inlet::poiseuille::startup_velocity;
-use sphecs::physics::wall::law::friction_velocity;
-use sphecs::simulation::Simulation;
+use sphecs::Simulation;
+use sphecs_core::physics::inlet::poiseuille::startup_velocity;
+use sphecs_core::physics::wall::law::friction_velocity;
 
 use crate::{flow, fluid, shipped_flow};
 
-/// Poiseuille's start-up as Alvarado-Rodríguez et al. (2017), 5.1, set it: half gap (m), force per mass (m/s²), ν (m²/s),
-/// peak of the steady flow (m/s).
+/// Start-up of Poiseuille flow as in Alvarado-Rodríguez et al. (2017), Sec. 5.1: half gap, m, force
+/// per mass, m/s², ν, m²/s, and peak of the steady flow, m/s.
 const HALF_GAP: f64 = 5e-4;
 const FORCE: f64 = 1e-4;
 const NU: f64 = 1e-6;
 const PEAK: f64 = 1.25e-5;
 
-/// Times at which they compare, s.
+/// Times of the comparison, s.
 const TIMES: [f64; 5] = [0.01, 0.03, 0.07, 0.15, 1.0];
 
 /// Checks the largest errors of u and of v over the peak at each time.
@@ -36,7 +36,7 @@ fn check_poiseuille(name: &str, ratio: &str, band: f64, across: f64) {
     }
 }
 
-/// Largest |u − exact(y)| of the fluid, m/s.
+/// Returns the largest |u − exact(y)| of the fluid, m/s.
 pub fn largest_error(simulation: &mut Simulation, exact: impl Fn(f64) -> f64) -> f64 {
     fluid(simulation)
         .iter()
@@ -45,7 +45,7 @@ pub fn largest_error(simulation: &mut Simulation, exact: impl Fn(f64) -> f64) ->
 }
 
 #[test]
-fn the_series_of_poiseuille_is_that_of_the_table() {
+fn series_of_poiseuille_agrees_with_the_published_table() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/validation/poiseuille_startup.csv");
     let text = std::fs::read_to_string(path).expect("a table");
     let rows: Vec<Vec<f64>> = text
@@ -63,8 +63,9 @@ fn the_series_of_poiseuille_is_that_of_the_table() {
     }
 }
 
-/// 25 rows, half of the paper's, within the band of the paper's 50: 0.5 % of the peak. Measured 0.34 to 0.49 % at h = 2.2 Δ,
-/// 0.20 to 0.26 % at 1.5 Δ, 0.17 to 0.21 % at 1.3 Δ. The rows do not mix, so that v is what rounding grows to (below 1e-4).
+/// With 25 particles across, half of those in the paper, the error is within the 0.5 % of the peak
+/// that the paper has with 50. Measured 0.34 to 0.49 % at h = 2.2 Δ, 0.20 to 0.26 % at 1.5 Δ, 0.17
+/// to 0.21 % at 1.3 Δ. Layers do not mix, so that v is amplified rounding error (below 1e-4).
 #[test]
 fn poiseuille_starts_up_between_periodic_ends() {
     check_poiseuille("poiseuille_periodic.ron", "2.2", 0.005, 5e-4);
@@ -72,15 +73,16 @@ fn poiseuille_starts_up_between_periodic_ends() {
     check_poiseuille("poiseuille_periodic.ron", "1.3", 0.003, 5e-4);
 }
 
-/// The same with inlet and outlet, within the same band: measured 0.32 falling to 0.26 % at h = 2.2 Δ, 0.21 to 0.18 % at 1.5 Δ, and
-/// v 0.19 and 0.11 % of the peak, not growing: the band for it is 0.5 %.
+/// With inlet and outlet the error stays in the same band: measured 0.32 falling to 0.26 % at
+/// h = 2.2 Δ, 0.21 to 0.18 % at 1.5 Δ. v is 0.19 and 0.11 % of the peak and does not grow; its band
+/// is 0.5 %.
 #[test]
 fn poiseuille_starts_up_between_open_ends() {
     check_poiseuille("poiseuille.ron", "2.2", 0.005, 5e-3);
     check_poiseuille("poiseuille.ron", "1.5", 0.003, 5e-3);
 }
 
-/// A channel whose upper wall moves along itself.
+/// Channel with an upper wall that moves in its plane.
 pub const COUETTE: &str = r#"Scene(
     title: "Plane Couette flow", dimensions: 2, spacing: 0.05, smoke: 0.1,
     constants: {"U": 1.0},
@@ -100,8 +102,10 @@ pub fn couette(y: f64, t: f64) -> f64 {
     y + (1..200).map(term).sum::<f64>()
 }
 
-/// The jump of the lid is less than a kernel wide for h²/ν = 0.06 s: from 0.2 s on the series is met to less than a per cent (measured
-/// 0.70 % at 0.2 s, 0.29 % at 0.5 s; steps a tenth as long give the same), and the steady profile to rounding and the noise of rows that slide past each other (6e-5).
+/// The velocity jump at the lid is thinner than a kernel for h²/ν = 0.06 s. From 0.2 s on the error
+/// is below a per cent (measured 0.70 % at 0.2 s and 0.29 % at 0.5 s, also with steps a tenth as
+/// long). The steady profile is exact to rounding and the noise of layers that pass each other
+/// (6e-5).
 #[test]
 fn couette_flow_starts_up_to_a_linear_profile() {
     let mut simulation = flow(COUETTE, &[]);
@@ -126,7 +130,7 @@ fn couette_flow_stays_linear() {
     }
 }
 
-/// A stream along walls that take no shear.
+/// Flow along walls that exert no shear.
 pub const SLIPPERY: &str = r#"Scene(
     title: "Stream along free-slip walls", dimensions: 2, spacing: 0.05, smoke: 0.1,
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
@@ -137,10 +141,11 @@ pub const SLIPPERY: &str = r#"Scene(
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: 1.0, length: 1.0),
 )"#;
 
-/// The stream slides 40 spacings past the wall's particles, whose rows are a grating to it: measured 2.4e-6 of its speed and 1.8e-6
-/// of its momentum are lost. A no-slip wall would have taken half of it by then.
+/// The flow passes 40 spacings of the wall, whose particles act as a grating: it loses 2.4e-6 of
+/// its speed and 1.8e-6 of its momentum (measured). A no-slip wall would have taken half of it by
+/// then.
 #[test]
-fn a_stream_along_free_slip_walls_keeps_its_profile() {
+fn flow_along_free_slip_walls_keeps_its_profile() {
     let mut simulation = flow(SLIPPERY, &[]);
     let before = simulation.monitor_row().momentum.x;
     simulation.run_until(2.0).expect("a stream");
@@ -150,10 +155,11 @@ fn a_stream_along_free_slip_walls_keeps_its_profile() {
     assert!(lost.abs() < 2e-5, "the walls took {lost} of the momentum");
 }
 
-/// A wall function in a flow that is resolved has the stress of the no-slip wall; how the kernel spreads it over the rows next to the wall is
-/// not that of a viscous sum, which bends the line by 0.4 % of the lid's speed (measured; drag 0.992 and 0.986 of the exact one).
+/// In a resolved flow a wall function has the stress of the no-slip wall. The kernel distributes it
+/// over the particles next to the wall differently from a viscous sum, which bends the profile by
+/// 0.4 % of the speed of the lid (measured; drag 0.992 and 0.986 of the exact one).
 #[test]
-fn a_wall_function_drives_couette_flow_as_its_lid_does() {
+fn wall_function_in_resolved_couette_flow_agrees_with_no_slip() {
     for scheme in ["Wcsph()", "EdacTvf()"] {
         let set = [
             ("scheme", scheme),
@@ -174,10 +180,10 @@ fn a_wall_function_drives_couette_flow_as_its_lid_does() {
     }
 }
 
-/// A stream whose boundary layer is far thinner than the spacing loses what the law of the wall takes at the distance of the mean flow,
-/// 0.7 spacings with this kernel: 2 ρ u_τ² L t of ρ u H L.
+/// A flow with a boundary layer far thinner than the spacing loses the momentum of the law of the
+/// wall at the distance of the mean flow, 0.7 spacings with this kernel: 2 ρ u_τ² L t of ρ u H L.
 #[test]
-fn a_stream_along_a_wall_function_loses_the_stress_of_the_law() {
+fn wall_function_exerts_the_stress_of_the_law_of_the_wall() {
     let viscosity = 1e-5;
     let set = [("walls.slip", "WallFunction"), ("fluid.viscosity", "1.0e-5")];
     let mut simulation = flow(SLIPPERY, &set);

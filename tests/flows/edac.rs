@@ -1,17 +1,17 @@
-//! Flows of the scheme `EdacTvf` against what is known of them.
+//! Flows of the scheme `EdacTvf` compared with known solutions.
 
 use std::f64::consts::PI;
 
+use sphecs::Simulation;
 use sphecs::bevy_ecs::query::With;
-use sphecs::components::{Fluid, Position, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::physics::inlet::poiseuille::startup_velocity;
-use sphecs::simulation::Simulation;
+use sphecs_core::physics::inlet::poiseuille::startup_velocity;
+use sphecs_engine::components::{Fluid, Position, Thermodynamics, Velocity};
 
 use crate::periodic::taylor_green_errors;
 use crate::{advance, flow, fluid, shipped_flow, smoke};
 
-/// Sound that stands in a periodic box without viscosity.
+/// Standing acoustic wave in a periodic box without viscosity.
 const SOUND: &str = r#"Scene(
     title: "Standing sound", dimensions: 2, spacing: 0.02, smoke: 0.04,
     constants: {"k": "2*pi", "A": 0.01},
@@ -23,7 +23,7 @@ const SOUND: &str = r#"Scene(
     time: (end: 2.0), output: (every: 0.1), reference: (velocity: 0.01, length: 1.0),
 )"#;
 
-/// Energy of sound, J/m: ½ ρ |v|² + ½ p²/(ρ c²) over the fluid.
+/// Returns the acoustic energy, J/m: ½ ρ |v|² + ½ p²/(ρ c²) over the fluid.
 fn energy_of_sound(simulation: &mut Simulation) -> f64 {
     let scene = simulation.scene();
     let (density, sound_speed, volume) =
@@ -37,7 +37,7 @@ fn energy_of_sound(simulation: &mut Simulation) -> f64 {
     query.iter(world).map(of_one).sum::<f64>() * volume
 }
 
-/// Rate, 1/s, at which the energy of [`SOUND`] falls over half a second, five periods.
+/// Returns the decay rate of the energy of [`SOUND`], 1/s, over half a second or five periods.
 fn rate_of_decay(alpha: &str, relaxation: &str) -> f64 {
     let mut simulation = flow(SOUND, &[("scheme.alpha", alpha), ("scheme.relaxation", relaxation)]);
     let before = energy_of_sound(&mut simulation);
@@ -45,10 +45,10 @@ fn rate_of_decay(alpha: &str, relaxation: &str) -> f64 {
     (before / energy_of_sound(&mut simulation)).ln() / simulation.clock().time
 }
 
-/// dv/dt = −∇p/ρ, dp/dt = −ρ c² ∇·v + ν_edac ∇²p: the amplitude falls by ν_edac k²/2, the energy by ν_edac k². Sound has
-/// p = c² (ρ − ρ0), and the relaxation leaves it alone.
+/// dv/dt = −∇p/ρ, dp/dt = −ρ c² ∇·v + ν_edac ∇²p: the amplitude decays at ν_edac k²/2, the energy
+/// at ν_edac k². In an acoustic wave p = c² (ρ − ρ0), which the relaxation does not change.
 #[test]
-fn sound_is_damped_at_the_rate_of_the_pressure_viscosity() {
+fn acoustic_wave_decays_at_the_rate_of_the_pressure_viscosity() {
     let rate = |alpha: f64| alpha * 0.024 * 10.0 / 8.0 * (2.0 * PI).powi(2);
     for relaxation in ["0.0", "0.02"] {
         for alpha in ["0.5", "1.0"] {
@@ -64,9 +64,10 @@ fn sound_is_damped_at_the_rate_of_the_pressure_viscosity() {
     }
 }
 
-/// Nothing but rounding is left of an even fill at rest under a pressure of its own, with and without walls, inlet and outlet.
+/// A uniform fluid at rest under any pressure keeps only rounding errors, with and without walls,
+/// inlet and outlet.
 #[test]
-fn an_even_fill_stays_at_rest_under_any_pressure() {
+fn uniform_fluid_stays_at_rest_under_any_pressure() {
     let still = [
         ("body_force", "(0.0, 0.0)"),
         ("inlets.0.velocity", "Normal(0.0)"),
@@ -84,10 +85,10 @@ fn an_even_fill_stays_at_rest_under_any_pressure() {
     assert!((closed.monitor_row().mean_pressure - 3000.0).abs() < 1e-6);
 }
 
-/// The flow is squeezed around the cylinder: without relaxation the particles come to lie wider (measured:
-/// densities 3.0 % too small), and with it they do not (0.5 % too large).
+/// The fluid is compressed around the cylinder. Without relaxation the particles end up farther
+/// apart (measured: densities 3.0 % too small), with relaxation they do not (0.5 % too large).
 #[test]
-fn relaxation_holds_the_volume() {
+fn relaxation_conserves_the_volume() {
     let mean_deviation = |relaxation: &str| {
         let scheme = format!("EdacTvf(relaxation: {relaxation})");
         let mut simulation = smoke("quickstart.ron", &[("scheme", &scheme)]);
@@ -100,7 +101,8 @@ fn relaxation_holds_the_volume() {
     assert!(held.abs() < 0.008 && left < -0.02, "{held}, without relaxation {left}");
 }
 
-/// Measured at 64 rows, Re = 100: velocity off by 2.5 %, energy by 1.5 %; with `Wcsph`, the same kernel and h 9.8 and −1.2 %.
+/// Measured with 64 particles across at Re = 100: errors of 2.5 % in velocity and 1.5 % in energy;
+/// with `Wcsph`, the same kernel and h, 9.8 and −1.2 %.
 #[test]
 fn taylor_green_decays_more_exactly_than_with_wcsph() {
     for (spacing, of_energy, of_velocity) in [("\"1/32\"", 0.025, 0.12), ("\"1/64\"", 0.025, 0.04)] {
@@ -116,7 +118,7 @@ fn taylor_green_decays_more_exactly_than_with_wcsph() {
 /// Peak of the flows of `poiseuille_edac.ron`, m/s.
 const PEAK: f64 = 1.25e-5;
 
-/// Largest errors of u and v over the peak at a time, s.
+/// Returns the largest errors of u and v over the peak at a time, s.
 fn poiseuille_errors(simulation: &mut Simulation, time: f64) -> (f64, f64) {
     simulation.run_until(time).expect("a channel flow");
     let t = simulation.clock().time;
@@ -141,9 +143,9 @@ fn poiseuille_starts_up_between_periodic_and_open_ends() {
     }
 }
 
-/// The first scene that anybody runs, with a constriction, an inlet that starts smoothly and an outlet.
+/// The quickstart scene: a constriction, an inlet with a smooth start and an outlet.
 #[test]
-fn a_channel_with_a_constriction_carries_its_inflow() {
+fn channel_with_a_constriction_carries_its_inflow() {
     let mut simulation = smoke("quickstart.ron", &[("scheme", "EdacTvf()")]);
     let begin = simulation.monitor_row();
     simulation.run_until(1.5).expect("a channel flow");
@@ -154,8 +156,9 @@ fn a_channel_with_a_constriction_carries_its_inflow() {
     assert!((0.9..1.1).contains(&left), "{left} of the fluid are left");
 }
 
-/// At its own spacing, where a mode along the outlet once grew until it burst at 0.69 s: `physics/outlet/oblique.rs`. The start alone
-/// swings densities by 11 %.
+/// At the spacing of the scene an outlet without treatment of oblique waves let a mode along the
+/// outlet grow until it diverged at 0.69 s (`oblique.rs`). The start alone changes densities by 11
+/// %.
 #[test]
 fn waves_along_the_outlet_do_not_grow() {
     let mut simulation = shipped_flow("quickstart.ron", &[("scheme", "EdacTvf()")]);
@@ -164,10 +167,11 @@ fn waves_along_the_outlet_do_not_grow() {
     assert!(row.largest_density_deviation < 0.1, "densities are off by {}", row.largest_density_deviation);
 }
 
-/// What the outlet throws back of a pulse of sound that meets it head on, largest |J3| over largest |J2| at a point: measured
-/// 0.036, and 0.25 where the zone showed the velocity of its particles' crossing.
+/// Reflection of an acoustic pulse at normal incidence, as the ratio of the largest |J3| and the
+/// largest |J2| at a point: measured 0.036, and 0.25 with the velocity that the particles had when
+/// they crossed the plane.
 #[test]
-fn a_pulse_of_sound_leaves() {
+fn acoustic_pulse_leaves_with_little_reflection() {
     let mut simulation = shipped_flow("acoustic_pulse.ron", &[("scheme", "EdacTvf()")]);
     let (mut out, mut back) = (0.0_f64, 0.0_f64);
     while simulation.clock().time < 0.4 {
@@ -177,12 +181,13 @@ fn a_pulse_of_sound_leaves() {
         out = out.max((sample.pressure + swing).abs());
         back = back.max((sample.pressure - swing).abs());
     }
-    assert!(back < 0.1 * out, "{} comes back", back / out);
+    assert!(back < 0.1 * out, "a share of {} is reflected", back / out);
 }
 
-/// Pressures and velocities that a caller writes count, and what he leaves goes on as it was.
+/// Pressures and velocities that a caller changes take effect, and unchanged ones continue as
+/// before.
 #[test]
-fn what_a_caller_writes_is_what_the_next_step_starts_from() {
+fn next_step_starts_from_the_pressures_of_the_caller() {
     let mut simulation = flow(SOUND, &[]);
     let mut alone = flow(SOUND, &[]);
     for run in [&mut simulation, &mut alone] {

@@ -1,12 +1,13 @@
-//! The pressure that an inlet takes from the fluid.
+//! Pressure of inflow particles, extrapolated from the fluid.
 
 use sphecs::bevy_ecs::query::With;
-use sphecs::components::{Inflow, Position, Thermodynamics};
 use sphecs::glam::DVec3;
+use sphecs_engine::components::{Inflow, Position, Thermodynamics};
 
 use crate::flow;
 
-/// A plug that slides between walls without friction, under a pressure that is linear in both directions; nothing lies along the lattice.
+/// Plug flow between frictionless walls, under a pressure that is linear in both directions,
+/// oblique to the lattice.
 const SLOPE: &str = r#"Scene(
     title: "A plug askew under a slope", dimensions: 2, spacing: 0.01, smoke: 0.01,
     constants: { "angle": 20.0, "c": "cos(angle*pi/180)", "s": "sin(angle*pi/180)", "L": 0.3, "D": 0.16 },
@@ -20,10 +21,11 @@ const SLOPE: &str = r#"Scene(
     time: (end: 10.0), output: (every: 1.0),
 )"#;
 
-/// Negi et al. (2020), Eq. 22: first-order consistent, so a linear field is found at the mirror image as it is, by particles that have walls
-/// and the plane beside them too. A uniform stream without forces needs no gradient of its own.
+/// Negi et al. (2020), Eq. 22, is first-order consistent: a linear field is exact at the mirror
+/// image, also for particles near walls and the plane. A uniform flow without forces needs no
+/// additional gradient.
 #[test]
-fn a_linear_pressure_is_found_at_the_mirror_image_of_every_inflow_particle() {
+fn linear_pressure_is_exact_at_the_mirror_image_of_every_inflow_particle() {
     let mut simulation = flow(SLOPE, &[]);
     simulation.step().expect("a step");
     let inlet = simulation.scene().inlets[0].patch.clone();

@@ -1,10 +1,10 @@
-//! Two outlets at once, each with a condition of its own.
+//! Two outlets, each with its own condition.
 
-use sphecs::simulation::Simulation;
+use sphecs::Simulation;
 
 use crate::flow;
 
-/// A channel of ten rows whose side branch is as wide, at Re = 100.
+/// Channel of ten particles across with a side branch of the same width, at Re = 100.
 const JUNCTION: &str = r#"Scene(
     title: "A junction", dimensions: 2, spacing: 0.01, smoke: 0.01,
     constants: {"H": 0.05, "u": 0.1},
@@ -22,7 +22,7 @@ const JUNCTION: &str = r#"Scene(
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: "u", length: "2*H"),
 )"#;
 
-/// What leaves through each outlet from 3 to 9 s, over what enters meanwhile.
+/// Returns the outflow through each outlet from 3 to 9 s, over the inflow.
 fn shares(simulation: &mut Simulation, what: &str) -> [f64; 2] {
     let count = |simulation: &Simulation| {
         let ledger = simulation.ledger();
@@ -39,7 +39,7 @@ fn shares(simulation: &mut Simulation, what: &str) -> [f64; 2] {
     [0, 1].map(|outlet| (left[outlet] - left_before[outlet]) / (entered - entered_before))
 }
 
-/// A scene whose second outlet is named first.
+/// Returns the changes that swap the order of the outlets.
 fn swapped<'a>(scheme: &'a str, straight: &'a str, aside: &'a str) -> [(&'a str, &'a str); 7] {
     [
         ("scheme", scheme),
@@ -52,10 +52,11 @@ fn swapped<'a>(scheme: &'a str, straight: &'a str, aside: &'a str) -> [(&'a str,
     ]
 }
 
-/// All that enters leaves, through both; which of them the scene names first does not matter; and one that has a velocity of its own, 0.6 of the
-/// inflow's, takes its share. Not with `Hybrid` aside: docs/outlets.md.
+/// The outflow through both outlets equals the inflow, and their order in the scene has no effect.
+/// An outlet with a prescribed velocity, 0.6 of that of the inflow, takes its share. Not with
+/// `Hybrid` in the branch: docs/outlets.md.
 #[test]
-fn two_outlets_of_different_conditions_share_the_stream() {
+fn two_outlets_with_different_conditions_share_the_flow() {
     let pairs = [
         ("WaveEquation()", "Hybrid()", None),
         ("Hybrid()", "WaveEquation(pressure: Reference(0.0))", None),
@@ -69,7 +70,7 @@ fn two_outlets_of_different_conditions_share_the_stream() {
             let found = shares(&mut flow(JUNCTION, &sets), &what);
             println!("{what}: {found:?}");
             let all = found[0] + found[1];
-            // A row is ten of some six hundred.
+            // A column is ten of some six hundred particles.
             assert!((all - 1.0).abs() < 0.03, "{what}: {all} of what enters leaves");
             assert!(found.iter().all(|share| *share > 0.2), "{what}: {found:?}");
             if let Some(expected) = expected {

@@ -1,16 +1,19 @@
-//! Flows with a known answer, driven as a user of the library drives them.
+//! Flows with known solutions, computed through the library.
 //!
-//! * [`inlets`]: the pressure that an inlet takes from the fluid
-//! * [`junction`]: two outlets at once
-//! * [`metered`]: inlets by the mass they bring
+//! * [`inlets`]: pressure of inflow particles
+//! * [`junction`]: two outlets
+//! * [`metered`]: inlets with a prescribed mass flow
 //! * [`periodic`]: conservation, decay and stability without walls
-//! * [`rest`]: what must not move, and water under gravity
-//! * [`bodies`]: force and torque on what the fluid flows round
-//! * [`channel`]: flows along plane walls, against their exact solutions
-//! * [`edac`]: the scheme with an evolved pressure
+//! * [`rest`]: fluid at rest, hydrostatics
+//! * [`bodies`]: force and torque on bodies
+//! * [`channel`]: flows along plane walls and their exact solutions
+//! * [`edac`]: the scheme `EdacTvf`
 //! * [`walls`]: every wall model, plane and curved
 //! * [`slip`]: free-slip walls of every model
 //! * [`shipped`]: the shipped scenes at their smoke spacings, step by step
+
+#[path = "../common/mod.rs"]
+mod common;
 
 mod bodies;
 mod channel;
@@ -24,29 +27,27 @@ mod shipped;
 mod slip;
 mod walls;
 
-use std::path::{Path, PathBuf};
-
+use common::{Sets, advance, file_scene, scene_path, simulation, smoke_scene, text_scene};
+use sphecs::Simulation;
 use sphecs::bevy_ecs::query::With;
-use sphecs::components::{Fluid, ParticleId, Position, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::scene::{load, load_smoke, load_str};
-use sphecs::simulation::Simulation;
+use sphecs_engine::components::{Fluid, ParticleId, Position, Thermodynamics, Velocity};
 
-/// A fluid particle.
+/// Fluid particle.
 #[derive(Clone, Copy, Debug)]
 struct State {
     id: ParticleId,
-    /// m.
+    /// Position, m.
     position: DVec3,
-    /// m/s.
+    /// Velocity, m/s.
     velocity: DVec3,
-    /// kg/m³.
+    /// Density, kg/m³.
     density: f64,
-    /// Pa.
+    /// Pressure, Pa.
     pressure: f64,
 }
 
-/// The fluid particles by number.
+/// Returns the fluid particles by number.
 fn fluid(simulation: &mut Simulation) -> Vec<State> {
     let world = simulation.world_mut();
     let mut query =
@@ -65,37 +66,17 @@ fn fluid(simulation: &mut Simulation) -> Vec<State> {
     states
 }
 
-/// Paths and values as `--set` takes them.
-fn sets(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
-    pairs.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect()
+/// Builds a simulation of a scene from text.
+fn flow(text: &str, sets: Sets) -> Simulation {
+    simulation(text_scene("flow", text, sets))
 }
 
-/// A simulation of a scene in this crate's tests.
-fn flow(text: &str, pairs: &[(&str, &str)]) -> Simulation {
-    Simulation::from_scene(load_str("flow", text, &sets(pairs)).unwrap_or_else(|faults| panic!("{faults:?}")))
+/// Builds a simulation of a shipped scene with changed values.
+fn shipped_flow(name: &str, sets: Sets) -> Simulation {
+    simulation(file_scene(&scene_path(name), sets))
 }
 
-/// The path of a shipped scene.
-fn shipped_path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)
-}
-
-/// A simulation of a shipped scene with values of one's own.
-fn shipped_flow(name: &str, pairs: &[(&str, &str)]) -> Simulation {
-    let scene = load(&shipped_path(name), &sets(pairs));
-    Simulation::from_scene(scene.unwrap_or_else(|faults| panic!("{name}: {faults:?}")))
-}
-
-/// A simulation of a shipped scene at its smoke spacing.
-fn smoke(name: &str, pairs: &[(&str, &str)]) -> Simulation {
-    let scene = load_smoke(&shipped_path(name), &sets(pairs));
-    Simulation::from_scene(scene.unwrap_or_else(|faults| panic!("{name}: {faults:?}")))
-}
-
-/// Takes steps, and fails where the flow blows up.
-#[track_caller]
-fn advance(simulation: &mut Simulation, steps: u64) {
-    for _ in 0..steps {
-        simulation.step().unwrap_or_else(|stop| panic!("{stop}"));
-    }
+/// Builds a simulation of a shipped scene at its smoke spacing.
+fn smoke(name: &str, sets: Sets) -> Simulation {
+    simulation(smoke_scene(&scene_path(name), sets))
 }

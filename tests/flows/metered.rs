@@ -1,13 +1,14 @@
-//! Inlets that are given by the mass they bring, measured where the fluid has left them behind.
+//! Inlets with a prescribed mass flow, measured in the fluid downstream.
 
 use std::f64::consts::TAU;
 
+use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs::simulation::Simulation;
 
 use crate::{flow, fluid};
 
-/// A short channel of 20 rows whose inlet brings 100 kg/s per metre of depth, 0.25 m/s in the mean.
+/// Short channel of 20 particles across with an inflow of 100 kg/s per metre of depth, 0.25 m/s in
+/// the mean.
 const METERED: &str = r#"Scene(
     title: "Channel with a metered inlet", dimensions: 2, spacing: 0.02, smoke: 0.04,
     constants: {"H": 0.2},
@@ -19,7 +20,8 @@ const METERED: &str = r#"Scene(
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: 0.375, length: 0.4),
 )"#;
 
-/// Mass flow through the section x = 0.3 m, kg/s per metre of depth, by the fields there.
+/// Returns the mass flow through the section x = 0.3 m, kg/s per metre of depth, from the sampled
+/// fields.
 fn through_the_middle(simulation: &mut Simulation) -> f64 {
     let rows = 40;
     let heights = (0..rows).map(|row| -0.2 + 0.4 * (f64::from(row) + 0.5) / f64::from(rows));
@@ -29,7 +31,8 @@ fn through_the_middle(simulation: &mut Simulation) -> f64 {
     fluxes.sum::<f64>() * 0.4 / f64::from(rows)
 }
 
-/// Mean mass flow by the fields in the middle and by what crossed the inlet, kg/s, from `from` to `to` (s), sampled every so often.
+/// Returns the mean mass flows from `from` to `to`, s, in the middle of the channel from the
+/// sampled fields and through the inlet from the particle counts, kg/s.
 fn flows(simulation: &mut Simulation, from: f64, to: f64) -> (f64, f64) {
     simulation.run_until(from).expect("a channel flow");
     let (start, before) = (simulation.clock().time, simulation.monitor_row());
@@ -48,10 +51,10 @@ fn flows(simulation: &mut Simulation, from: f64, to: f64) -> (f64, f64) {
     (sum / count, crossed / (simulation.clock().time - start))
 }
 
-/// In the middle 0.5 % is the claim. Over the plane of the inlet whole columns of particles cross at once, 20 of
-/// some 2500 in 10 s: what is counted there is known to 0.8 %.
+/// In the middle the error is at most 0.5 %. Columns of 20 particles cross the plane of the inlet
+/// at once, of some 2500 in 10 s, so that the counts have an error of 0.8 %.
 #[test]
-fn what_an_inlet_is_told_to_bring_arrives_in_the_domain() {
+fn prescribed_mass_flow_arrives_in_the_domain() {
     for scheme in ["Wcsph()", "EdacTvf()"] {
         let mut simulation = flow(METERED, &[("scheme", scheme)]);
         let (fields, crossed) = flows(&mut simulation, 3.0, 13.0);
@@ -61,9 +64,9 @@ fn what_an_inlet_is_told_to_bring_arrives_in_the_domain() {
     }
 }
 
-/// By flux, with a rate that swings about its mean: over whole periods the mean arrives.
+/// With a flux that oscillates about its mean, the mean over whole periods arrives.
 #[test]
-fn a_flux_that_swings_brings_its_mean() {
+fn oscillating_flux_has_its_prescribed_mean() {
     let velocity = "MassFlux(flux: \"250*(1 + 0.3*sin(2*pi*t))\", profile: \"1 - y^2/H^2\")";
     let mut simulation = flow(METERED, &[("inlets.0.velocity", velocity)]);
     let (fields, crossed) = flows(&mut simulation, 3.0, 13.0);
@@ -72,10 +75,11 @@ fn a_flux_that_swings_brings_its_mean() {
     assert!((crossed - 100.0).abs() < 0.8, "{crossed} kg/s over the inlet");
 }
 
-/// A rate that comes within a second and then swings, under the other scheme: what is in the middle follows it. Sound crosses the channel in
-/// 0.15 s, so that the mean over whole periods arrives.
+/// The mass flow rises within a second and then oscillates, under `EdacTvf`; the flow in the middle
+/// follows it. An acoustic wave crosses the channel in 0.15 s, so that the mean over whole periods
+/// arrives.
 #[test]
-fn a_rate_that_swings_brings_its_mean_under_an_evolved_pressure() {
+fn oscillating_mass_flow_has_its_prescribed_mean_under_edac_tvf() {
     let velocity = "MassFlow(rate: \"100*min(t, 1)*(1 + 0.2*sin(2*pi*t))\", profile: \"1 - y^2/H^2\")";
     let set =
         [("inlets.0.velocity", velocity), ("scheme", "EdacTvf()"), ("initial", "(velocity: (0.0, 0.0))")];
@@ -86,7 +90,8 @@ fn a_rate_that_swings_brings_its_mean_under_an_evolved_pressure() {
     assert!((crossed - 100.0).abs() < 0.8, "{crossed} kg/s over the inlet");
 }
 
-/// A round pipe askew in space, 8.4 spacings wide, that is told its kg/s; the walls let it slip, so that it stays even.
+/// Round pipe oblique to the lattice, 8.4 spacings wide, with a prescribed mass flow in kg/s and
+/// free-slip walls, so that the flow stays uniform.
 const PIPE: &str = r#"Scene(
     title: "Metered pipe askew", dimensions: 3, spacing: 0.02, smoke: 0.04,
     constants: {"a": "30*pi/180", "R": 0.084, "L": 0.4, "c": "cos(a)", "s": "sin(a)"},
@@ -99,8 +104,9 @@ const PIPE: &str = r#"Scene(
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: 0.4, length: 0.1),
 )"#;
 
-/// Through the pipe, kg/s: momentum by length, weighted by 1 + cos over 0.3 m in its middle. A pipe on the lattice is not as wide as
-/// it is drawn, so that the fields at points of its section say nothing about its mass.
+/// Returns the mass flow through the pipe, kg/s: momentum per length, weighted by 1 + cos over
+/// 0.3 m in the middle. On a lattice the width of the pipe differs from its geometry, so that
+/// fields sampled in a section do not give its mass flow.
 fn through_the_pipe(simulation: &mut Simulation) -> f64 {
     let along = DVec3::new(0.75_f64.sqrt(), 0.5, 0.0);
     let weighted = |at: DVec3, velocity: DVec3| {
@@ -113,9 +119,9 @@ fn through_the_pipe(simulation: &mut Simulation) -> f64 {
     1000.0 * 0.02_f64.powi(3) * sum
 }
 
-/// An oblique inlet in space brings what it is told, whatever the width of the pipe is in spacings.
+/// An oblique inlet in 3D has its prescribed mass flow for any width of the pipe in spacings.
 #[test]
-fn a_pipe_askew_gets_its_rate() {
+fn oblique_pipe_has_its_prescribed_mass_flow() {
     let told = 0.5 * TAU * 1000.0 * 0.4 * 0.084 * 0.084;
     for scheme in ["Wcsph()", "EdacTvf()"] {
         let mut simulation = flow(PIPE, &[("scheme", scheme)]);

@@ -6,9 +6,9 @@ use sphecs::glam::DVec3;
 
 use crate::{advance, flow, fluid, shipped_flow};
 
-/// A stirred box with a mean drift; its velocities have no symmetry that could cancel an error.
-const STIRRED_2D: &str = r#"Scene(
-    title: "Stirred square", dimensions: 2, spacing: 0.05, smoke: 0.1,
+/// Box of vortices with a mean drift; its velocities have no symmetry that could cancel an error.
+const VORTICES_2D: &str = r#"Scene(
+    title: "Vortices in a square", dimensions: 2, spacing: 0.05, smoke: 0.1,
     constants: {"k": "2*pi"},
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 12.0),
     domain: Box(min: (0.0, 0.0), max: (1.0, 1.0)),
@@ -17,8 +17,8 @@ const STIRRED_2D: &str = r#"Scene(
     time: (end: 1.0), output: (every: 0.1),
 )"#;
 
-const STIRRED_3D: &str = r#"Scene(
-    title: "Stirred cube", dimensions: 3, spacing: 0.1, smoke: 0.2,
+const VORTICES_3D: &str = r#"Scene(
+    title: "Vortices in a cube", dimensions: 3, spacing: 0.1, smoke: 0.2,
     constants: {"k": "2*pi"},
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 15.0),
     domain: Box(min: (0.0, 0.0, 0.0), max: (1.0, 1.0, 1.0)),
@@ -29,17 +29,17 @@ const STIRRED_3D: &str = r#"Scene(
     time: (end: 1.0), output: (every: 0.1),
 )"#;
 
-/// Momentum stays to rounding: the pair forces are antisymmetric but for their last bits, and each step rounds n sums at
-/// random, so that √(steps n) ε of Σ m |v|, some 1e-13, is the most to expect (measured: below 1e-15). The tensile control
-/// is off: p_b − p_a in place of p_a + p_b where p_a < 0 is no antisymmetric force.
+/// Momentum is conserved up to rounding: the pair forces are antisymmetric except for their last
+/// bits, and each step rounds n sums at random. The error is then at most √(steps n) ε of Σ m |v|,
+/// some 1e-13 (measured: below 1e-15). The tensile control is off, as p_b − p_a instead of p_a +
+/// p_b where p_a < 0 is not antisymmetric.
 #[track_caller]
 fn check_momentum(text: &str, scheme: &str, steps: u64, n: usize) {
     let mut simulation = flow(text, &[("scheme", scheme)]);
     let before = simulation.monitor_row().momentum;
     let states = fluid(&mut simulation);
     assert_eq!(states.len(), n);
-    let mass = simulation.scene().fluid.density
-        * simulation.scene().spacing.powi(simulation.scene().dimensions as i32);
+    let mass = simulation.scene().fluid.density * simulation.scene().discretisation.cell_volume();
     let scale: f64 = states.iter().map(|state| mass * state.velocity.length()).sum();
     advance(&mut simulation, steps);
     let drift = (simulation.monitor_row().momentum - before).length() / scale;
@@ -47,18 +47,19 @@ fn check_momentum(text: &str, scheme: &str, steps: u64, n: usize) {
 }
 
 #[test]
-fn a_stirred_box_keeps_its_momentum_in_2d() {
-    check_momentum(STIRRED_2D, "Wcsph(tensile_control: false)", 400, 400);
-    check_momentum(STIRRED_2D, "Wcsph(tensile_control: false, integrator: Verlet())", 400, 400);
+fn periodic_box_conserves_momentum_in_2d() {
+    check_momentum(VORTICES_2D, "Wcsph(tensile_control: false)", 400, 400);
+    check_momentum(VORTICES_2D, "Wcsph(tensile_control: false, integrator: Verlet())", 400, 400);
 }
 
 #[test]
-fn a_stirred_box_keeps_its_momentum_in_3d() {
-    check_momentum(STIRRED_3D, "Wcsph(tensile_control: false)", 200, 1000);
+fn periodic_box_conserves_momentum_in_3d() {
+    check_momentum(VORTICES_3D, "Wcsph(tensile_control: false)", 200, 1000);
 }
 
-/// Relative errors of Taylor–Green vortices at half a second, when the exact speeds have fallen to 0.67: of the velocity (root of
-/// the squares over the particles) and of the kinetic energy.
+/// Returns the relative errors of Taylor–Green vortices after half a second, when the exact speeds
+/// have decreased to 0.67: of the velocity (root mean square over the particles) and of the kinetic
+/// energy.
 pub fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
     let mut simulation = shipped_flow(scene, pairs);
     simulation.run_until(0.5).expect("a decay");
@@ -75,9 +76,11 @@ pub fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
     ((off / exact).sqrt(), found / exact - 1.0)
 }
 
-/// Measured at 16, 32 and 64 rows, Re = 100, c0 = 10 U: energy off by 5.9, 1.3 and −0.1 %; velocity by 14.3, 7.9 and 2.9 %, order
-/// 1.1. The kernel's own error is of second order; the velocity's is less because the lattice rearranges at random and
-/// leaves a noise that falls with h/Δ rather than with Δ, hence bounds half an order below what was measured.
+/// Measured with 16, 32 and 64 particles across at Re = 100, c0 = 10 U: errors of 5.9, 1.3 and −0.1
+/// % in energy and of 14.3, 7.9 and 2.9 % in velocity, order 1.1. The error of the kernel is of
+/// second order. That of the velocity is of lower order, because the rearrangement of the lattice
+/// leaves a noise that decreases with h/Δ rather than with Δ. The bounds are half an order below
+/// the measured ones.
 #[test]
 fn taylor_green_decay_converges() {
     let errors = ["1/16", "1/32", "1/64"]
@@ -89,7 +92,8 @@ fn taylor_green_decay_converges() {
     assert!(errors[2].1.abs() < 0.02 && errors[2].0 < 0.06, "{errors:?}");
 }
 
-/// Rows move against each other, the shortest wave that the lattice carries; viscosity limits the step.
+/// Layers move against each other, in the shortest wave that the lattice resolves; viscosity limits
+/// the step.
 const SHEAR: &str = r#"Scene(
     title: "Rows against each other", dimensions: 2, spacing: 0.1, smoke: 0.1,
     constants: {"U": 1.0e-3},
@@ -111,7 +115,7 @@ fn check_shear(pairs: &[(&str, &str)]) {
     for _ in 0..20 {
         advance(&mut simulation, 50);
         let speed = simulation.monitor_row().largest_speed;
-        // Below that it is rounding, in F32 of pressures too: 6e-8 c0 = 3e-8 m/s at the most.
+        // Smaller speeds are rounding error, in F32 also of pressures: at most 6e-8 c0 = 3e-8 m/s.
         assert!(
             speed <= largest || speed < 1e-5 * start,
             "{pairs:?}: it grows from {largest} to {speed} m/s"
@@ -125,25 +129,26 @@ fn check_shear(pairs: &[(&str, &str)]) {
 }
 
 #[test]
-fn rows_against_each_other_come_to_rest() {
+fn counter_moving_layers_come_to_rest() {
     check_shear(&[]);
     check_shear(&[("precision", "F32")]);
     check_shear(&[VERLET]);
 }
 
 #[test]
-fn rows_against_each_other_come_to_rest_between_walls() {
+fn counter_moving_layers_come_to_rest_between_walls() {
     let walls = [("periodic", "[\"x\"]"), ("walls", "(slip: NoSlip)")];
     check_shear(&walls);
     check_shear(&[walls[0], walls[1], VERLET]);
 }
 
-/// Each f32 sum is off by some √40 6e-8 of its terms; and the flow, which `KickDrift` does not damp,
-/// makes more of it: after 120 steps 1.4e-4 m/s, 3.0e-4 Δ and 6e-6 of ρ0. So it is looked at after 60.
+/// An f32 sum has an error of some √40 6e-8 of its terms, which the flow amplifies, as `KickDrift`
+/// does not damp it: after 120 steps 1.4e-4 m/s, 3.0e-4 Δ and 6e-6 of ρ0. The comparison is
+/// therefore after 60 steps.
 #[test]
 fn single_and_double_precision_give_the_same_flow() {
     let [mut wide, mut narrow] =
-        ["F64", "F32"].map(|precision| flow(STIRRED_2D, &[("precision", precision)]));
+        ["F64", "F32"].map(|precision| flow(VORTICES_2D, &[("precision", precision)]));
     for simulation in [&mut wide, &mut narrow] {
         advance(simulation, 60);
     }
@@ -152,7 +157,7 @@ fn single_and_double_precision_give_the_same_flow() {
     for (a, b) in fluid(&mut wide).iter().zip(&fluid(&mut narrow)) {
         assert_eq!(a.id, b.id);
         let offset = a.position - b.position;
-        // The shorter way round the box.
+        // The shorter of the two distances in the periodic box.
         let offset = offset - offset.round();
         apart = apart.max(offset.length() / spacing);
         faster = faster.max((a.velocity - b.velocity).length());

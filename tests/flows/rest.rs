@@ -1,11 +1,11 @@
-//! Fluid at rest: what is uniform stays so, and water under gravity carries its weight.
+//! Fluid at rest: a uniform fluid stays uniform, and water under gravity carries its weight.
 
-use sphecs::arrays::Arrays;
+use sphecs::Simulation;
 use sphecs::bevy_ecs::entity::Entity;
 use sphecs::bevy_ecs::query::{With, Without};
-use sphecs::components::{Fluid, ParticleId, Position, Reservoir, Thermodynamics, Velocity};
 use sphecs::glam::DVec3;
-use sphecs::simulation::Simulation;
+use sphecs_engine::arrays::Arrays;
+use sphecs_engine::components::{Fluid, ParticleId, Position, Reservoir, Thermodynamics, Velocity};
 
 use crate::{advance, flow, smoke};
 
@@ -20,7 +20,8 @@ const AT_REST: [&str; 7] = [
     "quickstart.ron",
 ];
 
-/// Largest |p| in Pa and largest speed in m/s of all particles outside the reservoir, with where the pressure is.
+/// Returns the largest |p|, Pa, and the largest speed, m/s, of all particles outside the reservoir,
+/// with the position of that pressure.
 fn extremes(simulation: &mut Simulation) -> (f64, f64, DVec3) {
     let world = simulation.world_mut();
     let mut query = world.query_filtered::<(&Position, &Thermodynamics, &Velocity), Without<Reservoir>>();
@@ -35,8 +36,8 @@ fn extremes(simulation: &mut Simulation) -> (f64, f64, DVec3) {
     found
 }
 
-/// Every neighbour sum is the lattice's own, so that nothing but rounding is left: some 1e-14 of ρ0 c0² in the pressure
-/// (measured up to 2.7e-14), and speeds of that size over c0.
+/// Every neighbour sum is that of the lattice, so that only rounding errors are left: some 1e-14 of
+/// ρ0 c0² in the pressure (measured up to 2.7e-14), and speeds of that size over c0.
 #[track_caller]
 fn check(name: &str) {
     let mut still = Vec::new();
@@ -59,13 +60,14 @@ fn check(name: &str) {
 }
 
 #[test]
-fn a_uniform_fill_stays_at_rest_without_pressure() {
+fn uniform_fluid_stays_at_rest_without_pressure() {
     for name in AT_REST {
         check(name);
     }
 }
 
-/// A closed box filled completely; viscosity damps the sound of its settling within a second or two.
+/// Closed box filled completely; viscosity damps the acoustic waves of its settling within a second
+/// or two.
 pub const BOX: &str = r#"Scene(
     title: "Closed box under gravity", dimensions: 2, spacing: 0.05, smoke: 0.1,
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
@@ -74,10 +76,11 @@ pub const BOX: &str = r#"Scene(
     time: (end: 10.0), output: (every: 0.1), reference: (velocity: 1.0, length: 1.0),
 )"#;
 
-/// Hydrostatics on a lattice leaves the error of the kernel sums (measured 0.25 %: 802.0 Pa); after 8 s the sound of the
-/// settling is down to 1e-5 m/s. The mean pressure is that of the filling, none, but for the curvature of Tait's law.
+/// Hydrostatics on a lattice has the error of the kernel sums (measured 0.25 %: 802.0 Pa). After
+/// 8 s the acoustic waves of the settling have decreased to 1e-5 m/s. The mean pressure stays zero
+/// as initially, except for the curvature of the equation of state.
 #[test]
-fn a_closed_box_carries_the_weight_of_its_water() {
+fn closed_box_carries_the_weight_of_its_water() {
     let mut simulation = flow(BOX, &[]);
     simulation.run_until(8.0).expect("water at rest");
     let heights: Vec<f64> = (0..9).map(|i| -0.4 + 0.1 * f64::from(i)).collect();
@@ -92,9 +95,10 @@ fn a_closed_box_carries_the_weight_of_its_water() {
     assert_eq!((row.through_walls, row.close_pairs), (0, 0));
 }
 
-/// Water at rest, and one particle that is shot at a wall: it stops on the surface and keeps what it has along it.
+/// A particle is shot at a wall in water at rest: it stops at the surface and keeps its velocity
+/// along it.
 #[test]
-fn a_particle_that_is_shot_at_a_wall_stays_in_front_of_it() {
+fn particle_shot_at_a_wall_stays_in_front_of_it() {
     let mut simulation = smoke(
         "constricted_r2.ron",
         &[("inlets.0.velocity", "Normal(0.0)"), ("reference", "(velocity: 1.0e-3)")],
@@ -106,7 +110,8 @@ fn a_particle_that_is_shot_at_a_wall_stays_in_front_of_it() {
     let middle = |at: DVec3| (at - DVec3::new(-0.1, 0.0444, 0.0)).length();
     let nearest = query.iter(world).min_by(|a, b| middle(a.1.0).total_cmp(&middle(b.1.0)));
     let (shot, at) = nearest.map(|(entity, at)| (entity, at.0)).expect("a fluid particle");
-    // Behind the surface already, which is half a spacing away: steps shrink with the speed.
+    // Half a spacing per step would already be behind the surface, but steps decrease with the
+    // speed.
     let (start, velocity) = (at + DVec3::Y * (0.6 * spacing), DVec3::new(0.1, 6.0, 0.0));
     world.entity_mut(shot).insert((Position(start), Velocity(velocity)));
     simulation.step().expect("a step");
@@ -122,7 +127,8 @@ fn a_particle_that_is_shot_at_a_wall_stays_in_front_of_it() {
     let before = arrays.row(row).velocity_before;
     let depth = in_front(&simulation, after);
     assert!((0.0..1e-3 * spacing).contains(&depth), "{} Δ in front of the wall, from {at}", depth / spacing);
-    // Along the wall it keeps what the two halves of the kick left: the wall's direction is a quotient of differences, exact but for the last digits.
+    // It keeps the velocity along the wall of both halves of the kick. The direction of the wall is
+    // a quotient of differences, exact except for the last digits.
     assert!(
         now.y.abs() < 1e-9 && before.y.abs() < 1e-9 && (before.x - 0.5 * (now.x + 0.1)).abs() < 1e-12,
         "{now} {before}"

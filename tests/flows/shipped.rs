@@ -1,6 +1,7 @@
-//! The shipped scenes at their smoke spacings: no particle behind a wall, no clump, a ledger that balances at every step.
+//! Shipped scenes at their smoke spacings: no particle behind a wall, no clump, and particle counts
+//! that balance at every step.
 
-use sphecs::simulation::Simulation;
+use sphecs::Simulation;
 
 use crate::smoke;
 
@@ -16,11 +17,11 @@ struct Worst {
     held_at_walls: u64,
 }
 
-/// Runs a shipped scene while it is to go on.
-fn watch(name: &str, goes_on: impl Fn(&Simulation) -> bool) -> Worst {
+/// Runs a shipped scene while a condition holds.
+fn watch(name: &str, continues: impl Fn(&Simulation) -> bool) -> Worst {
     let mut simulation = smoke(name, &[]);
     let mut worst = Worst::default();
-    while goes_on(&simulation) {
+    while continues(&simulation) {
         simulation.step().unwrap_or_else(|stop| panic!("{name}: {stop}"));
         let ledger = simulation.ledger();
         assert!(ledger.balances(), "{name}: {:?}, {ledger:?}", simulation.clock());
@@ -35,10 +36,11 @@ fn watch(name: &str, goes_on: impl Fn(&Simulation) -> bool) -> Worst {
     worst
 }
 
-/// The ramp of Alvarado-Rodríguez et al. (2017), Eq. 39, and the first wave of the throat's inertia behind it. With six
-/// rows in the throat a particle that rounds one of its sharp corners would cut it now and then.
+/// The ramp of Alvarado-Rodríguez et al. (2017), Eq. 39, and the first wave of the inertia of the
+/// throat. With six particles across the throat a particle could occasionally cut one of its sharp
+/// corners.
 #[test]
-fn the_constricted_channel_starts_up_without_holes_clumps_or_leaks() {
+fn constricted_channel_starts_without_voids_clumps_or_leaks() {
     let worst = watch("constricted_r2.ron", |simulation| simulation.clock().time < 0.35);
     assert_eq!((worst.through_walls, worst.close_pairs), (0, 0), "{worst:?}");
     assert!(worst.density_deviation < 0.05, "{worst:?}");

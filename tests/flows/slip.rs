@@ -1,18 +1,18 @@
-//! Free-slip walls of every model under both schemes: what must not be dragged along, and what must be held. Their figures stand in
-//! docs/walls.md, which `--nocapture` prints.
+//! Free-slip walls of every model under both schemes: no drag along the wall, and full support
+//! normal to it. The figures are in docs/walls.md, printed with `--nocapture`.
 
 use std::f64::consts::PI;
 
-use sphecs::simulation::Simulation;
+use sphecs::Simulation;
 
 use crate::channel::{SLIPPERY, largest_error};
 use crate::rest::BOX;
 use crate::walls::{check, off_the_weight, pressures};
 use crate::{flow, fluid};
 
-/// Share of its momentum that a stream loses along free-slip walls over 2 s.
+/// Share of its momentum that a flow loses along free-slip walls over 2 s.
 #[test]
-fn free_slip_walls_of_every_model_take_no_shear() {
+fn free_slip_walls_of_every_model_exert_no_shear() {
     check("free slip", [[1e-5; 3], [6e-5; 3]], |scheme, model| {
         let mut simulation = flow(SLIPPERY, &[("scheme", scheme), ("walls.model", model)]);
         let before = simulation.monitor_row().momentum.x;
@@ -23,9 +23,9 @@ fn free_slip_walls_of_every_model_take_no_shear() {
     });
 }
 
-/// Largest speed that a lid which slips gives to water at rest within 2 s, over its own.
+/// Largest speed that a slipping lid gives to water at rest within 2 s, over its own.
 #[test]
-fn a_lid_that_slips_drags_nothing_along() {
+fn slipping_lid_exerts_no_drag() {
     check("sliding lid", [[1e-5; 3], [1e-5; 3]], |scheme, model| {
         let lid = "[(name: \"lid\", region: Box(min: (-1.0, 0.9), max: (2.0, 2.0)), velocity: (1.0, 0.0))]";
         let set = [
@@ -40,8 +40,9 @@ fn a_lid_that_slips_drags_nothing_along() {
     });
 }
 
-/// Largest error of the mean pressure of water at rest from 6 to 8 s, over that of the whole depth: walls that slip take nothing of the sound of
-/// a start, which swings by some per cent of it until then (period 0.2 s).
+/// Largest error of the mean pressure of water at rest from 6 to 8 s, over that of the whole depth.
+/// Free-slip walls do not damp the acoustic wave of the start, which changes it by some per cent
+/// until then (period 0.2 s).
 #[test]
 fn water_in_a_box_carries_its_weight_on_free_slip_walls() {
     check("hydrostatic pressure, free slip", [[0.0012, 0.0012, 0.005], [0.0006; 3]], |scheme, model| {
@@ -59,7 +60,7 @@ fn water_in_a_box_carries_its_weight_on_free_slip_walls() {
     });
 }
 
-/// Fluid without viscosity that turns as a whole between two cylinders that slip, and do not turn.
+/// Inviscid fluid in solid-body rotation between two slipping cylinders at rest.
 const TURNING: &str = r#"Scene(
     title: "Fluid that turns between cylinders that slip", dimensions: 2, spacing: 0.05, smoke: 0.1,
     fluid: (density: 1000.0, viscosity: 0.0, sound_speed: 10.0),
@@ -73,9 +74,10 @@ fn angular_momentum(simulation: &mut Simulation) -> f64 {
     fluid(simulation).iter().map(|state| state.position.cross(state.velocity).z).sum()
 }
 
-/// Share of the angular momentum that walls cut out of the lattice, whose stairs the fluid runs along, take within half a turn.
+/// Share of the angular momentum lost within half a turn at walls cut out of the lattice, along
+/// whose stairs the fluid flows.
 #[test]
-fn fluid_goes_on_turning_between_cylinders_that_slip() {
+fn rotating_fluid_between_slipping_cylinders_keeps_its_angular_momentum() {
     check("turning fluid", [[0.28, 0.28, 0.35], [0.15, 0.15, 0.06]], |scheme, model| {
         let mut simulation = flow(TURNING, &[("scheme", scheme), ("walls.model", model)]);
         let before = angular_momentum(&mut simulation);
@@ -84,10 +86,10 @@ fn fluid_goes_on_turning_between_cylinders_that_slip() {
     });
 }
 
-/// Mean speed around the inner of the same cylinders, which turns and slips, over that of its surface after 2.5 s: by then a no-slip
-/// one has all of a viscous fluid turn.
+/// Mean speed around the inner cylinder, which rotates and slips, over that of its surface after
+/// 2.5 s. By then a no-slip cylinder has set a viscous fluid in rotation.
 #[test]
-fn a_cylinder_that_slips_turns_nothing() {
+fn slipping_cylinder_exerts_no_torque() {
     check("slipping cylinder", [[1e-4; 3], [1e-4; 3]], |scheme, model| {
         let inner = "[(name: \"inner\", region: Circle(center: (0.0, 0.0), radius: 0.75), velocity: (\"-2*y\", \"2*x\"))]";
         let set = [

@@ -1,21 +1,21 @@
-//! Every wall model under both schemes against exact solutions: the figures of docs/walls.md, which `--nocapture` prints. The bands
-//! are some tenths above what was measured.
+//! Every wall model under both schemes compared with exact solutions: the figures of docs/walls.md,
+//! printed with `--nocapture`. The bands are some tenths above the measured values.
 
+use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs::physics::inlet::poiseuille::startup_velocity;
-use sphecs::simulation::Simulation;
+use sphecs_core::physics::inlet::poiseuille::startup_velocity;
 
 use crate::channel::{COUETTE, couette, largest_error};
 use crate::rest::BOX;
 use crate::{flow, fluid, shipped_flow};
 
-/// What a wall is made of, in the order of the tables below.
+/// Wall models, in the order of the tables below.
 const MODELS: [&str; 3] = ["Image()", "Dummy", "Ghost"];
 
-/// The schemes, in the order of the tables below.
+/// Schemes, in the order of the tables below.
 const SCHEMES: [&str; 2] = ["Wcsph()", "EdacTvf()"];
 
-/// Measures each model under each scheme and holds it to its band; `bands[scheme][model]`.
+/// Measures each model under each scheme and checks its band, `bands[scheme][model]`.
 #[track_caller]
 #[expect(clippy::print_stdout, reason = "the figures of docs/walls.md, by `--nocapture`")]
 pub fn check(what: &str, bands: [[f64; 3]; 2], measure: impl Fn(&str, &str) -> f64) {
@@ -32,7 +32,8 @@ pub fn check(what: &str, bands: [[f64; 3]; 2], measure: impl Fn(&str, &str) -> f
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Largest error of u over the peak of the steady flow at 0.15 and 1 s of the start-up, 25 rows.
+/// Largest error of u over the peak of the steady flow at 0.15 and 1 s of the start-up, with 25
+/// particles across.
 #[test]
 fn poiseuille_starts_up_between_walls_of_every_model() {
     check("Poiseuille", [[0.003, 0.0055, 0.013], [0.0033, 0.0055, 0.015]], |scheme, model| {
@@ -50,7 +51,8 @@ fn poiseuille_starts_up_between_walls_of_every_model() {
     });
 }
 
-/// Largest error of u over the lid's speed at 0.5 s of the start-up and of the steady flow, 20 rows.
+/// Largest error of u over the speed of the lid at 0.5 s of the start-up and in the steady flow,
+/// with 20 particles across.
 #[test]
 fn couette_flow_starts_up_between_walls_of_every_model() {
     check("Couette", [[0.003, 0.0034, 0.01], [0.0033, 0.0033, 0.0105]], |scheme, model| {
@@ -58,7 +60,7 @@ fn couette_flow_starts_up_between_walls_of_every_model() {
     });
 }
 
-/// Largest error of u at some times, s.
+/// Returns the largest error of u at some times, s.
 fn couette_error(set: &[(&str, &str)], exact: impl Fn(f64, f64) -> f64, times: &[f64]) -> f64 {
     let mut simulation = flow(COUETTE, set);
     let mut error = 0.0_f64;
@@ -70,16 +72,16 @@ fn couette_error(set: &[(&str, &str)], exact: impl Fn(f64, f64) -> f64, times: &
     error
 }
 
-/// The same in single precision: the error is the model's, not that of the numbers.
+/// In single precision the error is that of the model, not of the numbers.
 #[test]
-fn every_model_works_in_single_precision() {
+fn every_wall_model_works_in_single_precision() {
     check("Couette in F32", [[0.003, 0.0034, 0.01], [0.0033, 0.0033, 0.0105]], |scheme, model| {
         let set = [("scheme", scheme), ("walls.model", model), ("precision", "F32")];
         couette_error(&set, couette, &[0.5])
     });
 }
 
-/// Plane Couette flow in space, 10 rows.
+/// Plane Couette flow in 3D, 10 particles across.
 const SLAB: &str = r#"Scene(
     title: "Plane Couette flow in space", dimensions: 3, spacing: 0.1, smoke: 0.1,
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
@@ -92,7 +94,7 @@ const SLAB: &str = r#"Scene(
 )"#;
 
 #[test]
-fn every_model_works_in_space() {
+fn every_wall_model_works_in_3d() {
     check("Couette in 3D", [[0.007, 0.007, 0.016], [0.007, 0.007, 0.011]], |scheme, model| {
         let mut simulation = flow(SLAB, &[("scheme", scheme), ("walls.model", model)]);
         simulation.run_until(1.0).expect("a channel flow");
@@ -101,7 +103,8 @@ fn every_model_works_in_space() {
     });
 }
 
-/// u(y, t) under a lid that moves with sin(ωt): Im[sinh(ky)/sinh(k) exp(iωt)], k = (1 + i) √(ω/2ν), ν = 0.1 m²/s, ω = 4/s.
+/// u(y, t) under a lid that moves with sin(ωt): Im[sinh(ky)/sinh(k) exp(iωt)], k = (1 + i) √(ω/2ν),
+/// ν = 0.1 m²/s, ω = 4/s.
 fn oscillating(y: f64, t: f64) -> f64 {
     let k = (4.0_f64 / 0.2).sqrt();
     let sinh = |a: f64| (a.sinh() * a.cos(), a.cosh() * a.sin());
@@ -110,10 +113,10 @@ fn oscillating(y: f64, t: f64) -> f64 {
     re * (4.0 * t).sin() + im * (4.0 * t).cos()
 }
 
-/// A surface whose speed changes, after the start has died out; the dissipative terms of a leapfrog step see the surface's speed one
-/// step earlier, and not that of the start.
+/// A wall of varying speed, after the start has decayed. The dissipative terms of a leapfrog step
+/// use the speed of the wall one step earlier, not that of the start.
 #[test]
-fn a_lid_that_swings_drags_the_fluid_along() {
+fn oscillating_lid_drives_the_exact_flow() {
     check("swinging lid", [[0.02, 0.025, 0.028], [0.02, 0.026, 0.029]], |scheme, model| {
         let lid = "(\"sin(4*t)\", 0.0)";
         let set = [("scheme", scheme), ("walls.model", model), ("walls.parts.0.velocity", lid)];
@@ -121,7 +124,8 @@ fn a_lid_that_swings_drags_the_fluid_along() {
     });
 }
 
-/// Largest error of the pressure, over that of the whole depth, at points up to 0.1 m from lid and floor; 20 rows.
+/// Largest error of the pressure, over that of the whole depth, at points up to 0.1 m from lid and
+/// bottom, with 20 particles across.
 #[test]
 fn water_in_a_box_carries_its_weight_on_walls_of_every_model() {
     check("hydrostatic pressure", [[0.002; 3], [0.0007; 3]], |scheme, model| {
@@ -129,9 +133,9 @@ fn water_in_a_box_carries_its_weight_on_walls_of_every_model() {
     });
 }
 
-/// The same where the weight comes gently and is an expression.
+/// The weight increases gradually and is given by an expression.
 #[test]
-fn walls_of_every_model_carry_a_weight_that_comes() {
+fn walls_of_every_model_carry_a_gradual_weight() {
     check("weight that comes", [[0.002; 3], [0.0007; 3]], |scheme, model| {
         let weight = "(0.0, \"-min(t, 1.0)\")";
         hydrostatic_error(&[
@@ -149,25 +153,25 @@ fn hydrostatic_error(set: &[(&str, &str)]) -> f64 {
     off_the_weight(&pressures(&mut simulation))
 }
 
-/// Pressure at nine depths of the box, 0.1 m apart, Pa.
+/// Returns the pressure at nine depths of the box, 0.1 m apart, Pa.
 pub fn pressures(simulation: &mut Simulation) -> [f64; 9] {
     let points: [DVec3; 9] = std::array::from_fn(|at| DVec3::new(0.02, DEEPEST + 0.1 * at as f64, 0.0));
     let samples = simulation.sample(&points);
     std::array::from_fn(|at| samples[at].expect("water").pressure)
 }
 
-/// The deepest of them, m.
+/// Largest of the depths, m.
 const DEEPEST: f64 = -0.4;
 
-/// Largest difference of such pressures from those of the weight, over that of the whole depth. Their mean is that of the filling, which an evolved
-/// pressure keeps to the squares of what settled.
+/// Returns the largest difference of the pressures from those of the weight, over that of the whole
+/// depth. Their mean is the initial one, which `EdacTvf` keeps up to second order in the settling.
 pub fn off_the_weight(pressures: &[f64; 9]) -> f64 {
     let mean = pressures.iter().sum::<f64>() / 9.0;
     let off = |(at, p): (usize, &f64)| (p - mean + 1000.0 * (DEEPEST + 0.1 * at as f64)).abs();
     pressures.iter().enumerate().map(off).fold(0.0, f64::max) / 1000.0
 }
 
-/// Fluid between a cylinder that turns and one at rest, started as it ends.
+/// Fluid between a rotating cylinder and one at rest, started from the steady flow.
 pub const ANNULUS: &str = r#"Scene(
     title: "Fluid between two cylinders", dimensions: 2, spacing: 0.05, smoke: 0.1,
     constants: {"R": 0.5, "S": 1.0, "w": 2.0, "B": "w/(1/R^2 - 1/S^2)", "A": "-B/S^2"},
@@ -180,10 +184,10 @@ pub const ANNULUS: &str = r#"Scene(
     time: (end: 20.0), output: (every: 1.0), reference: (velocity: 1.0, length: 0.5),
 )"#;
 
-/// Root of the mean squared error of the velocity, over that of the turning surface, after the time in which shear crosses
-/// the gap of 10 rows: (S − R)²/ν.
+/// Root mean square error of the velocity, over that of the rotating surface, after the time in
+/// which shear crosses the gap of 10 spacings: (S − R)²/ν.
 #[test]
-fn fluid_between_cylinders_turns_as_couette_has_it() {
+fn flow_between_cylinders_agrees_with_couette() {
     check("annulus", [[0.047, 0.05, 0.05], [0.009, 0.027, 0.032]], |scheme, model| {
         let mut simulation = flow(ANNULUS, &[("scheme", scheme), ("walls.model", model)]);
         simulation.run_until(2.5).expect("a flow in a ring");
@@ -191,9 +195,9 @@ fn fluid_between_cylinders_turns_as_couette_has_it() {
     });
 }
 
-/// Root of the mean squared error of the pressure in that flow, less its mean, over ρ (ω R)².
+/// Root mean square error of the pressure in that flow, less its mean, over ρ (ω R)².
 #[test]
-fn pressure_between_cylinders_holds_the_fluid_in_its_circle() {
+fn pressure_between_cylinders_balances_the_centrifugal_force() {
     check("annulus, pressure", [[0.42; 3], [0.09; 3]], |scheme, model| {
         let mut simulation = flow(ANNULUS, &[("scheme", scheme), ("walls.model", model)]);
         simulation.run_until(2.5).expect("a flow in a ring");

@@ -1,11 +1,12 @@
-//! Plug flow between an inlet and an outlet, without walls: every particle moves by the same formula.
+//! Plug flow between an inlet and an outlet, without walls: all particles have the same velocity.
 
-use sphecs::scene::load_str;
-use sphecs::scene::model::Scene;
+use sphecs::Scene;
 
-/// A fixed outlet pressure holds the uniform state to the last digit: an absorbing one sees the start as a wave.
-/// Shifting turns a square lattice into a closer one, from rounding and the faster the stronger it is: weak enough, it
-/// takes longer than a passage. The tag says where and when a particle entered.
+/// Plug flow whose uniform state is exact to the last digit.
+///
+/// The outlet pressure is fixed, since other conditions treat the start as a wave. Strong shifting
+/// transforms the square lattice into a denser one; here it is weak enough to take longer than a
+/// passage. The tag records position and time of the injection.
 const SCENE: &str = r#"Scene(
     title: "Plug flow",
     dimensions: 2,
@@ -25,9 +26,7 @@ const SCENE: &str = r#"Scene(
     output: (every: 1.0),
 )"#;
 
-/// The scene with values put in.
+/// Returns the scene with changed values.
 pub fn scene(sets: &[(&str, &str)]) -> Scene {
-    let sets: Vec<(String, String)> =
-        sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
-    load_str("plug", SCENE, &sets).unwrap_or_else(|faults| panic!("{faults:?}"))
+    Scene::from_text("plug", SCENE).sets(sets).load().unwrap_or_else(|faults| panic!("{faults:?}"))
 }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use sphecs::math::column::Columns;
-use sphecs::output::checkpoint::container;
-use sphecs::output::checkpoint::store::Store;
+use sphecs_core::math::column::Columns;
+use sphecs_output::checkpoint::container;
+use sphecs_output::checkpoint::store::Store;
 use tempfile::TempDir;
 
 /// Long enough for any of the short runs below on a busy machine; reached only when something hangs.

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
-use sphecs::output::checkpoint::container;
+use sphecs_output::checkpoint::container;
 
 use crate::program::{QUICK, checkpoints, ends, folder, long_run, resume, run, same, sphecs, wait_for};
 

@@ -39,7 +39,7 @@ fn a_checkpoint_that_does_not_belong_here_is_not_taken() {
     let [last, before] = [0, 1].map(|at| checkpoints(&pieces)[at].clone());
     let sound = fs::read(&last).expect("read");
 
-    let ours = format!("version {}", sphecs::output::checkpoint::container::VERSION);
+    let ours = format!("version {}", sphecs_output::checkpoint::container::VERSION);
     // Of another version of the layout, whole: the versions are named, and nothing is done.
     let mut other = sound.clone();
     other[8..12].copy_from_slice(&9_u32.to_le_bytes());
@@ -53,7 +53,7 @@ fn a_checkpoint_that_does_not_belong_here_is_not_taken() {
     // On other lanes: only if asked for. Where a machine has none but the portable ones, there are no others.
     let mut portable = resume(&pieces, &["--steps", "150"]);
     portable.env("SPHECS_LANES", "portable");
-    let lanes = sphecs::math::lanes::InstructionSet::best().name();
+    let lanes = sphecs_core::math::lanes::InstructionSet::best().name();
     if lanes != "portable" {
         refused(portable, &[lanes, "portable", "--allow-other-isa"]);
         let copy = folder.path().join("copy");

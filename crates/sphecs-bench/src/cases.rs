@@ -4,7 +4,8 @@
 //! (20 neighbours), in 3D h = 2.02 Δ (some 256). Those called `quintic` have the quintic spline at h = 1.2 Δ instead (some 40 and
 //! 190 neighbours), those called `edac` that and the scheme `EdacTvf`. Particles lie as a flow leaves them (`bench/stirring.rs`).
 
-use sphecs_scene::faults::SceneFaults;
+use sphecs_run::memory;
+use sphecs_scene::faults::SceneErrors;
 use sphecs_scene::model::{Precision, Scene};
 
 /// The channel as shipped, part of the program: an installed one has no scenes beside it.
@@ -148,12 +149,14 @@ impl Case {
     ///
     /// # Errors
     /// Its faults: more particles than the machine has memory for.
-    pub fn scene(self) -> Result<Scene, SceneFaults> {
+    pub fn scene(self) -> Result<Scene, SceneErrors> {
         match self {
             Case::Box(stirred) => stirred.scene(),
-            Case::Channel => sphecs_scene::load_str("constricted_r2", CHANNEL, &[]),
-            Case::Cylinder => sphecs_scene::load_str("channel_cylinder", CYLINDER, &[]),
-            Case::Duct => sphecs_scene::load_str("duct", DUCT, &[]),
+            Case::Channel => Scene::from_text("constricted_r2", CHANNEL).memory(memory::available()).load(),
+            Case::Cylinder => {
+                Scene::from_text("channel_cylinder", CYLINDER).memory(memory::available()).load()
+            }
+            Case::Duct => Scene::from_text("duct", DUCT).memory(memory::available()).load(),
         }
     }
 }
@@ -163,7 +166,7 @@ impl StirredBox {
     ///
     /// # Errors
     /// Its faults: more particles than the machine has memory for.
-    pub fn scene(self) -> Result<Scene, SceneFaults> {
+    pub fn scene(self) -> Result<Scene, SceneErrors> {
         let edge = self.count as f64 * 0.01;
         let (dimensions, precision) = (self.dimensions, self.precision);
         let (zeros, edges, axes, velocity, ratio) = if dimensions == 2 {
@@ -194,7 +197,7 @@ impl StirredBox {
             time: (end: 1.0), output: (every: 1.0),
         )"#
         );
-        sphecs_scene::load_str("stirred_box", &text, &[])
+        Scene::from_text("stirred_box", &text).memory(memory::available()).load()
     }
 }
 

@@ -27,7 +27,7 @@ use stirring::{Tile, TileError};
 
 use sphecs_engine::simulation::Stop;
 use sphecs_run::console::Console;
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 
 /// What the user asks of a bench.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ pub enum BenchError {
     /// The scene of a case has faults: too little memory, as a rule.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// The flow of a case blew up.
     #[error("{case}: {stop}")]
     #[diagnostic(help("the cases are tame on any machine: please report it with the lines above"))]

@@ -131,6 +131,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use sphecs_core::discretisation::Discretisation;
     use sphecs_core::math::column::{Column, Element};
     use sphecs_core::math::grid::CellGrid;
     use sphecs_core::math::lanes::{Array, InstructionSet, Vectorised};
@@ -294,7 +295,8 @@ mod tests {
 
     fn check<const D: usize>() {
         let tait = Tait { reference_density: 1000.0, sound_speed: 10.0 };
-        let plain = PairSettings::new(Kernel::WendlandC2, D, 0.01, 2.0, tait);
+        let discretisation = Discretisation::new(Kernel::WendlandC2, D, 0.01, 2.0, tait.reference_density);
+        let plain = PairSettings::new(&discretisation, tait);
         let damped = PairSettings { noise_damping: 0.4, ..plain.clone() };
         let sps = Viscosity::Sps(Sps::default());
         let stressed = PairSettings { viscous_term: sps, ..plain.clone() };

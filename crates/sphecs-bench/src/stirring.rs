@@ -9,7 +9,7 @@ use glam::{DVec3, IVec3};
 use super::cases::{BoxTerms, StirredBox};
 use sphecs_engine::components::{ParticleId, Position, Velocity};
 use sphecs_engine::simulation::{Simulation, Stop};
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 use sphecs_scene::model::{ParticleSeed, Precision};
 
 /// Edges of a tile, in spacings, from which the largest that divides a box is taken.
@@ -23,7 +23,7 @@ const STEPS: usize = 100;
 pub enum TileError {
     /// Its scene has faults.
     #[error(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// Its flow blew up.
     #[error(transparent)]
     Flow(#[from] Stop),

@@ -2,6 +2,7 @@
 //!
 //! Knows no ECS, no files and no clock.
 
+pub mod discretisation;
 pub mod math;
 pub mod particles;
 pub mod pass;

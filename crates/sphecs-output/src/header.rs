@@ -153,7 +153,7 @@ impl Header {
                 Precision::F64 => "f64".to_owned(),
             },
             kernel: format!("{:?}", scene.scheme.kernel()),
-            smoothing_length: scene.scheme.smoothing_ratio() * scene.spacing,
+            smoothing_length: scene.discretisation.smoothing_length,
             spacing: scene.spacing,
             sound_speed: scene.fluid.sound_speed,
             reference_density: scene.fluid.density,

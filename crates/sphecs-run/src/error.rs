@@ -4,7 +4,7 @@ use miette::Diagnostic;
 
 use sphecs_engine::simulation::{BuildError, Stop};
 use sphecs_output::error::OutputError;
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 
 /// Why a run ended before its end.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -29,7 +29,7 @@ pub enum RunError {
     /// The scene of a run that is to be gone on with has faults, as by `--set`.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(#[from] SceneFaults),
+    Scene(#[from] SceneErrors),
     /// The threads could not be started.
     #[error("cannot start the threads: {0}")]
     #[diagnostic(help("give a smaller number by `--threads`"))]

@@ -11,6 +11,7 @@ pub mod display;
 pub mod due;
 pub mod error;
 pub mod log;
+pub mod memory;
 pub mod occasions;
 pub mod opening;
 pub mod pace;

@@ -23,7 +23,7 @@ pub fn counts(by_zone: [u64; 5]) -> String {
 
 /// Spacing, smoothing length and kernel.
 pub fn resolution(scene: &Scene) -> String {
-    let h = scene.scheme.smoothing_ratio() * scene.spacing;
+    let h = scene.discretisation.smoothing_length;
     format!("Δ = {} m, h = {} m ({:?})", figure(scene.spacing), figure(h), scene.scheme.kernel())
 }
 

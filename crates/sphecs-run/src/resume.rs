@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use super::error::RunError;
 use super::log::{self, Log};
+use super::memory;
 use super::signals::Signals;
 use super::threads::on_threads;
 use super::voyage::Voyage;
@@ -128,7 +129,11 @@ fn changed_scene(
         )));
     }
     let changes = [header.changes.clone(), options.sets.clone()].concat();
-    let scene = sphecs_scene::load_kept(&header.scene, &header.text, &header.tables, &changes)?;
+    let scene = Scene::from_text(&header.scene, &header.text)
+        .tables(header.tables.clone())
+        .sets(&changes)
+        .memory(memory::available())
+        .load()?;
     Ok((scene, changes))
 }
 

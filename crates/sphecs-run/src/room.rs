@@ -4,7 +4,7 @@ use super::RunOptions;
 use super::words::{figure, grouped};
 use sphecs_output::disk::free_space;
 use sphecs_output::error::OutputError;
-use sphecs_scene::demand::Demand;
+use sphecs_scene::disk_estimate::Demand;
 use sphecs_scene::model::Scene;
 
 /// Whether the results of a run find room.

@@ -75,14 +75,14 @@ impl Diagnostic for Fault {
 
 /// All faults of a scene, in the order of the text.
 #[derive(Clone, Debug)]
-pub struct SceneFaults {
+pub struct SceneErrors {
     /// Name and text of the scene as read, `--set` values included.
     source: NamedSource<String>,
     /// The faults; at least one.
     faults: Vec<Fault>,
 }
 
-impl SceneFaults {
+impl SceneErrors {
     /// The faults of a text, sorted by place.
     pub fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         faults.sort_by_key(|fault| fault.span.map_or((usize::MAX, 0), |s| (s.start, s.end)));
@@ -104,7 +104,7 @@ impl SceneFaults {
     }
 }
 
-impl fmt::Display for SceneFaults {
+impl fmt::Display for SceneErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = self.source.name();
         match self.faults.len() {
@@ -114,9 +114,9 @@ impl fmt::Display for SceneFaults {
     }
 }
 
-impl std::error::Error for SceneFaults {}
+impl std::error::Error for SceneErrors {}
 
-impl Diagnostic for SceneFaults {
+impl Diagnostic for SceneErrors {
     fn source_code(&self) -> Option<&dyn SourceCode> {
         Some(&self.source)
     }

@@ -265,7 +265,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::load_smoke;
 
     /// What a row skips is what each of its points by itself would be.
     #[test]
@@ -274,7 +273,7 @@ mod tests {
             ["square_bend", "cylinder_re20", "constricted_r2", "kelvin_helmholtz_periodic", "inclined_plates"]
         {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.ron"));
-            let scene = load_smoke(&path, &[]).unwrap();
+            let scene = Scene::from_file(&path).smoke().load().unwrap();
             let filler = Filler::new(&scene);
             let (low, high) = scene.layout.confines.bounds();
             let spacing = 0.37 * scene.spacing;

@@ -12,6 +12,7 @@ use super::lattice::Lattice;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
+use sphecs_core::discretisation::Discretisation;
 use sphecs_core::physics::eos::Tait;
 use sphecs_core::physics::inlet::{Feed, InletPressure};
 use sphecs_core::physics::outlet::OutletCondition;
@@ -34,6 +35,8 @@ pub struct Scene {
     pub precision: Precision,
     /// Initial particle spacing Δ, m, > 0.
     pub spacing: f64,
+    /// Spacing, smoothing length, support and mass of the particles.
+    pub discretisation: Discretisation,
     /// Coarser spacing for quick tests, m.
     pub smoke_spacing: f64,
     /// The fluid.
@@ -247,7 +250,7 @@ pub enum InletVelocity {
         rate: Expression,
         /// Shape over the plane.
         profile: Expression,
-        /// Speed over rate and profile: see [`meter`](super::build::meter).
+        /// Speed over rate and profile: see [`mass_flow`](super::check::mass_flow).
         scale: f64,
     },
     /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about `at`,

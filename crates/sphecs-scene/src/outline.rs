@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use super::fill::confined_distance;
 use super::model::Scene;
-use super::walls::surface_at;
+use super::wall_particles::surface_at;
 
 /// A piece of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,12 +90,12 @@ fn samples(low: f64, high: f64, spacing: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use crate::model::Scene;
     use std::f64::consts::PI;
 
     use glam::DVec3;
 
     use super::outline;
-    use crate::load_str;
 
     /// A drum of ten spacings in a box, in 2D and as a ball in 3D: the area of each, normals that point away from its middle and cancel.
     #[test]
@@ -116,7 +116,7 @@ mod tests {
                 corner(-0.7),
                 corner(0.7)
             );
-            let scene = load_str("drum", &text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+            let scene = Scene::from_text("drum", &text).load().unwrap_or_else(|faults| panic!("{faults:?}"));
             let middle = DVec3::new(0.1, 0.2, 0.0);
             let pieces = outline(&scene, 1);
             let found: f64 = pieces.iter().map(|piece| piece.area).sum();

@@ -74,7 +74,7 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::load_str;
+    use crate::model::Scene;
     use crate::spawn::seeds;
     use sphecs_core::particles::zone::Zone;
 
@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn rings_fill_the_cylinder_as_far_as_the_fluid_feels() {
-        let scene = load_str("cylinder", CYLINDER, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let scene =
+            Scene::from_text("cylinder", CYLINDER).load().unwrap_or_else(|faults| panic!("{faults:?}"));
         let all = seeds(&scene);
         let ring = all.iter().filter(|seed| seed.zone == Zone::Wall && seed.patch == 1);
         let depths: Vec<(f64, f64)> = ring
@@ -112,7 +113,7 @@ mod tests {
         let on_it =
             CYLINDER.replace("radius: 1.0),\n        )]", "radius: 1.0, first: Circumference),\n        )]");
         assert_ne!(on_it, CYLINDER);
-        let scene = load_str("cylinder", &on_it, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let scene = Scene::from_text("cylinder", &on_it).load().unwrap_or_else(|faults| panic!("{faults:?}"));
         let all = seeds(&scene);
         let ring = all.iter().filter(|seed| seed.zone == Zone::Wall && seed.patch == 1);
         let radii: Vec<f64> = ring.map(|seed| seed.position.distance(glam::DVec3::X * 0.1)).collect();

@@ -63,7 +63,10 @@ impl Scheme {
         }
     }
 
-    /// Radius of the kernel's support for particles of a spacing, m.
+    /// Returns the reach of inlets, outlets and their zones for particles of a spacing, m: the support, as
+    /// (κ h/Δ) Δ.
+    ///
+    /// `Discretisation::support` is κ (h/Δ Δ), which may differ in its last bit.
     pub fn support(&self, spacing: f64) -> f64 {
         self.kernel().support_ratio() * self.smoothing_ratio() * spacing
     }

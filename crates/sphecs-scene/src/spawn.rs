@@ -6,7 +6,7 @@ use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
 use super::expression::Expression;
 use super::fill::{Place, places};
 use super::model::{ParticleSeed, Scene};
-use super::walls;
+use super::wall_particles;
 use sphecs_core::particles::zone::Zone;
 
 /// All particles at t = 0: fluid, wall, inflow, outflow, reservoir, each zone in the order of its lattice.
@@ -46,7 +46,7 @@ fn seed(scene: &Scene, place: Place) -> ParticleSeed {
     };
     match place.zone {
         Zone::Wall => {
-            let surface = walls::surface(scene, position);
+            let surface = wall_particles::surface(scene, position);
             let part = &scene.walls.parts[usize::from(surface.part)];
             seed.patch = surface.part;
             seed.velocity = part.velocity_at(position + surface.normal * surface.distance, 0.0);

@@ -1,7 +1,5 @@
 //! What a scene will be, without running it: the figures of `sphecs check`.
 
-use std::path::{Path, PathBuf};
-
 use glam::DVec3;
 
 use super::geometry::Shape;
@@ -74,18 +72,15 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
     }
 }
 
-fn smoothing_length(scene: &Scene) -> f64 {
-    scene.scheme.smoothing_ratio() * scene.spacing
-}
-
 /// The step that sound allows, s, with the signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
 fn courant_step(scene: &Scene) -> f64 {
-    scene.time.cfl * smoothing_length(scene) / (scene.fluid.sound_speed + scene.reference_velocity)
+    scene.time.cfl * scene.discretisation.smoothing_length
+        / (scene.fluid.sound_speed + scene.reference_velocity)
 }
 
 /// The step that viscosity allows, s.
 fn viscous_step(scene: &Scene) -> f64 {
-    scene.time.viscous * smoothing_length(scene).powi(2) / scene.fluid.viscosity
+    scene.time.viscous * scene.discretisation.smoothing_length.powi(2) / scene.fluid.viscosity
 }
 
 /// Steps to a time, s.
@@ -94,7 +89,7 @@ pub fn steps_to(scene: &Scene, until: f64) -> f64 {
 }
 
 fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
-    let lattice = super::build::lattice(&scene.layout.fill)?;
+    let lattice = super::check::lattice(&scene.layout.fill)?;
     let worst = lattice.fits.iter().max_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
     let axis = ['x', 'y', 'z'][worst.axis];
     Some((axis, worst.coordinate, worst.misfit))
@@ -241,27 +236,4 @@ pub fn estimated_volume(domain: &Shape, reach: f64, dimensions: usize) -> f64 {
     let extent = high - low;
     let volume: f64 = (0..dimensions).map(|axis| extent[axis]).product();
     volume * f64::from(hits) / f64::from(SAMPLES)
-}
-
-/// Memory that is free for this process, B: of the machine, or of its control group if that has less, as under a batch system. None where the
-/// system does not tell.
-pub fn available_memory() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
-    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(
-        group_memory(Path::new("/sys/fs/cgroup"))
-            .map_or(kilobytes * 1024.0, |left| left.min(kilobytes * 1024.0)),
-    )
-}
-
-/// What the control group of this process and those above it leave, B; None without a limit.
-fn group_memory(root: &Path) -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/cgroup").ok()?;
-    let own = text.lines().find_map(|line| line.strip_prefix("0::/"))?;
-    let number = |path: PathBuf| std::fs::read_to_string(path).ok()?.trim().parse::<f64>().ok();
-    let left =
-        |folder: &Path| Some(number(folder.join("memory.max"))? - number(folder.join("memory.current"))?);
-    let folder = root.join(own);
-    folder.ancestors().take_while(|place| place.starts_with(root)).filter_map(left).min_by(f64::total_cmp)
 }

@@ -6,9 +6,10 @@ use include_dir::{Dir, include_dir};
 
 use super::check;
 use super::schema::{CaseFile, RunFile, Tier};
+use sphecs_run::memory;
 use sphecs_scene::constants;
 use sphecs_scene::expression::Constants;
-use sphecs_scene::faults::{Fault, SceneFaults, advice};
+use sphecs_scene::faults::{Fault, SceneErrors, advice};
 use sphecs_scene::model::Scene;
 use sphecs_scene::notation::{reader, typed};
 
@@ -44,8 +45,8 @@ impl Case {
     ///
     /// # Errors
     /// All faults of the case, those of its scenes too.
-    pub fn load(name: &str) -> Result<Self, SceneFaults> {
-        let refused = |fault: Fault| SceneFaults::new(name, "", vec![fault]);
+    pub fn load(name: &str) -> Result<Self, SceneErrors> {
+        let refused = |fault: Fault| SceneErrors::new(name, "", vec![fault]);
         if let Some(stem) = name.strip_suffix(".ron") {
             let path = Path::new(name);
             let text = std::fs::read_to_string(path)
@@ -64,28 +65,28 @@ impl Case {
         Self::read(name, text, None)
     }
 
-    fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, SceneFaults> {
+    fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, SceneErrors> {
         let reader::Reading { root, mut faults, lost } = reader::read(text);
         let shown = format!("{name}.ron");
         if lost {
-            return Err(SceneFaults::new(&shown, text, faults));
+            return Err(SceneErrors::new(&shown, text, faults));
         }
         let constants = constants::read(&root, &mut faults);
         let (file, typed_faults) = typed::read::<CaseFile>(&root, &constants);
         faults.extend(typed_faults);
         let Some(file) = file.filter(|_| faults.is_empty()) else {
-            return Err(SceneFaults::new(&shown, text, faults));
+            return Err(SceneErrors::new(&shown, text, faults));
         };
         let case = Self { name: name.to_owned(), file, constants, folder };
         let faults = check::faults(&case);
-        if faults.is_empty() { Ok(case) } else { Err(SceneFaults::new(&shown, text, faults)) }
+        if faults.is_empty() { Ok(case) } else { Err(SceneErrors::new(&shown, text, faults)) }
     }
 
     /// The scene of a run, with its values put in.
     ///
     /// # Errors
     /// All faults of the scene.
-    pub fn scene(&self, run: &RunFile) -> Result<Scene, SceneFaults> {
+    pub fn scene(&self, run: &RunFile) -> Result<Scene, SceneErrors> {
         self.member_scene(run, &run.members(Tier::Quick)[0])
     }
 
@@ -93,19 +94,19 @@ impl Case {
     ///
     /// # Errors
     /// All faults of the scene.
-    pub fn member_scene(&self, run: &RunFile, sets: &[(String, String)]) -> Result<Scene, SceneFaults> {
+    pub fn member_scene(&self, run: &RunFile, sets: &[(String, String)]) -> Result<Scene, SceneErrors> {
         let name = &run.scene.value;
         if let Some(folder) = self.folder.as_ref().filter(|_| name.ends_with(".ron")) {
-            return sphecs_scene::load(&folder.join(name), sets);
+            return Scene::from_file(folder.join(name)).sets(sets).memory(memory::available()).load();
         }
         let file = SCENES.get_file(format!("{name}.ron"));
         match file.and_then(|file| file.contents_utf8()) {
-            Some(text) => sphecs_scene::load_str(name, text, sets),
+            Some(text) => Scene::from_text(name, text).sets(sets).memory(memory::available()).load(),
             None => {
                 let known = SCENES.files().filter_map(|file| file.path().file_stem()?.to_str());
                 let fault = Fault::placeless(format!("there is no scene `{name}`"))
                     .help(advice(name, known.collect::<Vec<_>>()));
-                Err(SceneFaults::new(name, "", vec![fault]))
+                Err(SceneErrors::new(name, "", vec![fault]))
             }
         }
     }

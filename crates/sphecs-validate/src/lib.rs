@@ -41,7 +41,7 @@ use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
 use sphecs_run::signals::Signal;
 use sphecs_run::words::duration;
-use sphecs_scene::faults::SceneFaults;
+use sphecs_scene::faults::SceneErrors;
 
 /// Name of the report for programs.
 const REPORT: &str = "report.json";
@@ -80,7 +80,7 @@ pub enum ValidateError {
     /// A case has faults.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Case(#[from] SceneFaults),
+    Case(#[from] SceneErrors),
     /// A run could not begin.
     #[error(transparent)]
     #[diagnostic(transparent)]

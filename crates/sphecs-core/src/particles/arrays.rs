@@ -1,136 +1,111 @@
-//! The working set of a step: contiguous columns, sorted by cell, inside a cell by its parts along x (`math/grid/sort.rs`) and by
-//! particle id.
+//! Contiguous columns of the particles: the truth within a step.
 //!
-//! Reservoir particles are not in the arrays: they have no neighbours. Everything here is the
-//! truth within a step; the components of the world are the truth between steps.
+//! They are sorted by cell, inside a cell by strips along x (`math/grid/sort.rs`) and by particle
+//! id. Particles of the reservoir are not in the arrays: they have no neighbours. Between steps the
+//! components of the world are the truth.
 
+use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
+use super::quantity::{ColumnElement, Quantity};
+use super::saved::SavedRows;
+use super::table::{Sort, When, columns};
 use super::zone::Zone;
+use crate::math::column::{ColumnMismatch, Columns};
 use crate::math::real::Real;
 
-/// Columns of all particles that can be somebody's neighbour, in `D` dimensions.
-///
-/// Positions are f64 always; the other columns are in the precision of the pair sums.
-#[derive(Clone, Debug)]
-pub struct ParticleArrays<R: Real, const D: usize> {
-    /// Number of the particle: dense; no two rows but one that is to be dropped have the same.
-    pub id: Vec<u32>,
-    /// Zone of each row; `Zone::Reservoir` marks a row that the next sort drops.
-    pub zone: Vec<Zone>,
-    /// Index of the inlet, outlet or wall part that the row belongs to; 0 for fluid.
-    pub patch: Vec<u16>,
-    /// Whether the next step of a row is a plain one, because its role has just changed.
-    pub fresh: Vec<bool>,
+// name: column => value of one particle, name in a checkpoint, when in use, sorting (spare column)
+columns! {
+    /// Number of the particle. No two particles have the same, except one that is about to be
+    /// dropped.
+    id: Vec<u32> => u32, "id", Always, Permute(ids);
+    /// Zone; `Zone::Reservoir` marks a particle that the next sort drops.
+    zone: Vec<Zone> => Zone, "zone", Always, PermuteUnlessUniform(zones);
+    /// Index of the inlet, outlet or wall part that the particle belongs to; 0 for fluid.
+    patch: Vec<u16> => u16, "patch", Always, PermuteUnlessUniform(patches);
+    /// Whether the next step of the particle is a corrective (Euler) step, because its role has
+    /// just changed.
+    fresh: Vec<bool> => bool, "fresh", Always, PermuteUnlessUniform(flags);
     /// Position, m.
-    pub position: [Vec<f64>; D],
+    position: [Vec<f64>; D] => DVec3, "position", Always, Permute(positions);
     /// Velocity at the present time, m/s. For a wall: the velocity of its surface.
-    pub velocity: [Vec<R>; D],
+    velocity: [Vec<R>; D] => DVec3, "velocity", Always, Permute(reals);
     /// Velocity one step earlier (Verlet), half a step earlier where the pressure evolves, m/s.
-    pub velocity_before: [Vec<R>; D],
-    /// Rate of change of velocity, m/s²: written by a step between its sort and its kick, of no meaning at other times.
-    pub acceleration: [Vec<R>; D],
+    velocity_before: [Vec<R>; D] => DVec3, "velocity_before", Always, Permute(reals);
     /// Density, kg/m³.
-    pub density: Vec<R>,
+    density: Vec<R> => f64, "density", Always, Permute(reals);
     /// Pressure, Pa.
-    pub pressure: Vec<R>,
-    /// Whether the pressure evolves by an equation of its own: then the next column is in use, else empty.
-    pub evolves_pressure: bool,
+    pressure: Vec<R> => f64, "pressure", Always, Permute(reals);
     /// Evolved pressure half a step earlier, Pa.
-    pub pressure_before: Vec<R>,
-    /// Whether particles are moved by more than their velocity: then the next column is in use, else empty.
-    pub drifts: bool,
-    /// What the velocity that moved a particle in the last step had beyond its own, m/s: that of the transport velocity, or of shifting.
-    pub drift: [Vec<R>; D],
-    /// Wall: distance d_w of the particle behind its surface, m. Others: distance to the nearest wall surface, m
-    /// (`R::from_f64(f64::INFINITY)` when none is in the support).
-    pub wall_distance: Vec<R>,
-    /// Wall: unit normal of its surface, into the fluid. Others: 0. Empty if there is no wall.
-    pub wall_normal: [Vec<R>; D],
+    pressure_before: Vec<R> => f64, "pressure_before", PressureEvolves, Permute(reals);
+    /// Velocity that moved the particle in the last step beyond its own, m/s: of shifting, or of
+    /// the transport velocity.
+    drift: [Vec<R>; D] => DVec3, "drift", ParticlesDrift, Permute(reals);
+    /// Distance, m. Wall: d_w of the particle behind its surface. Others: to the nearest wall
+    /// surface, infinite when none is in the support.
+    wall_distance: Vec<R> => f64, "wall_distance", Always, PermuteIfWalls(reals);
+    /// Wall: unit normal of its surface, into the fluid. Others: 0.
+    wall_normal: [Vec<R>; D] => DVec3, "wall_normal", WallsExist, Permute(reals);
 }
 
-impl<R: Real, const D: usize> Default for ParticleArrays<R, D> {
-    fn default() -> Self {
-        Self {
-            id: Vec::new(),
-            zone: Vec::new(),
-            patch: Vec::new(),
-            fresh: Vec::new(),
-            position: std::array::from_fn(|_| Vec::new()),
-            velocity: std::array::from_fn(|_| Vec::new()),
-            velocity_before: std::array::from_fn(|_| Vec::new()),
-            acceleration: std::array::from_fn(|_| Vec::new()),
-            density: Vec::new(),
-            pressure: Vec::new(),
-            evolves_pressure: false,
-            drifts: false,
-            pressure_before: Vec::new(),
-            drift: std::array::from_fn(|_| Vec::new()),
-            wall_distance: Vec::new(),
-            wall_normal: std::array::from_fn(|_| Vec::new()),
-        }
+impl When {
+    /// Whether a particle of a zone brings the column into use.
+    fn begins_with(self, zone: Zone) -> bool {
+        self == When::WallsExist && zone == Zone::Wall
     }
 }
 
 impl<R: Real, const D: usize> ParticleArrays<R, D> {
-    /// Number of rows.
+    /// Returns the number of particles.
     pub fn len(&self) -> usize {
         self.id.len()
     }
 
-    /// Whether there is no row.
+    /// Whether there is no particle.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
-    /// Puts the rows into `order`, the row indices that [`CellGrid::build`](crate::math::grid::CellGrid::build) returned.
+    /// Whether columns with a condition are in use.
+    fn is_used(&self, when: When) -> bool {
+        match when {
+            When::Always => true,
+            When::PressureEvolves => self.evolves_pressure,
+            When::ParticlesDrift => self.drifts,
+            When::WallsExist => self.wall_normal.iter().any(|column| !column.is_empty()),
+        }
+    }
+
+    /// Returns the numbers of values that columns with a condition may have when there are `rows`
+    /// particles.
+    fn lengths(&self, when: When, rows: usize) -> [usize; 2] {
+        match when {
+            When::Always => [rows; 2],
+            When::PressureEvolves => [if self.evolves_pressure { rows } else { 0 }; 2],
+            When::ParticlesDrift => [if self.drifts { rows } else { 0 }; 2],
+            When::WallsExist => [rows, 0],
+        }
+    }
+
+    /// Puts the rows into `order`, the row indices that
+    /// [`CellGrid::build`](crate::math::grid::CellGrid::build) returned.
+    ///
     /// Rows that it does not name are dropped.
     pub fn reorder(&mut self, order: &[u32], spare: &mut SpareColumns<R>) {
         let in_order = |(row, &from): (usize, &u32)| row == from as usize;
         if order.len() == self.len() && order.par_iter().with_min_len(CHUNK).enumerate().all(in_order) {
             return;
         }
-        permute(&mut self.id, order, &mut spare.ids);
-        permute_unless_even(&mut self.zone, order, &mut spare.zones);
-        permute_unless_even(&mut self.patch, order, &mut spare.patches);
-        permute_unless_even(&mut self.fresh, order, &mut spare.flags);
-        for column in &mut self.position {
-            permute(column, order, &mut spare.positions);
-        }
-        for column in self.wall_normal.iter_mut().filter(|column| !column.is_empty()) {
-            permute(column, order, &mut spare.reals);
-        }
-        for column in self.velocity.iter_mut().chain(&mut self.velocity_before) {
-            permute(column, order, &mut spare.reals);
-        }
-        for column in &mut self.acceleration {
-            column.resize(order.len(), R::default());
-        }
-        for column in [&mut self.density, &mut self.pressure] {
-            permute(column, order, &mut spare.reals);
-        }
-        if self.wall_normal.iter().any(|column| !column.is_empty()) {
-            permute(&mut self.wall_distance, order, &mut spare.reals);
-        } else {
-            // All are equally far from none.
-            self.wall_distance.truncate(order.len());
-        }
-        if self.evolves_pressure {
-            permute(&mut self.pressure_before, order, &mut spare.reals);
-        }
-        if self.drifts {
-            for column in &mut self.drift {
-                permute(column, order, &mut spare.reals);
-            }
-        }
+        self.reorder_columns(order, spare);
     }
 }
 
 /// Rows that a thread moves at a time.
 const CHUNK: usize = 8192;
 
-/// Rows that are moved at once where they were one behind another before: most were, since few leave their cell in a step.
+/// Rows that are moved at once where they followed each other before. Most did: few leave their
+/// cell in a step.
 const RUN: usize = 8;
 
 /// One spare column of each type, so that sorting the arrays every step allocates nothing.
@@ -144,8 +119,26 @@ pub struct SpareColumns<R> {
     reals: Vec<R>,
 }
 
+/// Puts the columns of a quantity into `order`, unless they are not in use.
+fn reorder<Q: Quantity>(
+    quantity: &mut Q,
+    sort: Sort,
+    has_walls: bool,
+    order: &[u32],
+    spare: &mut Vec<Q::Element>,
+) {
+    for column in quantity.columns_mut().iter_mut().filter(|column| !column.is_empty()) {
+        match sort {
+            Sort::Permute => permute(column, order, spare),
+            Sort::PermuteIfWalls if has_walls => permute(column, order, spare),
+            Sort::PermuteIfWalls => column.truncate(order.len()),
+            Sort::PermuteUnlessUniform => permute_unless_uniform(column, order, spare),
+        }
+    }
+}
+
 /// Fills the spare column in order and swaps it with the column.
-fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>) {
+fn permute<T: ColumnElement>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>) {
     spare.resize(order.len(), T::default());
     let from: &[T] = column;
     spare.par_chunks_mut(CHUNK).zip(order.par_chunks(CHUNK)).for_each(|(to, order)| {
@@ -171,16 +164,13 @@ fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, order: &[u32], 
     std::mem::swap(column, spare);
 }
 
-/// The same for a column that may have one value alone, as zones in a box of fluid have: then its order is any, and it needs no
-/// spare.
-fn permute_unless_even<T>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>)
-where
-    T: Copy + Default + PartialEq + Send + Sync,
-{
+/// Permutes a column unless all its values are equal: then it needs neither an order nor a spare
+/// column.
+fn permute_unless_uniform<T: ColumnElement>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>) {
     let first = column.first().copied().unwrap_or_default();
-    // Without a way out within a chunk: so it is a loop over vectors.
-    let even = |chunk: &[T]| chunk.iter().fold(true, |even, value| even & (*value == first));
-    if column.par_chunks(CHUNK).all(even) {
+    // Without an early return within a chunk, so that the compiler vectorises the loop.
+    let uniform = |chunk: &[T]| chunk.iter().fold(true, |uniform, value| uniform & (*value == first));
+    if column.par_chunks(CHUNK).all(uniform) {
         column.truncate(order.len());
     } else {
         permute(column, order, spare);

@@ -1,13 +1,17 @@
-//! Floor 2: what a particle is. Components (the truth between steps), the sorted arrays (the truth within a step).
+//! Particles as sorted columns: the truth within a step.
 //!
-//! - [`arrays`]: the columns of the working set
-//! - [`rows`]: one row of the arrays as vectors
+//! - [`arrays`]: the table of columns, and sorting
+//! - [`quantity`]: columns of one quantity, scalar or vector
+//! - [`rows`]: one particle of the arrays as vectors
 //! - [`sample`]: the fluid's fields at a point
-//! - [`saved`]: the arrays as named columns, for checkpoints
+//! - [`saved`]: the columns in a checkpoint
+//! - [`table`]: the macro behind the table of columns
 //! - [`zone`]: the five zones
 
 pub mod arrays;
+pub mod quantity;
 pub mod rows;
 pub mod sample;
 pub mod saved;
+mod table;
 pub mod zone;

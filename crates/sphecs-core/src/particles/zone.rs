@@ -1,4 +1,5 @@
-//! The five zones of Alvarado-Rodríguez et al. (2017), Fig. 1, as a particle's column in the arrays.
+//! The five zones of Alvarado-Rodríguez et al. (2017), Fig. 1, as a particle's column in the
+//! arrays.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +24,13 @@ impl Zone {
     /// All zones in the order of their numbers.
     pub const ALL: [Zone; 5] = [Zone::Fluid, Zone::Wall, Zone::Inflow, Zone::Outflow, Zone::Reservoir];
 
-    /// The zone of a number; None beyond the last.
+    /// Whether particles of the zone belong to the flow: fluid, inflow and outflow.
+    #[inline(always)]
+    pub fn flows(self) -> bool {
+        matches!(self, Zone::Fluid | Zone::Inflow | Zone::Outflow)
+    }
+
+    /// Returns the zone of a number; None beyond the last.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number)).copied()
     }

@@ -15,7 +15,7 @@
 //! et al. (2020), Eq. 7, and the tensile control of p_a < 0. Over a whole support they nearly
 //! cancel, but the share of the pairs that cross a surface is the very force of the pressure on it:
 //! with them a submerged cylinder has no buoyancy (test
-//! `a_submerged_cylinder_is_lifted_by_what_it_displaces`). So the settings for these sums have
+//! `submerged_cylinder_is_lifted_by_the_displaced_weight`). So the settings for these sums have
 //! neither.
 
 use std::marker::PhantomData;

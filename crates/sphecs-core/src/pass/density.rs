@@ -1,30 +1,36 @@
-//! Density by summation, and where it follows from it the pressure by Tait, in one sweep.
+//! Density by summation, and the pressure by Tait's equation where it follows from the density.
 //!
-//! Under Tait's equation the fluid's alone: a condition sets the pressure of walls and zones, and the density follows. Where the
-//! pressure evolves, a condition's pressure says nothing of the volumes: inflow and outflow are summed too, and walls have
-//! the reference density, which is the sum over their lattice: their own would be cut off behind the last layer.
+//! ```text
+//! ρ_a = m Σ_b W_ab / C,   C: the same sum on the initial lattice;   p_a = p(ρ_a) by Tait
+//! ```
+//!
+//! Under Tait's equation only the fluid is summed: a condition sets the pressure of walls and zones, and their density follows
+//! from it. Where the pressure evolves, the pressure of a condition says nothing of the volumes, so inflow and outflow are
+//! summed too. Walls then have the reference density, which is the sum over their lattice: their own sum would be cut off
+//! behind the last layer.
 
 use std::ops::Range;
 
-use super::blocks::for_each_block;
 use super::pack::{
     CULLED_DIMENSIONS, CoveredLanes, Entry, MaskBuilder, NeighbourMask, Only, Pack, Source, mask_len,
 };
+use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::{PairSettings, PressureLaw};
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::density;
 
-/// Least r²/h² under a root: a particle meets itself, and 1/√0 would spoil its own share of the sum.
+/// Least r²/h² under a root: a particle is its own neighbour, and 1/√0 would spoil its own share of the sum.
 pub(super) const LEAST_Q2: f64 = 1e-30;
 
-/// Sums the density of the rows that the settings name over all rows, themselves included, and sets the pressure of the fluid
-/// where it is Tait's.
+/// Sums the density of the particles that the settings name over all particles, themselves included.
+///
+/// Sets the pressure of the fluid where it follows from Tait's equation.
 pub fn sum_density<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -34,95 +40,61 @@ pub fn sum_density<R: Real, const D: usize>(
     sums.packs.prepare();
     sums.near.resize(mask_len::<D>(particles.len()), NeighbourMask::ALL);
     sums.columns.forget_densities();
-    pair.kernel.with_shape(DensityPass { pair, grid, particles, sums });
+    let ParticleArrays { zone, position, density, pressure, .. } = particles;
+    let input = PassInput { pair, grid, position, columns: &[], only: Only::All, packs: &sums.packs };
+    let outputs = ([&mut density[..], &mut pressure[..]], &mut sums.near[..]);
+    input.run(&DensityPass { pair, zone }, outputs);
 }
 
-struct DensityPass<'a, R: Real, const D: usize> {
+struct DensityPass<'a> {
     pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
-    particles: &'a mut ParticleArrays<R, D>,
-    sums: &'a mut PairSums<R, D>,
-}
-
-impl<R: Real, const D: usize> WithShape for DensityPass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &[],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::All,
-        };
-        let zone = &self.particles.zone;
-        let packs = &self.sums.packs;
-        let outputs =
-            ([&mut self.particles.density[..], &mut self.particles.pressure[..]], &mut self.sums.near[..]);
-        let work = |cells: Range<usize>, ([density, pressure], near): Outputs<R>| {
-            let block = DensityBlock::<K, R, D> {
-                pair: self.pair,
-                source: &source,
-                zone,
-                cells,
-                density,
-                pressure,
-                near,
-                pack: &mut packs.of_this_thread(),
-                shape: std::marker::PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        };
-        for_each_block(self.grid, outputs, &work, &|(), ()| ());
-    }
-}
-
-/// Density and pressure of a block's rows, and what is near them.
-type Outputs<'a, R> = ([&'a mut [R]; 2], &'a mut [NeighbourMask]);
-
-struct DensityBlock<'a, K, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
-    cells: Range<usize>,
-    density: &'a mut [R],
-    pressure: &'a mut [R],
-    near: &'a mut [NeighbourMask],
-    pack: &'a mut Pack<R>,
-    shape: std::marker::PhantomData<K>,
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for DensityBlock<'_, K, R, D> {
-    type Output = ();
+impl<'a, R: Real, const D: usize> RowPass<R, D> for DensityPass<'a> {
+    /// Density and pressure, and the vectors of the pack with a neighbour in the support.
+    type Outputs = ([&'a mut [R]; 2], &'a mut [NeighbourMask]);
+    type Sum = (R, NeighbourMask);
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        for cell in self.cells.clone() {
-            let rows = grid.rows(cell);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| self.pair.sums_density(self.zone[row])) {
-                continue;
-            }
-            for row in rows {
-                if self.pair.sums_density(self.zone[row]) {
-                    let point = self.pack.relative(self.source, row);
-                    let (sum, near) = kernel_sum::<K, L, D>(self.pack, point);
-                    self.density[row - first] = sum;
-                    if let Some(slot) = self.near.get_mut(row - first) {
-                        *slot = near;
-                    }
-                }
-            }
+    fn includes(&self, row: usize) -> bool {
+        self.pair.sums_density(self.zone[row])
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> (R, NeighbourMask) {
+        kernel_sum::<K, L, D>(pack, pack.relative(source, row))
+    }
+
+    #[inline(always)]
+    fn store(
+        &self,
+        _row: usize,
+        slot: usize,
+        (sum, near): (R, NeighbourMask),
+        ([density, _], masks): &mut Self::Outputs,
+    ) {
+        density[slot] = sum;
+        if let Some(mask) = masks.get_mut(slot) {
+            *mask = near;
         }
-        let rows = first..grid.rows(self.cells.end - 1).end;
-        finish(self.pair, &self.zone[rows], self.density, self.pressure);
+    }
+
+    #[inline(always)]
+    fn finish(&self, rows: Range<usize>, ([density, pressure], _): &mut Self::Outputs) {
+        finish(self.pair, &self.zone[rows], density, pressure);
     }
 }
 
-/// Makes densities and pressures of the kernel sums of rows. Apart from the sums: one row's chain of dependent
-/// operations would hold up the next row's sum. Without a branch, so that the loop becomes one over vectors: what has no sum keeps what it has.
+/// Turns the kernel sums of particles into densities and pressures; a particle without a sum keeps its values.
+///
+/// Apart from the sums, because the chain of dependent operations of one particle would delay the sum of the next. Without a
+/// branch, so that the compiler vectorises the loop.
 #[inline(always)]
 pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut [R], pressure: &mut [R]) {
     let scale = pair.kernel_scale();
@@ -139,16 +111,13 @@ pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut 
     }
 }
 
-/// Σ w(q) over a pack, and which of its vectors have something in the support.
+/// Returns Σ w(q) over a pack, and its vectors with a neighbour in the support.
 #[inline(always)]
 fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
     point: [L::Real; D],
 ) -> (L::Real, NeighbourMask) {
-    let mut x_a = [L::constant(0.0); D];
-    for d in 0..D {
-        x_a[d] = L::splat(point[d]);
-    }
+    let x_a = splat::<L, D>(point);
     let mut sum = L::constant(0.0);
     let mut near = NeighbourMask::ALL;
     let mut covered = CoveredLanes::default();
@@ -174,14 +143,16 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     (sum.sum(), near)
 }
 
-/// Whether what is near is found before its values are. It spares roots and values of what is not, and costs distances twice and a wrong guess
-/// a row: in single precision, whose vectors are fewer and whose roots are cheap, about as much as it spares, or more.
+/// Whether the neighbours in the support are found before their kernel values are computed.
+///
+/// That saves the roots and values of all others, and costs every distance twice and a mispredicted branch per particle. In
+/// single precision, with fewer vectors and cheap roots, it costs as much as it saves, or more.
 const fn finds_neighbours_first<K: KernelShape, L: Lanes, const D: usize>() -> bool {
     let is_double = size_of::<L::Real>() == size_of::<f64>();
     D < CULLED_DIMENSIONS && is_double && (L::COSTLY_ROOTS || K::COSTLY_VALUE)
 }
 
-/// q² of the neighbours of a vector.
+/// Returns q² of the neighbours of a vector.
 #[inline(always)]
 pub(super) fn squared_distance<L: Lanes, const D: usize>(x_a: [L; D], neighbours: Entry<'_, L>) -> L {
     let mut q2 = L::constant(LEAST_Q2);

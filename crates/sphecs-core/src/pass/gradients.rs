@@ -4,33 +4,59 @@
 //! G_ij = Σ_b V_b (v_b − v_a)_i ∂W/∂x_j,   M_kj = −Σ_b V_b x_ab,k ∂W/∂x_j,   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj
 //! ```
 //!
-//! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok (1999), which makes it
-//! right where the support is cut and, by the way, on a coarse lattice. Walls enter with their image velocities, so the
-//! gradient at a wall is that of the velocity continued through it. Where M is singular (fewer neighbours than
-//! dimensions) the plain sum is kept.
+//! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok (1999): it makes the gradient exact
+//! where the support is cut, and also on a coarse lattice. Walls enter with their image velocities, so the gradient at a wall is
+//! that of the velocity continued through it. Where M is singular (fewer neighbours than dimensions) the uncorrected sum is kept.
 
-use std::marker::PhantomData;
-use std::ops::Range;
-
-use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
 use super::pack::{NeighbourMask, Only, Pack, Source};
 use super::rates::VelocityLevel;
+use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised, dot};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::{Lanes, dot};
 use crate::math::linear::invert;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
 use crate::physics::wall::{WallModel, image};
 
 /// Most columns beside the coordinates: velocity, density, image distance and normal in 3D.
 const MOST_COLUMNS: usize = 3 + 2 + 3;
 
-/// Sums the velocity gradient of the fluid, inflow and outflow rows over all rows, into `sums.gradient`.
+/// Walls as the neighbour columns describe them, behind velocity and density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum WallColumns {
+    /// No walls: no column.
+    None,
+    /// The image distance.
+    NoSlip,
+    /// The image distance, negative at free-slip walls, and the wall normal.
+    FreeSlip,
+}
+
+impl WallColumns {
+    fn new(pair: &PairSettings, has_walls: bool) -> Self {
+        match (has_walls, pair.has_free_slip()) {
+            (false, _) => Self::None,
+            (true, false) => Self::NoSlip,
+            (true, true) => Self::FreeSlip,
+        }
+    }
+
+    /// Returns the number of columns behind the coordinates, those of velocity and density included.
+    fn columns(self, dimensions: usize) -> usize {
+        let flow = dimensions + 1;
+        match self {
+            Self::None => flow,
+            Self::NoSlip => flow + 1,
+            Self::FreeSlip => flow + 1 + dimensions,
+        }
+    }
+}
+
+/// Sums the velocity gradient of fluid, inflow and outflow particles over all particles, into `sums.gradient`.
 pub fn sum_gradients<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -40,134 +66,68 @@ pub fn sum_gradients<R: Real, const D: usize>(
 ) {
     sums.packs.prepare();
     let has_walls = sums.columns.find_images(pair, particles);
-    for column in sums.gradient.iter_mut().flatten() {
+    let PairSums { gradient, near, velocity_seen, columns, packs, .. } = sums;
+    for column in gradient.iter_mut().flatten() {
         column.resize(particles.len(), R::default());
     }
-    pair.kernel.with_shape(GradientPass { pair, grid, particles, level, has_walls, sums });
+    let velocity = match (pair.wall_model, has_walls) {
+        (WallModel::Dummy, true) => &*velocity_seen,
+        _ => level.columns(particles),
+    };
+    let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
+    for d in 0..D {
+        neighbours[d] = &velocity[d];
+        neighbours[D + 2 + d] = &particles.wall_normal[d];
+    }
+    neighbours[D] = &particles.density;
+    neighbours[D + 1] = &columns.image_distance;
+    let walls = WallColumns::new(pair, has_walls);
+    let columns = &neighbours[..walls.columns(D)];
+    let input = PassInput { pair, grid, position: &particles.position, columns, only: Only::All, packs };
+    let outputs = gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice));
+    input.run(&GradientPass { pair, particles, near, walls }, outputs);
 }
 
 struct GradientPass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
-    particles: &'a ParticleArrays<R, D>,
-    level: VelocityLevel,
-    has_walls: bool,
-    sums: &'a mut PairSums<R, D>,
-}
-
-/// Gradient columns of a block's rows.
-type Outputs<'a, R, const D: usize> = [[&'a mut [R]; D]; D];
-
-impl<R: Real, const D: usize> WithShape for GradientPass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let columns = &self.sums.columns;
-        let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
-        let velocity = match (self.pair.wall_model, self.has_walls) {
-            (WallModel::Dummy, true) => &self.sums.velocity_seen,
-            _ => self.level.columns(self.particles),
-        };
-        for d in 0..D {
-            neighbours[d] = &velocity[d];
-            neighbours[D + 2 + d] = &self.particles.wall_normal[d];
-        }
-        neighbours[D] = &self.particles.density;
-        neighbours[D + 1] = &columns.image_distance;
-        let count = match (self.has_walls, self.pair.has_free_slip()) {
-            (false, _) => D + 1,
-            (true, false) => D + 2,
-            (true, true) => D + 2 + D,
-        };
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &neighbours[..count],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::All,
-        };
-        let packs = &self.sums.packs;
-        let work = |cells: Range<usize>, gradient: Outputs<R, D>| {
-            let block = GradientBlock::<K, R, D> {
-                pair: self.pair,
-                source: &source,
-                particles: self.particles,
-                near: &self.sums.near,
-                cells,
-                gradient,
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        };
-        let outputs = self.sums.gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice));
-        for_each_block(self.grid, outputs, &work, &|(), ()| ());
-    }
-}
-
-struct GradientBlock<'a, K, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    source: &'a Source<'a, R, D>,
     particles: &'a ParticleArrays<R, D>,
     near: &'a [NeighbourMask],
-    cells: Range<usize>,
-    gradient: Outputs<'a, R, D>,
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
+    walls: WallColumns,
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for GradientBlock<'_, K, R, D> {
-    type Output = ();
+impl<'a, R: Real, const D: usize> RowPass<R, D> for GradientPass<'a, R, D> {
+    type Outputs = [[&'a mut [R]; D]; D];
+    /// The corrected gradient, 1/s.
+    type Sum = [[f64; D]; D];
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(mut self) {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
-        for cell in self.cells.clone() {
-            let rows = grid.rows(cell);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.particles.zone[row])) {
-                continue;
-            }
-            for row in rows {
-                if flows(self.particles.zone[row]) {
-                    let gradient = self.sum::<L>(row);
-                    for (columns, components) in self.gradient.iter_mut().zip(gradient) {
-                        for (column, component) in columns.iter_mut().zip(components) {
-                            column[row - first] = R::from_f64(component);
-                        }
-                    }
-                }
-            }
-        }
+    fn includes(&self, row: usize) -> bool {
+        self.particles.zone[row].flows()
     }
-}
 
-impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
-    /// The corrected gradient of a row.
     #[inline(always)]
-    fn sum<L: Lanes<Real = R>>(&self, row: usize) -> [[f64; D]; D] {
-        let zero = L::constant(0.0);
-        let one = L::constant(1.0);
-        let point = self.pack.relative(self.source, row);
-        let mut x_a = [zero; D];
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> [[f64; D]; D] {
+        let (zero, one) = (L::constant(0.0), L::constant(1.0));
+        let x_a = splat::<L, D>(pack.relative(source, row));
         let mut v_a = [zero; D];
         for d in 0..D {
-            x_a[d] = L::splat(point[d]);
-            v_a[d] = L::splat(self.source.columns[d][row]);
+            v_a[d] = L::splat(source.columns[d][row]);
         }
         let wall_distance = self.particles.wall_distance[row].to_f64();
         let model = self.pair.wall_model;
         let inverse_distance = L::constant(model.inverse_distance(wall_distance, self.pair.spacing));
         let cap = L::constant(model.largest_factor());
-        let columns = self.source.columns.len();
-        let (has_walls, free_slip) = (columns > D + 1, columns > D + 2);
+        let (has_walls, free_slip) = (self.walls != WallColumns::None, self.walls == WallColumns::FreeSlip);
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
         let near = NeighbourMask::of_row(self.near, row);
-        for entry in self.pack.masked_entries::<L, D>(D + self.source.columns.len(), near) {
+        for entry in pack.masked_entries::<L, D>(D + source.columns.len(), near) {
             let mut x = [zero; D];
             let mut v = [zero; D];
             let mut q2 = L::constant(LEAST_Q2);
@@ -200,35 +160,54 @@ impl<K: KernelShape, R: Real, const D: usize> GradientBlock<'_, K, R, D> {
                 }
             }
         }
-
-        // m ∇W = scale · slope · x_ab/h; in the moments one more h.
-        let h = self.pair.smoothing_length;
-        let scale = self.pair.mass * self.pair.slope_scale() / h;
-        let mut plain = [[0.0; D]; D];
-        let mut moments = [[0.0; D]; D];
-        for i in 0..D {
-            for j in 0..D {
-                plain[i][j] = -scale * sum[i][j].sum().to_f64();
-                moments[i][j] = -scale * h * moment[i][j].sum().to_f64();
-            }
-        }
-        let Some(inverse) = invert(moments) else {
-            return plain;
-        };
-        let mut gradient = [[0.0; D]; D];
-        for i in 0..D {
-            for j in 0..D {
-                gradient[i][j] = (0..D).map(|k| plain[i][k] * inverse[k][j]).sum();
-            }
-        }
-        gradient
+        corrected(self.pair, sum, moment)
     }
+
+    #[inline(always)]
+    fn store(&self, _row: usize, slot: usize, sum: [[f64; D]; D], gradient: &mut Self::Outputs) {
+        for (columns, components) in gradient.iter_mut().zip(sum) {
+            for (column, component) in columns.iter_mut().zip(components) {
+                column[slot] = R::from_f64(component);
+            }
+        }
+    }
+}
+
+/// Returns the gradient, 1/s, of the lane sums of G and M without their dimensions.
+#[inline(always)]
+fn corrected<L: Lanes, const D: usize>(
+    pair: &PairSettings,
+    sum: [[L; D]; D],
+    moment: [[L; D]; D],
+) -> [[f64; D]; D] {
+    // m ∇W = scale · slope · x_ab/h; in the moments one more h.
+    let h = pair.smoothing_length;
+    let scale = pair.mass * pair.slope_scale() / h;
+    let mut uncorrected = [[0.0; D]; D];
+    let mut moments = [[0.0; D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            uncorrected[i][j] = -scale * sum[i][j].sum().to_f64();
+            moments[i][j] = -scale * h * moment[i][j].sum().to_f64();
+        }
+    }
+    let Some(inverse) = invert(moments) else {
+        return uncorrected;
+    };
+    let mut gradient = [[0.0; D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            gradient[i][j] = (0..D).map(|k| uncorrected[i][k] * inverse[k][j]).sum();
+        }
+    }
+    gradient
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
+    use crate::particles::zone::Zone;
     use crate::pass::samples::{SPACING, Sample, settings};
     use crate::pass::settings::WallPartSettings;
 

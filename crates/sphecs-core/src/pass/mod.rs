@@ -31,6 +31,7 @@ pub mod neighbours;
 pub mod pack;
 pub mod points;
 pub mod rates;
+mod row_pass;
 #[cfg(test)]
 mod samples;
 pub mod sampling;

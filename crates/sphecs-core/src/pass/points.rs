@@ -1,35 +1,30 @@
-//! The fluid's fields at the points that inlets and outlets ask for, by the [`fits`](super::fits).
+//! Fields of the fluid at the points of inlets and outlets, by the [`fits`](super::fits).
 //!
-//! [`sampling`](super::sampling) does the same neighbour by neighbour for probes. Here there are thousands
-//! of points a step: they are put into the order of the cells that they fall in, and those of one cell share its pack. What is found at a point depends on that pack alone, not on the other points.
-
-use std::marker::PhantomData;
-
-use rayon::iter::{IndexedParallelIterator, ParallelIterator};
-use rayon::slice::{ParallelSlice, ParallelSliceMut};
+//! [`sampling`](super::sampling) does the same neighbour by neighbour for probes. Here there are thousands of points a step: they
+//! are put into the order of the cells that they lie in, and the points of one cell share its pack. The result at a point depends
+//! on that pack alone, not on the other points.
 
 use super::fits::{COLUMNS, PRESSURE, PointFit, PointFlow, VELOCITY, VOLUME};
 use super::pack::{Only, Pack, Source};
+use super::row_pass::{PassInput, PointPass};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
-/// Points that a thread takes at a time.
-const CHUNK: usize = 64;
-
-/// Points with what was found at them, kept from step to step.
+/// Points and the flow found at them, kept from step to step.
 #[derive(Debug, Default)]
 pub struct PointFlows<const D: usize> {
     /// The points, m.
     pub points: Vec<[f64; D]>,
-    /// What was found at each; None where no fluid is near.
+    /// Flow at each point; None where no fluid is in the support.
     pub found: Vec<Option<PointFlow>>,
-    /// Number of each point behind bits of its cell's place, in their order: points of one cell follow each other.
+    /// Number of each point behind the bits of its cell, sorted, so that points of one cell follow each other.
     order: Vec<u64>,
+    /// Flow at each point in that order.
     in_order: Vec<Option<PointFlow>>,
 }
 
@@ -46,7 +41,7 @@ impl<const D: usize> PointFlows<D> {
         self.find_in(fit, &particles.pressure, pair, grid, particles, sums);
     }
 
-    /// Finds the kernel means of a column of the particles' over the fluid, as pressures.
+    /// Finds the kernel means of a particle column over the fluid, as pressures.
     pub fn find_mean<R: Real>(
         &mut self,
         column: &[R],
@@ -69,108 +64,71 @@ impl<const D: usize> PointFlows<D> {
     ) {
         sums.packs.prepare();
         sums.columns.find_fluid_volume(pair, particles);
-        self.order.clear();
-        let cells = self.points.iter().map(|&point| place(grid.unwrapped_index(point)));
-        self.order.extend(cells.zip(0_u64..).map(|(place, number)| place << u32::BITS | number));
-        self.order.sort_unstable();
-        self.in_order.resize(self.points.len(), None);
-        pair.kernel.with_shape(PointPass { fit, pressure, pair, grid, particles, sums, flows: self });
-        self.found.resize(self.points.len(), None);
-        for (&at, &found) in self.order.iter().zip(&self.in_order) {
-            self.found[number(at)] = found;
-        }
-    }
-}
+        let Self { points, found, order, in_order } = self;
+        order.clear();
+        let cells = points.iter().map(|&point| cell_bits(grid.unwrapped_index(point)));
+        order.extend(cells.zip(0_u64..).map(|(cell, number)| cell << u32::BITS | number));
+        order.sort_unstable();
+        in_order.resize(points.len(), None);
 
-/// Bits of a cell's place along an axis that the order looks at.
-const PLACE_BITS: u32 = 10;
-
-/// The lowest bits of a cell's place along all axes. Cells far apart may share them: a cell is then only met more than once.
-fn place<const D: usize>(cell: [i64; D]) -> u64 {
-    cell.iter().rev().fold(0, |place, &along| place << PLACE_BITS | along as u64 & ((1 << PLACE_BITS) - 1))
-}
-
-/// The number of a point in the order.
-fn number(at: u64) -> usize {
-    at as u32 as usize
-}
-
-struct PointPass<'a, R: Real, const D: usize> {
-    fit: PointFit,
-    pressure: &'a [R],
-    pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
-    particles: &'a ParticleArrays<R, D>,
-    sums: &'a PairSums<R, D>,
-    flows: &'a mut PointFlows<D>,
-}
-
-impl<R: Real, const D: usize> WithShape for PointPass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
         let mut columns: [&[R]; COLUMNS] = [&[]; COLUMNS];
-        columns[VOLUME] = &self.sums.columns.fluid_volume;
-        columns[PRESSURE] = self.pressure;
+        columns[VOLUME] = &sums.columns.fluid_volume;
+        columns[PRESSURE] = pressure;
         for d in 0..D {
-            columns[VELOCITY + d] = &self.particles.velocity[d];
+            columns[VELOCITY + d] = &particles.velocity[d];
         }
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &columns[..self.fit.columns(D)],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::All,
-        };
-        let PointFlows { points, order, in_order, .. } = self.flows;
-        let points = &*points;
-        let chunks = order.par_chunks(CHUNK).zip(in_order.par_chunks_mut(CHUNK));
-        chunks.for_each(|(order, found)| {
-            let block = PointBlock::<K, R, D> {
-                fit: self.fit,
-                source: &source,
-                points,
-                order,
-                found,
-                pack: &mut self.sums.packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        });
+        let columns = &columns[..fit.columns(D)];
+        let position = &particles.position;
+        let input = PassInput { pair, grid, position, columns, only: Only::All, packs: &sums.packs };
+        input.run_at(&FitPass { fit, points }, order, in_order);
+
+        found.resize(points.len(), None);
+        for (&entry, &flow) in order.iter().zip(&*in_order) {
+            found[number(entry)] = flow;
+        }
     }
 }
 
-struct PointBlock<'a, K, R: Real, const D: usize> {
-    fit: PointFit,
-    source: &'a Source<'a, R, D>,
-    points: &'a [[f64; D]],
-    order: &'a [u64],
-    found: &'a mut [Option<PointFlow>],
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
+/// Bits of a cell's index along an axis that the order takes into account.
+const INDEX_BITS: u32 = 10;
+
+/// Returns the lowest bits of a cell's index along all axes.
+///
+/// Cells far apart may share them; then a cell is only packed more than once.
+fn cell_bits<const D: usize>(cell: [i64; D]) -> u64 {
+    cell.iter().rev().fold(0, |bits, &along| bits << INDEX_BITS | along as u64 & ((1 << INDEX_BITS) - 1))
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for PointBlock<'_, K, R, D> {
-    type Output = ();
+/// Returns the number of the point of an entry of the order.
+fn number(entry: u64) -> usize {
+    entry as u32 as usize
+}
+
+struct FitPass<'a, const D: usize> {
+    fit: PointFit,
+    points: &'a [[f64; D]],
+}
+
+impl<R: Real, const D: usize> PointPass<R, D> for FitPass<'_, D> {
+    /// Entry of the order.
+    type Point = u64;
+    type Found = Option<PointFlow>;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) {
-        let mut packed = None;
-        for (&at, found) in self.order.iter().zip(self.found) {
-            let point = self.points[number(at)];
-            *found = None;
-            if !point.iter().all(|x| x.is_finite()) {
-                continue;
-            }
-            let cell = self.source.grid.unwrapped_index(point);
-            if packed != Some(cell) {
-                self.pack.fill_around::<L, D>(self.source, cell);
-                packed = Some(cell);
-            }
-            let at = self.pack.relative_to(self.source, point);
-            *found = self.fit.at::<K, L, D>(self.pack, at, self.source.inverse_h);
-        }
+    fn position(&self, entry: u64) -> Option<[f64; D]> {
+        let point = self.points[number(entry)];
+        point.iter().all(|x| x.is_finite()).then_some(point)
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        _entry: u64,
+        x: [R; D],
+    ) -> Option<PointFlow> {
+        self.fit.at::<K, L, D>(pack, x, source.inverse_h)
     }
 }
 

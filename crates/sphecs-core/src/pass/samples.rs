@@ -9,6 +9,7 @@ use super::settings::PairSettings;
 use super::strain::sum_density_and_strain;
 use super::sums::PairSums;
 use super::wall_velocity::find_velocity_seen;
+use crate::discretisation::Discretisation;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::Kernel;
 use crate::math::real::Real;
@@ -34,7 +35,9 @@ pub struct Sample<R: Real, const D: usize> {
 
 /// The settings of a sample.
 pub fn settings(kernel: Kernel, dimensions: usize, smoothing_ratio: f64) -> PairSettings {
-    PairSettings::new(kernel, dimensions, SPACING, smoothing_ratio, WATER)
+    let discretisation =
+        Discretisation::new(kernel, dimensions, SPACING, smoothing_ratio, WATER.reference_density);
+    PairSettings::new(&discretisation, WATER)
 }
 
 /// A number in −1..1 that looks random, the same for the same key.

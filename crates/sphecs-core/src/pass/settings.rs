@@ -1,5 +1,6 @@
 //! What the pair passes need to know of a scene, as plain values.
 
+use crate::discretisation::Discretisation;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::lattice::LatticeSums;
@@ -71,13 +72,15 @@ pub struct WallPartSettings {
 impl PairSettings {
     /// Inviscid fluid, defaults for everything else: Fickian shifting, tensile control, image walls without a cap,
     /// no body force.
-    pub fn new(kernel: Kernel, dimensions: usize, spacing: f64, smoothing_ratio: f64, tait: Tait) -> Self {
+    pub fn new(discretisation: &Discretisation, tait: Tait) -> Self {
+        let Discretisation { kernel, dimensions, smoothing_ratio, spacing, smoothing_length, mass, .. } =
+            *discretisation;
         Self {
             kernel,
             dimensions,
             spacing,
-            smoothing_length: smoothing_ratio * spacing,
-            mass: tait.reference_density * spacing.powi(dimensions as i32),
+            smoothing_length,
+            mass,
             lattice: LatticeSums::new(kernel, smoothing_ratio, dimensions),
             tait,
             pressure: PressureLaw::default(),

@@ -1,28 +1,25 @@
-//! Sub-particle stress of all rows, ready for the rate pass.
+//! Sub-particle stress of all particles, as the rates need it.
 //!
-//! Fluid, inflow and outflow rows have the stress of their velocity gradient ([`gradients`](super::gradients)). Walls
-//! have none of their own: they take the kernel mean of the flow's T/ρ², as they take its pressure, so that a uniform
-//! stress exerts no force on the fluid beside a wall. With T = 0 in the wall the cut of the stress at the surface would
-//! push particles off it.
+//! Fluid, inflow and outflow have the stress of their velocity gradient ([`gradients`](super::gradients)). Walls have none of
+//! their own: they take the kernel mean of the flow's T/ρ², as they take its pressure, so that a uniform stress exerts no force
+//! on the fluid beside a wall. With T = 0 in the wall the cut of the stress at the surface would push particles off it.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::blocks::for_each_block;
-use super::density::LEAST_Q2;
+use super::density::squared_distance;
 use super::pack::{Only, Pack, Source};
+use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
+use super::walls::LEAST_WEIGHT;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-
-/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing is felt.
-const LEAST_SUM: f64 = 1e-20;
 
 /// Sets stress and eddy viscosity from the velocity gradient in `sums`. Does nothing unless the viscous term is `Sps`.
 pub fn find_stress<R: Real, const D: usize>(
@@ -40,9 +37,24 @@ pub fn find_stress<R: Real, const D: usize>(
     for column in sums.stress.iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());
     }
+    find_flow_stress(&model, grid, particles, sums);
+    if has_walls {
+        extrapolate_stress(pair, grid, particles, sums);
+    }
+}
 
+/// Stress and eddy viscosity of the particles of a block.
+type FlowStress<'a, R> = ([&'a mut [R]; 6], [&'a mut [R]; 1]);
+
+/// Sets stress and eddy viscosity of the flow, and zero for walls.
+fn find_flow_stress<R: Real, const D: usize>(
+    model: &Sps,
+    grid: &CellGrid<D>,
+    particles: &ParticleArrays<R, D>,
+    sums: &mut PairSums<R, D>,
+) {
     let gradient = &sums.gradient;
-    let of_flow = |cells: Range<usize>, (mut stress, [eddy]): Outputs<R>| {
+    let work = |cells: Range<usize>, (mut stress, [eddy]): FlowStress<R>| {
         let first = grid.rows(cells.start).start;
         for row in first..grid.rows(cells.end - 1).end {
             let (tensor, viscosity) = if particles.zone[row] == Zone::Wall {
@@ -58,116 +70,83 @@ pub fn find_stress<R: Real, const D: usize>(
         }
     };
     let outputs = (sums.stress.each_mut().map(Vec::as_mut_slice), [sums.eddy_viscosity.as_mut_slice()]);
-    for_each_block(grid, outputs, &of_flow, &|(), ()| ());
+    for_each_block(grid, outputs, &work, &|(), ()| ());
+}
 
-    if has_walls {
-        pair.kernel.with_shape(WallStressPass { pair, grid, particles, sums });
+/// Sets the stress of the wall particles to the kernel mean of the flow's.
+fn extrapolate_stress<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &ParticleArrays<R, D>,
+    sums: &mut PairSums<R, D>,
+) {
+    let PairSums { stress, wall_stress, columns, packs, .. } = sums;
+    for (column, from) in wall_stress.iter_mut().zip(stress.iter()) {
+        column.resize(from.len(), R::default());
     }
-}
-
-/// Stress and eddy viscosity of a block's rows.
-type Outputs<'a, R> = ([&'a mut [R]; 6], [&'a mut [R]; 1]);
-
-struct WallStressPass<'a, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
-    particles: &'a ParticleArrays<R, D>,
-    sums: &'a mut PairSums<R, D>,
-}
-
-impl<R: Real, const D: usize> WithShape for WallStressPass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let PairSums { stress, wall_stress, columns, packs, .. } = self.sums;
-        for (column, from) in wall_stress.iter_mut().zip(stress.iter()) {
-            column.resize(from.len(), R::default());
-        }
-        let count = components(D);
-        let mut neighbours: [&[R]; 7] = [&columns.image_distance; 7];
-        for (slot, column) in neighbours[1..].iter_mut().zip(stress.iter()) {
-            *slot = column;
-        }
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &neighbours[..=count],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::All,
-        };
-        let work = |cells: Range<usize>, stress: [&mut [R]; 6]| {
-            let block = WallStressBlock::<K, R, D> {
-                source: &source,
-                zone: &self.particles.zone,
-                cells,
-                stress,
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        };
-        let outputs = wall_stress.each_mut().map(Vec::as_mut_slice);
-        for_each_block(self.grid, outputs, &work, &|(), ()| ());
-        // Written only now: the extrapolation reads stresses while it runs.
-        for (column, found) in stress.iter_mut().zip(wall_stress.iter()) {
-            for (row, (stress, found)) in column.iter_mut().zip(found).enumerate() {
-                if self.particles.zone[row] == Zone::Wall {
-                    *stress = *found;
-                }
+    let zone = &particles.zone;
+    let mut neighbours: [&[R]; 7] = [&columns.image_distance; 7];
+    for (slot, column) in neighbours[1..].iter_mut().zip(stress.iter()) {
+        *slot = column;
+    }
+    let columns = &neighbours[..=components(D)];
+    let input = PassInput { pair, grid, position: &particles.position, columns, only: Only::All, packs };
+    input.run(&WallStressPass { zone }, wall_stress.each_mut().map(Vec::as_mut_slice));
+    // Written only now: the extrapolation reads stresses while it runs.
+    for (column, found) in stress.iter_mut().zip(wall_stress.iter()) {
+        for (row, (stress, found)) in column.iter_mut().zip(found).enumerate() {
+            if zone[row] == Zone::Wall {
+                *stress = *found;
             }
         }
     }
 }
 
-struct WallStressBlock<'a, K, R: Real, const D: usize> {
-    source: &'a Source<'a, R, D>,
+struct WallStressPass<'a> {
     zone: &'a [Zone],
-    cells: Range<usize>,
-    stress: [&'a mut [R]; 6],
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WallStressBlock<'_, K, R, D> {
-    type Output = ();
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallStressPass<'a> {
+    type Outputs = [&'a mut [R]; 6];
+    /// Mean T/ρ² by component, m⁵/(kg s²).
+    type Sum = [f64; 6];
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(mut self) {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
+    fn includes(&self, row: usize) -> bool {
+        self.zone[row] == Zone::Wall
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> [f64; 6] {
         let zero = L::constant(0.0);
-        for cell in self.cells.clone() {
-            let rows = grid.rows(cell);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Wall) {
-                continue;
+        let x_w = splat::<L, D>(pack.relative(source, row));
+        let mut sums = [zero; 6];
+        let mut weights = zero;
+        for entry in pack.entries::<L>(D + 1 + components(D)) {
+            let weight = K::value(squared_distance(x_w, entry).roots().0);
+            let weight = L::select(zero.less(entry.column(D)), zero, weight);
+            weights = weights + weight;
+            for (c, sum) in sums.iter_mut().enumerate().take(components(D)) {
+                *sum = weight.mul_add(entry.column(D + 1 + c), *sum);
             }
-            for row in rows {
-                if self.zone[row] != Zone::Wall {
-                    continue;
-                }
-                let point = self.pack.relative(self.source, row);
-                let mut sums = [zero; 6];
-                let mut weights = zero;
-                for entry in self.pack.entries::<L>(D + 1 + components(D)) {
-                    let mut q2 = L::constant(LEAST_Q2);
-                    for d in 0..D {
-                        let x = L::splat(point[d]) - entry.column(d);
-                        q2 = x.mul_add(x, q2);
-                    }
-                    let weight = K::value(q2.roots().0);
-                    let weight = L::select(zero.less(entry.column(D)), zero, weight);
-                    weights = weights + weight;
-                    for (c, sum) in sums.iter_mut().enumerate().take(components(D)) {
-                        *sum = weight.mul_add(entry.column(D + 1 + c), *sum);
-                    }
-                }
-                let weights = weights.sum().to_f64();
-                for (column, sum) in self.stress.iter_mut().zip(sums).take(components(D)) {
-                    let mean = if weights > LEAST_SUM { sum.sum().to_f64() / weights } else { 0.0 };
-                    column[row - first] = R::from_f64(mean);
-                }
-            }
+        }
+        let weights = weights.sum().to_f64();
+        let mut means = [0.0; 6];
+        for (mean, sum) in means.iter_mut().zip(sums).take(components(D)) {
+            *mean = if weights > LEAST_WEIGHT { sum.sum().to_f64() / weights } else { 0.0 };
+        }
+        means
+    }
+
+    #[inline(always)]
+    fn store(&self, _row: usize, slot: usize, means: [f64; 6], stress: &mut Self::Outputs) {
+        for (column, mean) in stress.iter_mut().zip(means).take(components(D)) {
+            column[slot] = R::from_f64(mean);
         }
     }
 }

@@ -5,28 +5,27 @@
 //! d_a = min_b √(t_n² + max(0, t_s − R)²),   R = 0.75 Δ
 //! ```
 //!
-//! Every wall particle knows the foot point on its surface, and stands for a disc of it of radius R: more than half the
-//! diagonal of a lattice cell, so that the discs of a flat wall leave no gap and its distance is exact. At a convex
-//! corner a disc stands out by no more than R − Δ/2 and so shortens a distance by no more than that; beside the
-//! particle of the corner itself, which belongs to one face only, a distance to the other is 12 % too long. At a concave
-//! corner the nearer wall counts. The distance is positive on both sides of the surface.
+//! Every wall particle knows its foot point s_b on the surface and represents a disc of radius R around it. R is more than half
+//! the diagonal of a lattice cell, so the discs of a flat wall leave no gap and its distance is exact. At a convex corner a disc
+//! reaches beyond the wall by at most R − Δ/2, and shortens a distance by no more than that. Beside the particle of the corner
+//! itself, which belongs to one face only, a distance to the other face is 12 % too long. At a concave corner the nearer wall
+//! counts. The distance is positive on both sides of the surface.
 
-use std::ops::Range;
-
-use super::blocks::for_each_block;
 use super::pack::{Only, Pack, Source};
+use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
-use crate::math::lanes::{Lanes, Vectorised, dot};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::{Lanes, dot};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Radius of the disc that a wall particle stands for, over Δ.
+/// Radius R of the disc that a wall particle represents, over Δ.
 const DISC: f64 = 0.75;
 
-/// Finds the wall distance of the fluid, inflow and outflow rows; infinite where no wall is in the support.
+/// Finds the wall distance of fluid, inflow and outflow particles, m; infinite where no wall is in the support.
 pub fn find_wall_distance<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -38,76 +37,59 @@ pub fn find_wall_distance<R: Real, const D: usize>(
         particles.wall_distance.fill(R::from_f64(f64::INFINITY));
         return;
     }
-    let columns = &sums.columns;
+    let PairSums { columns, packs, .. } = sums;
+    let ParticleArrays { zone, position, wall_distance, wall_normal, .. } = particles;
     let neighbours: [&[R]; 4] = std::array::from_fn(|column| match column {
         0 => columns.image_distance.as_slice(),
-        d if d <= D => particles.wall_normal[d - 1].as_slice(),
+        d if d <= D => wall_normal[d - 1].as_slice(),
         _ => &[],
     });
-    let source = Source {
-        grid,
-        position: &particles.position,
-        columns: &neighbours[..=D],
-        inverse_h: 1.0 / pair.smoothing_length,
-        support_ratio: pair.kernel.support_ratio(),
-        only: Only::Positive(&columns.image_distance, &columns.walls_before),
-    };
-    let packs = &sums.packs;
-    let zone = &particles.zone;
-    let work = |cells: Range<usize>, distance: &mut [R]| {
-        let block =
-            DistanceBlock { pair, source: &source, zone, cells, distance, pack: &mut packs.of_this_thread() };
-        R::dispatch(pair.lanes, block);
-    };
-    for_each_block(grid, particles.wall_distance.as_mut_slice(), &work, &|(), ()| ());
+    let only = Only::Positive(&columns.image_distance, &columns.walls_before);
+    let input = PassInput { pair, grid, position, columns: &neighbours[..=D], only, packs };
+    input.run(&WallDistancePass { pair, zone }, &mut wall_distance[..]);
 }
 
-struct DistanceBlock<'a, R: Real, const D: usize> {
+struct WallDistancePass<'a> {
     pair: &'a PairSettings,
-    source: &'a Source<'a, R, D>,
     zone: &'a [Zone],
-    cells: Range<usize>,
-    distance: &'a mut [R],
-    pack: &'a mut Pack<R>,
 }
 
-impl<R: Real, const D: usize> Vectorised<R> for DistanceBlock<'_, R, D> {
-    type Output = ();
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallDistancePass<'a> {
+    type Outputs = &'a mut [R];
+    /// Distance, m.
+    type Sum = f64;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
+    fn includes(&self, row: usize) -> bool {
+        self.zone[row].flows()
+    }
+
+    #[inline(always)]
+    fn isolated(&self) -> Option<f64> {
+        Some(f64::INFINITY)
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> f64 {
         let h = self.pair.smoothing_length;
-        let square = self.source.support_ratio.powi(2);
-        let limit = L::constant(square);
+        let limit = L::constant(K::SUPPORT * K::SUPPORT);
         let disc = L::constant(DISC * self.pair.spacing / h);
         let to_h = L::constant(1.0 / h);
-        for cell in self.cells {
-            let rows = grid.rows(cell);
-            let flows = |zone: Zone| matches!(zone, Zone::Fluid | Zone::Inflow | Zone::Outflow);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| flows(self.zone[row])) {
-                continue;
-            }
-            let has_none = self.pack.is_empty();
-            let walls = self.pack.bounds::<L, D>();
-            for row in rows {
-                if !flows(self.zone[row]) {
-                    continue;
-                }
-                let point = self.pack.relative(self.source, row);
-                let nearest = if has_none || walls.out_of_reach(point, square) {
-                    f64::INFINITY
-                } else {
-                    nearest_disc::<L, D>(self.pack, point, limit, disc, to_h) * h
-                };
-                self.distance[row - first] = R::from_f64(nearest);
-            }
-        }
+        nearest_disc::<L, D>(pack, pack.relative(source, row), limit, disc, to_h) * h
+    }
+
+    #[inline(always)]
+    fn store(&self, _row: usize, slot: usize, nearest: f64, distance: &mut &'a mut [R]) {
+        distance[slot] = R::from_f64(nearest);
     }
 }
 
-/// Distance, in units of h, to the nearest disc of the packed wall particles within `limit` (r²/h²).
+/// Returns the distance, in units of h, to the nearest disc of the packed wall particles within `limit` (r²/h²).
 #[inline(always)]
 fn nearest_disc<L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -118,10 +100,7 @@ fn nearest_disc<L: Lanes, const D: usize>(
 ) -> f64 {
     let zero = L::constant(0.0);
     let infinite = L::constant(f64::INFINITY);
-    let mut x_a = [zero; D];
-    for d in 0..D {
-        x_a[d] = L::splat(point[d]);
-    }
+    let x_a = splat::<L, D>(point);
     let mut nearest = infinite;
     for entry in pack.entries::<L>(2 * D + 1) {
         let depth = entry.column(D);

@@ -1,33 +1,30 @@
-//! Velocities as the viscous term of the fluid sees them, where walls are dummy particles.
+//! Velocities in the viscous term of the fluid where walls are dummy particles.
 //!
 //! ```text
-//! ṽ_w = Σ_b v_b W_wb / Σ_b W_wb   over fluid, inflow and outflow;   what is seen: physics/wall/dummy.rs
+//! ṽ_w = Σ_b v_b W_wb / Σ_b W_wb   over fluid, inflow and outflow;   velocity of the dummy: physics/wall/dummy.rs
 //! ```
 //!
-//! Adami et al. (2012), Eqs. 22 and 23. All other rows are seen as they move. A wall particle without such a neighbour has the
-//! velocity of its wall: nobody can see it.
+//! Adami et al. (2012), Eqs. 22 and 23. All other particles enter with their own velocity. A wall particle without such a
+//! neighbour has the velocity of its wall: it is in nobody's support.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::blocks::for_each_block;
-use super::density::LEAST_Q2;
+use super::density::squared_distance;
 use super::pack::{Only, Pack, Source};
 use super::rates::VelocityLevel;
+use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
+use super::walls::LEAST_WEIGHT;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{self, Lanes, Vectorised};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::{self, Lanes};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::wall::dummy;
 
-/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing is felt.
-const LEAST_SUM: f64 = 1e-20;
-
-/// Finds the velocities that are seen, from those of a level, into `sums.velocity_seen`.
+/// Finds the velocities of all particles in the viscous term, from those of a level, into `sums.velocity_seen`.
 pub fn find_velocity_seen<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -39,121 +36,89 @@ pub fn find_velocity_seen<R: Real, const D: usize>(
     if sums.columns.find_walls(pair, particles) == 0 {
         return;
     }
-    for column in &mut sums.velocity_seen {
+    let PairSums { velocity_seen, columns, packs, .. } = sums;
+    for column in velocity_seen.iter_mut() {
         column.resize(particles.len(), R::default());
     }
-    pair.kernel.with_shape(SeenPass { pair, grid, particles, level, sums });
+    let velocity = level.columns(particles);
+    let input = PassInput {
+        pair,
+        grid,
+        position: &particles.position,
+        columns: &velocity.each_ref().map(Vec::as_slice),
+        only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
+        packs,
+    };
+    let outputs = velocity_seen.each_mut().map(Vec::as_mut_slice);
+    input.run(&WallVelocityPass { pair, particles, velocity }, outputs);
 }
 
-struct SeenPass<'a, R: Real, const D: usize> {
+struct WallVelocityPass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
-    level: VelocityLevel,
-    sums: &'a mut PairSums<R, D>,
+    velocity: &'a [Vec<R>; D],
 }
 
-impl<R: Real, const D: usize> WithShape for SeenPass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let PairSums { velocity_seen, columns, packs, .. } = self.sums;
-        let velocity = self.level.columns(self.particles);
-        let neighbours: [&[R]; D] = velocity.each_ref().map(Vec::as_slice);
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &neighbours,
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
-        };
-        let work = |cells: Range<usize>, seen: [&mut [R]; D]| {
-            let block = SeenBlock::<K, R, D> {
-                pair: self.pair,
-                source: &source,
-                particles: self.particles,
-                cells,
-                seen,
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        };
-        for_each_block(self.grid, velocity_seen.each_mut().map(Vec::as_mut_slice), &work, &|(), ()| ());
-    }
-}
-
-struct SeenBlock<'a, K, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    source: &'a Source<'a, R, D>,
-    particles: &'a ParticleArrays<R, D>,
-    cells: Range<usize>,
-    seen: [&'a mut [R]; D],
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
-}
-
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for SeenBlock<'_, K, R, D> {
-    type Output = ();
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallVelocityPass<'a, R, D> {
+    type Outputs = [&'a mut [R]; D];
+    /// Kernel mean of the flow's velocity, m/s; None where there is no flow.
+    type Sum = Option<[f64; D]>;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(mut self) {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        for cell in self.cells.clone() {
-            let rows = grid.rows(cell);
-            for (seen, velocity) in self.seen.iter_mut().zip(self.source.columns) {
-                seen[rows.start - first..rows.end - first].copy_from_slice(&velocity[rows.clone()]);
-            }
-            if !self.pack.fill::<L, D>(self.source, cell, |row| self.particles.zone[row] == Zone::Wall) {
-                continue;
-            }
-            let flow = self.pack.bounds::<L, D>();
-            for row in rows {
-                if self.particles.zone[row] != Zone::Wall {
-                    continue;
-                }
-                let point = self.pack.relative(self.source, row);
-                if flow.out_of_reach(point, K::SUPPORT * K::SUPPORT) {
-                    continue;
-                }
-                let Some(mean) = mean_velocity::<K, L, D>(self.pack, point) else { continue };
-                let wall = std::array::from_fn(|d| self.source.columns[d][row].to_f64());
-                let seen = if self.pair.wall_part(self.particles.patch[row]).free_slip {
-                    let normal = std::array::from_fn(|d| self.particles.wall_normal[d][row].to_f64());
-                    dummy::free_slip(wall, mean, normal)
-                } else {
-                    dummy::no_slip(wall, mean)
-                };
-                for d in 0..D {
-                    self.seen[d][row - first] = R::from_f64(seen[d]);
-                }
-            }
+    fn includes(&self, row: usize) -> bool {
+        self.particles.zone[row] == Zone::Wall
+    }
+
+    #[inline(always)]
+    fn isolated(&self) -> Option<Self::Sum> {
+        Some(None)
+    }
+
+    #[inline(always)]
+    fn begin(&self, rows: Range<usize>, seen: &mut Self::Outputs) {
+        for (seen, velocity) in seen.iter_mut().zip(self.velocity) {
+            seen[..rows.len()].copy_from_slice(&velocity[rows.clone()]);
+        }
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> Self::Sum {
+        mean_velocity::<K, L, D>(pack, pack.relative(source, row))
+    }
+
+    #[inline(always)]
+    fn store(&self, row: usize, slot: usize, sum: Self::Sum, seen: &mut Self::Outputs) {
+        let Some(mean) = sum else { return };
+        let wall = std::array::from_fn(|d| self.velocity[d][row].to_f64());
+        let dummy = if self.pair.wall_part(self.particles.patch[row]).free_slip {
+            let normal = std::array::from_fn(|d| self.particles.wall_normal[d][row].to_f64());
+            dummy::free_slip(wall, mean, normal)
+        } else {
+            dummy::no_slip(wall, mean)
+        };
+        for d in 0..D {
+            seen[d][slot] = R::from_f64(dummy[d]);
         }
     }
 }
 
-/// Kernel mean of the packed flow's velocity at a point, m/s; None where there is no flow.
+/// Returns the kernel mean of the packed flow's velocity at a point, m/s; None where there is no flow.
 #[inline(always)]
 fn mean_velocity<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
     point: [L::Real; D],
 ) -> Option<[f64; D]> {
     let zero = L::constant(0.0);
-    let mut x_w = [zero; D];
-    for d in 0..D {
-        x_w[d] = L::splat(point[d]);
-    }
+    let x_w = splat::<L, D>(point);
     let mut sum = [zero; D];
     let mut weights = zero;
     for entry in pack.entries::<L>(2 * D) {
-        let mut q2 = L::constant(LEAST_Q2);
-        for d in 0..D {
-            let x = x_w[d] - entry.column(d);
-            q2 = x.mul_add(x, q2);
-        }
-        let weight = K::value(q2.roots().0);
+        let weight = K::value(squared_distance(x_w, entry).roots().0);
         for d in 0..D {
             sum[d] = entry.column(D + d).mul_add(weight, sum[d]);
         }
@@ -161,7 +126,7 @@ fn mean_velocity<K: KernelShape, L: Lanes, const D: usize>(
     }
     let weights = weights.sum().to_f64();
     let sums = lanes::sums(sum);
-    (weights > LEAST_SUM).then(|| sums.map(|sum| sum / weights))
+    (weights > LEAST_WEIGHT).then(|| sums.map(|sum| sum / weights))
 }
 
 #[cfg(test)]

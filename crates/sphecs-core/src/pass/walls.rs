@@ -1,52 +1,68 @@
-//! Pressure of the wall particles, extrapolated from the fluid.
+//! Pressure and density of the wall particles, extrapolated from the flow.
 //!
 //! ```text
-//! p_w = Σ_b [p_b + ρ_b (g − a_wall)·x_wb] W_wb / Σ_b W_wb,   ρ_w by the inverse of Tait, where the fluid's pressure is Tait's
+//! p_w = Σ_b [p_b + ρ_b (g − a_wall)·x_wb] W_wb / Σ_b W_wb,   ρ_w by the inverse of Tait, where the pressure is Tait's
 //! ```
 //!
-//! Adami et al. (2012), Eq. 27, over fluid, inflow and outflow. A wall particle without such a neighbour has the
-//! reference state: nobody can see it.
+//! Adami et al. (2012), Eq. 27, over fluid, inflow and outflow. A wall particle without such a neighbour has the reference state:
+//! it is in nobody's support.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::blocks::{for_each_block, for_each_part};
+use super::blocks::{GROUP, for_each_part};
 use super::density::LEAST_Q2;
 use super::pack::{Only, Pack, Source};
+use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::{PairColumns, PairSums};
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised, dot};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::{Lanes, dot};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing is felt.
-const LEAST_SUM: f64 = 1e-20;
-
-/// Rows that are looked at together.
-const GROUP: usize = 64;
+/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing contributes.
+pub(super) const LEAST_WEIGHT: f64 = 1e-20;
 
 /// Columns of the pack beside the coordinates: density and pressure of the flow.
 const COLUMNS: usize = 2;
 
-/// Sets pressure and density of the wall rows from the flow around them; `carried` is g − a_wall at a wall row, m/s².
+/// Sets pressure and density of the wall particles from the flow around them.
+///
+/// `force` returns g − a_wall at the wall particle of a row, m/s².
 pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
-    carried: &(impl Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync),
+    force: &(impl Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync),
 ) {
     sums.packs.prepare();
     if sums.columns.find_walls(pair, particles) == 0 {
         return;
     }
-    sums.columns.wall_pressure.resize(particles.len(), R::default());
-    pair.kernel.with_shape(WallPass { pair, grid, particles: &*particles, sums, carried });
-    // Written only now: the extrapolation reads pressures while it runs.
-    let PairColumns { wall_pressure, walls_before, .. } = &sums.columns;
+    let PairColumns { wall_pressure, image_distance, walls_before, .. } = &mut sums.columns;
+    wall_pressure.resize(particles.len(), R::default());
+    let input = PassInput {
+        pair,
+        grid,
+        position: &particles.position,
+        columns: &[&particles.density, &particles.pressure],
+        only: Only::NotPositive(image_distance, walls_before),
+        packs: &sums.packs,
+    };
+    input.run(&WallPressurePass { pair, particles: &*particles, force }, &mut wall_pressure[..]);
+    set_wall_states(pair, particles, wall_pressure, walls_before);
+}
+
+/// Sets pressure and density of the wall particles; apart from the pass, which reads pressures while it runs.
+fn set_wall_states<R: Real, const D: usize>(
+    pair: &PairSettings,
+    particles: &mut ParticleArrays<R, D>,
+    wall_pressure: &[R],
+    walls_before: &[u32],
+) {
     let zone = &particles.zone;
     let work = |rows: Range<usize>, [pressure, density]: [&mut [R]; 2]| {
         let first = rows.start;
@@ -67,93 +83,49 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     for_each_part(0..zone.len(), [&mut particles.pressure[..], &mut particles.density[..]], &work);
 }
 
-struct WallPass<'a, F, R: Real, const D: usize> {
+struct WallPressurePass<'a, F, R: Real, const D: usize> {
     pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
-    sums: &'a mut PairSums<R, D>,
-    carried: &'a F,
+    force: &'a F,
 }
 
-impl<F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync, R: Real, const D: usize> WithShape
-    for WallPass<'_, F, R, D>
+impl<'a, F, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, F, R, D>
+where
+    F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync,
 {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let columns = &mut self.sums.columns;
-        let neighbours: [&[R]; COLUMNS] = [&self.particles.density, &self.particles.pressure];
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &neighbours,
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
-        };
-        let packs = &self.sums.packs;
-        let work = |cells: Range<usize>, pressure: &mut [R]| {
-            let block = WallBlock::<K, F, R, D> {
-                pair: self.pair,
-                carried: self.carried,
-                source: &source,
-                particles: self.particles,
-                cells,
-                pressure,
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        };
-        for_each_block(self.grid, columns.wall_pressure.as_mut_slice(), &work, &|(), ()| ());
-    }
-}
-
-struct WallBlock<'a, K, F, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    carried: &'a F,
-    source: &'a Source<'a, R, D>,
-    particles: &'a ParticleArrays<R, D>,
-    cells: Range<usize>,
-    pressure: &'a mut [R],
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
-}
-
-impl<K: KernelShape, F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D], R: Real, const D: usize> Vectorised<R>
-    for WallBlock<'_, K, F, R, D>
-{
-    type Output = ();
+    type Outputs = &'a mut [R];
+    /// Pressure, Pa.
+    type Sum = f64;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        for cell in self.cells {
-            let rows = grid.rows(cell);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| self.particles.zone[row] == Zone::Wall) {
-                continue;
-            }
-            let flow = self.pack.bounds::<L, D>();
-            for row in rows {
-                if self.particles.zone[row] != Zone::Wall {
-                    continue;
-                }
-                let point = self.pack.relative(self.source, row);
-                // Of several layers the last has no flow in its support.
-                let pressure = if flow.out_of_reach(point, K::SUPPORT * K::SUPPORT) {
-                    0.0
-                } else {
-                    let force = (self.carried)(self.particles, row).map(|g| g * self.pair.smoothing_length);
-                    mean_pressure::<K, L, D>(self.pack, point, force)
-                };
-                self.pressure[row - first] = R::from_f64(pressure);
-            }
-        }
+    fn includes(&self, row: usize) -> bool {
+        self.particles.zone[row] == Zone::Wall
+    }
+
+    /// Of several wall layers the last has no flow in its support.
+    #[inline(always)]
+    fn isolated(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> f64 {
+        let force = (self.force)(self.particles, row).map(|g| g * self.pair.smoothing_length);
+        mean_pressure::<K, L, D>(pack, pack.relative(source, row), force)
+    }
+
+    #[inline(always)]
+    fn store(&self, _row: usize, slot: usize, sum: f64, pressure: &mut &'a mut [R]) {
+        pressure[slot] = R::from_f64(sum);
     }
 }
 
-/// Kernel mean of the packed flow's pressure carried to a point by `force` (m²/s²: force per mass times h).
+/// Returns the kernel mean of the flow's pressure, Pa, continued to a point by `force` (force per mass times h, m²/s²).
 #[inline(always)]
 fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -161,10 +133,9 @@ fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
     force: [f64; D],
 ) -> f64 {
     let zero = L::constant(0.0);
-    let mut x_w = [zero; D];
+    let x_w = splat::<L, D>(point);
     let mut force_w = [zero; D];
     for d in 0..D {
-        x_w[d] = L::splat(point[d]);
         force_w[d] = L::constant(force[d]);
     }
     let mut sum = zero;
@@ -182,7 +153,7 @@ fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
         weights = weights + weight;
     }
     let weights = weights.sum().to_f64();
-    if weights > LEAST_SUM { sum.sum().to_f64() / weights } else { 0.0 }
+    if weights > LEAST_WEIGHT { sum.sum().to_f64() / weights } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -1,30 +1,24 @@
-//! What the wave equation of an outlet sums over the neighbours of its particles, and their concentration gradient.
-
-use std::marker::PhantomData;
+//! Sums of an outlet's wave equation over the neighbours of its particles, and their concentration gradient.
 
 use glam::DVec3;
-use rayon::iter::{IndexedParallelIterator, ParallelIterator};
-use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::density::LEAST_Q2;
 use super::pack::{Only, Pack, Source};
+use super::row_pass::{PassInput, PointPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{Lanes, Vectorised};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::physics::outlet::wave::{WaveLanes, WavePair, WaveSetting, WaveSums};
 use crate::physics::wall::image;
 
-/// Rows that a thread takes at a time.
-const CHUNK: usize = 64;
-
 /// Most columns beside the coordinates: velocity, density, image distance.
 const MOST_COLUMNS: usize = 3 + 2;
 
-/// What was summed for a particle.
+/// Sums of one particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WaveFound {
     /// The sums of the wave equation.
@@ -33,7 +27,9 @@ pub struct WaveFound {
     pub concentration: DVec3,
 }
 
-/// Sums over the neighbours of the rows, which must be in their order; walls as the images that the fluid sees.
+/// Sums over the neighbours of the particles of `rows`, which must be in ascending order, into `found`.
+///
+/// Walls enter as the images that the fluid has of them.
 pub fn sum_waves<R: Real, const D: usize>(
     setting: &WaveSetting,
     pair: &PairSettings,
@@ -44,105 +40,59 @@ pub fn sum_waves<R: Real, const D: usize>(
     found: &mut Vec<WaveFound>,
 ) {
     sums.packs.prepare();
-    sums.columns.find_walls(pair, particles);
+    let has_walls = sums.columns.find_walls(pair, particles) > 0;
     found.resize(rows.len(), WaveFound::default());
-    pair.kernel.with_shape(WavePass { setting, pair, grid, particles, sums, rows, found });
+    let mut columns: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
+    for d in 0..D {
+        columns[d] = &particles.velocity[d];
+    }
+    columns[D] = &particles.density;
+    columns[D + 1] = &sums.columns.image_distance;
+    let columns = &columns[..if has_walls { D + 2 } else { D + 1 }];
+    let position = &particles.position;
+    let input = PassInput { pair, grid, position, columns, only: Only::All, packs: &sums.packs };
+    input.run_at(&WavePass { setting, pair, particles, has_walls }, rows, found);
 }
 
 struct WavePass<'a, R: Real, const D: usize> {
     setting: &'a WaveSetting,
     pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
-    sums: &'a PairSums<R, D>,
-    rows: &'a [u32],
-    found: &'a mut [WaveFound],
+    has_walls: bool,
 }
 
-impl<R: Real, const D: usize> WithShape for WavePass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let images = &self.sums.columns.image_distance;
-        let mut columns: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
-        for d in 0..D {
-            columns[d] = &self.particles.velocity[d];
-        }
-        columns[D] = &self.particles.density;
-        columns[D + 1] = images;
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &columns[..D + 1 + usize::from(!images.is_empty())],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::All,
-        };
-        let chunks = self.rows.par_chunks(CHUNK).zip(self.found.par_chunks_mut(CHUNK));
-        chunks.for_each(|(rows, found)| {
-            let block = WaveBlock::<K, R, D> {
-                setting: self.setting,
-                pair: self.pair,
-                source: &source,
-                wall_distance: &self.particles.wall_distance,
-                rows,
-                found,
-                pack: &mut self.sums.packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        });
-    }
-}
-
-struct WaveBlock<'a, K, R: Real, const D: usize> {
-    setting: &'a WaveSetting,
-    pair: &'a PairSettings,
-    source: &'a Source<'a, R, D>,
-    wall_distance: &'a [R],
-    rows: &'a [u32],
-    found: &'a mut [WaveFound],
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
-}
-
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for WaveBlock<'_, K, R, D> {
-    type Output = ();
+impl<R: Real, const D: usize> PointPass<R, D> for WavePass<'_, R, D> {
+    /// Row of a particle.
+    type Point = u32;
+    type Found = WaveFound;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(mut self) {
-        let mut packed = None;
-        for at in 0..self.rows.len() {
-            let row = self.rows[at] as usize;
-            let cell =
-                self.source.grid.unwrapped_index(std::array::from_fn(|d| self.source.position[d][row]));
-            if packed != Some(cell) {
-                self.pack.fill_around::<L, D>(self.source, cell);
-                packed = Some(cell);
-            }
-            self.found[at] = self.sum::<L>(row);
-        }
+    fn position(&self, row: u32) -> Option<[f64; D]> {
+        Some(std::array::from_fn(|d| self.particles.position[d][row as usize]))
     }
-}
 
-impl<K: KernelShape, R: Real, const D: usize> WaveBlock<'_, K, R, D> {
     #[inline(always)]
-    fn sum<L: Lanes<Real = R>>(&mut self, row: usize) -> WaveFound {
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: u32,
+        x: [R; D],
+    ) -> WaveFound {
+        let row = row as usize;
         let (zero, one) = (L::constant(0.0), L::constant(1.0));
-        let point = self.pack.relative(self.source, row);
-        let (mut x_o, mut v_o, mut normal) = ([zero; D], [zero; D], [zero; D]);
+        let x_o = splat::<L, D>(x);
+        let (mut v_o, mut normal) = ([zero; D], [zero; D]);
         for d in 0..D {
-            x_o[d] = L::splat(point[d]);
-            v_o[d] = L::splat(self.source.columns[d][row]);
+            v_o[d] = L::splat(source.columns[d][row]);
             normal[d] = L::constant(self.setting.normal[d]);
         }
-        let inverse_distance =
-            L::constant(image::inverse_distance(self.wall_distance[row].to_f64(), self.pair.spacing));
+        let wall_distance = self.particles.wall_distance[row].to_f64();
+        let inverse_distance = L::constant(image::inverse_distance(wall_distance, self.pair.spacing));
         let mass = L::constant(self.pair.mass);
-        let columns = self.source.columns.len();
         let mut sums = WaveLanes::<L, D>::new();
         let mut concentration = [zero; D];
-        for entry in self.pack.entries::<L>(D + columns) {
+        for entry in pack.entries::<L>(D + source.columns.len()) {
             let (mut x_ob, mut v_ob) = ([zero; D], [zero; D]);
             let mut v_n_b = zero;
             let mut q2 = L::constant(LEAST_Q2);
@@ -154,8 +104,8 @@ impl<K: KernelShape, R: Real, const D: usize> WaveBlock<'_, K, R, D> {
                 q2 = x_ob[d].mul_add(x_ob[d], q2);
             }
             let mut flows = one;
-            if columns > D + 1 {
-                // The image velocity of a wall particle, as the fluid sees it.
+            if self.has_walls {
+                // The image velocity of a wall particle, as in the rates of the fluid.
                 let image = entry.column(D + D + 1);
                 let stretch = image.mul_add(inverse_distance, one);
                 for v in &mut v_ob {
@@ -275,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_are_those_over_all_neighbours() {
+    fn sums_agree_with_the_scalar_formulas() {
         for set in InstructionSet::available() {
             for has_walls in [false, true] {
                 check::<f64, 2>(set, has_walls, 1e-11);

@@ -20,7 +20,7 @@
 //! Under `EdacTvf` the signal velocity is c_s + max |v|, C = 0.25 and the acceleration at least
 //! that of the body force, as in the description of the scheme. λ_a is the larger of the damping
 //! rates of velocity and pressure, over all particles, with C_λ = 0.3: with ½ a start at C = 1
-//! diverges (test `the_longest_steps_that_a_scene_may_have_pass_nothing_that_is_not_finite`).
+//! diverges (test `longest_allowed_time_steps_keep_all_values_finite`).
 //!
 //! [`friction`]: super::integrator::friction
 //! [`Integrator`]: super::integrator::Integrator

@@ -14,13 +14,7 @@ pub struct Pair(pub PairSettings);
 /// Returns the settings of a scene.
 pub fn pair_settings(scene: &Scene) -> PairSettings {
     let scheme = &scene.scheme;
-    let mut pair = PairSettings::new(
-        scheme.kernel(),
-        scene.dimensions,
-        scene.spacing,
-        scheme.smoothing_ratio(),
-        scene.fluid.tait(),
-    );
+    let mut pair = PairSettings::new(&scene.discretisation, scene.fluid.tait());
     pair.viscosity = scene.fluid.viscosity;
     match scheme {
         Scheme::Wcsph(scheme) => {

@@ -12,7 +12,7 @@ use crate::resources::entity_index::{EntityIndex, FreeParticles};
 use crate::resources::grid::{Grid, scene_grid};
 use crate::resources::ledger::{InflowCapacity, Ledger};
 use crate::resources::pair::{Pair, pair_settings};
-use crate::resources::scene::{ActiveScene, Resolution};
+use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, particles};
 use crate::schedule::{stage_schedule, step_schedule};
 use crate::spawn::spawn_particles;
@@ -114,7 +114,6 @@ impl SimulationBuilder {
         let scene = Arc::new(scene);
         let mut world = World::new();
         world.insert_resource(ActiveScene(scene.clone()));
-        world.insert_resource(Resolution::of(&scene));
         let pair = Pair(pair_settings(&scene));
         world.insert_resource(Grid::<D>(contents.grid(&scene, &pair)?));
         world.insert_resource(pair);

@@ -12,7 +12,7 @@ use super::boundaries::outlets::OutletStates;
 use super::boundaries::rows::PatchRows;
 use crate::resources::clock::Clock;
 use crate::resources::pair_sums::RatesFound;
-use crate::resources::scene::{ActiveScene, Resolution};
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -27,7 +27,6 @@ const CHUNK: usize = 4096;
 #[derive(SystemParam)]
 pub(crate) struct StepSettings<'w> {
     scene: Res<'w, ActiveScene>,
-    resolution: Res<'w, Resolution>,
     /// Extremes that the pair pass found.
     pub found: Res<'w, RatesFound>,
 }
@@ -39,7 +38,7 @@ impl StepSettings<'_> {
             cfl: self.scene.0.time.cfl,
             viscous: self.scene.0.time.viscous,
             damping,
-            smoothing_length: self.resolution.smoothing_length,
+            smoothing_length: self.scene.0.discretisation.smoothing_length,
             viscosity: self.found.largest_viscosity,
         }
     }

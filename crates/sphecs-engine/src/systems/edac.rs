@@ -12,7 +12,7 @@ use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{RatesFound, Sums};
-use crate::resources::scene::{ActiveScene, Resolution};
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -232,7 +232,6 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
 pub(crate) fn shift_outlets<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
-    resolution: Res<Resolution>,
     rows: Res<PatchRows>,
     sums: Res<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
@@ -240,7 +239,7 @@ pub(crate) fn shift_outlets<R: Real, const D: usize>(
     let Some(terms) = terms(&scene.0) else { return };
     let sound = scene.0.fluid.sound_speed * clock.time_step;
     let strength = -2.0 * terms.background * sound * sound;
-    let longest = LONGEST_SHIFT * resolution.spacing;
+    let longest = LONGEST_SHIFT * scene.0.discretisation.spacing;
     for &row in rows.outflow.iter().flatten() {
         let row = row as usize;
         let concentration = sums.0.shift.each_ref().map(|column| column[row].to_f64());

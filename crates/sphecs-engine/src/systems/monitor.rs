@@ -11,7 +11,7 @@ use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
 use crate::resources::ledger::Ledger;
 use crate::resources::pair_sums::RatesFound;
-use crate::resources::scene::{ActiveScene, Resolution};
+use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::hold::HeldAtWalls;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::real::Real;
@@ -118,7 +118,7 @@ fn quantities<R: Real, const D: usize>(
     before: &PreviousRow,
 ) -> MonitorRow {
     let scene = &world.resource::<ActiveScene>().0;
-    let mass = world.resource::<Resolution>().mass;
+    let mass = scene.discretisation.mass;
     let ledger = world.resource::<Ledger>();
     let arrays = world.resource::<Arrays<R, D>>();
     let interval = clock.time - before.time;

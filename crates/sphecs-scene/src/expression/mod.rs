@@ -1,44 +1,26 @@
 //! Expressions of scene files: numbers that may depend on named constants, and fields of x, y, z, t.
 //!
-//! Text → [`parser`] → [`syntax`] (a small tree, every fault with its column) → constants folded → evaluation by
-//! the `exmex` crate, its operators in [`operators`]. The tree in front of exmex is there because exmex
-//! knows no columns, takes `-y^2` as `(-y)^2` and does not nest calls with two arguments.
-
-use exmex::{Express, FlatEx};
+//! Text → [`parser`] → [`syntax`] (a tree, every fault with its column) → parts without variables computed
+//! → [`program`] (the tree in postfix order). The functions and operators are in [`operators`], named
+//! numbers in [`constants`].
 
 pub mod constants;
 pub mod operators;
 pub mod parser;
+pub mod program;
 pub mod syntax;
 
 pub use constants::Constants;
-use operators::SceneOperators;
+use program::Program;
 use syntax::{Syntax, SyntaxFault};
 
 /// A number that may depend on position (m) and time (s).
 #[derive(Clone, Debug)]
 pub enum Expression {
-    /// The same everywhere and always.
+    /// One value everywhere and at all times.
     Constant(f64),
-    /// A formula of x, y, z, t; boxed, because exmex keeps kilobytes in place.
-    Formula(Box<Formula>),
-}
-
-/// A compiled formula of some of x, y, z, t.
-#[derive(Clone, Debug)]
-pub struct Formula {
-    compiled: FlatEx<f64, SceneOperators>,
-    /// Which of (x, y, z, t) the formula asks for, in its own order.
-    variables: [usize; 4],
-    count: usize,
-}
-
-impl Formula {
-    fn value(&self, place: [f64; 4]) -> f64 {
-        let values = self.variables.map(|variable| place[variable]);
-        // The count of variables is the formula's own, the only thing that evaluation can fail on.
-        self.compiled.eval(&values[..self.count]).unwrap_or(f64::NAN)
-    }
+    /// A formula of x, y, z, t.
+    Formula(Program),
 }
 
 impl Expression {
@@ -51,20 +33,12 @@ impl Expression {
         if let Syntax::Number(value) = tree {
             return Ok(Expression::Constant(value));
         }
-        let compiled = FlatEx::<f64, SceneOperators>::parse(&tree.to_exmex())
-            .map_err(|error| SyntaxFault::whole(text, error.msg()))?;
-        let mut variables = [0; 4];
-        let count = compiled.var_names().len();
-        for (slot, name) in variables.iter_mut().zip(compiled.var_names()) {
-            *slot = syntax::VARIABLES
-                .iter()
-                .position(|known| known == name)
-                .ok_or_else(|| SyntaxFault::whole(text, "unknown variable"))?;
-        }
-        Ok(Expression::Formula(Box::new(Formula { compiled, variables, count })))
+        Program::new(&tree).map(Expression::Formula).ok_or_else(|| {
+            SyntaxFault::whole(text, "computes a number that is not finite, must not divide by zero")
+        })
     }
 
-    /// Value at a position (m) and time (s).
+    /// Returns the value at a position (m) and time (s).
     pub fn value(&self, x: f64, y: f64, z: f64, t: f64) -> f64 {
         match self {
             Expression::Constant(value) => *value,
@@ -72,17 +46,15 @@ impl Expression {
         }
     }
 
-    /// Whether it depends on any of these, of (x, y, z, t) by their place.
+    /// Returns whether it depends on any of these variables, given by their places among x, y, z, t.
     pub fn depends_on(&self, places: &[usize]) -> bool {
         match self {
             Expression::Constant(_) => false,
-            Expression::Formula(formula) => {
-                formula.variables[..formula.count].iter().any(|variable| places.contains(variable))
-            }
+            Expression::Formula(formula) => formula.depends_on(places),
         }
     }
 
-    /// The value if it depends on nothing.
+    /// Returns the value if it depends on nothing.
     pub fn constant(&self) -> Option<f64> {
         match self {
             Expression::Constant(value) => Some(*value),

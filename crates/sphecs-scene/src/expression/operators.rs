@@ -1,9 +1,6 @@
-//! The functions and operators of expressions, as exmex evaluates them.
+//! Functions and operators of expressions.
 //!
-//! Comparisons and `&&`, `||` give 1 for true and 0 for false. The tree in front of exmex brackets
-//! everything, so priorities play no part.
-
-use exmex::{BinOp, MakeOperators, Operator};
+//! Comparisons and `&&`, `||` give 1 for true and 0 for false.
 
 /// A function of one argument.
 type Unary = (&'static str, fn(f64) -> f64);
@@ -66,39 +63,17 @@ fn sign(a: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a.signum() }
 }
 
-/// Whole powers by multiplication: `y^2` is y·y to the last bit.
+/// Returns a^b, whole powers by multiplication: `y^2` is y·y to the last bit.
 fn power(a: f64, b: f64) -> f64 {
     if b.fract() == 0.0 && b.abs() <= 16.0 { a.powi(b as i32) } else { a.powf(b) }
 }
 
-/// The function or operator of two values with this name.
+/// Returns the function or operator of two values with a name.
 pub fn binary(name: &str) -> Option<&'static Binary> {
     PAIR_FUNCTIONS.iter().chain(OPERATORS).find(|(known, _)| *known == name)
 }
 
-/// The function of one argument with this name.
+/// Returns the function of one argument with a name.
 pub fn unary(name: &str) -> Option<&'static Unary> {
     FUNCTIONS.iter().find(|(known, _)| *known == name)
-}
-
-/// Hands the table above to exmex.
-#[derive(Clone, Debug)]
-pub struct SceneOperators;
-
-impl MakeOperators<f64> for SceneOperators {
-    fn make<'a>() -> Vec<Operator<'a, f64>> {
-        let binary = |(name, apply): &Binary| {
-            let operation = BinOp { apply: *apply, prio: 0, is_commutative: false };
-            match *name {
-                "-" => Operator::make_bin_unary("-", operation, |a| -a),
-                name => Operator::make_bin(name, operation),
-            }
-        };
-        FUNCTIONS
-            .iter()
-            .map(|(name, apply)| Operator::make_unary(name, *apply))
-            .chain(PAIR_FUNCTIONS.iter().map(binary))
-            .chain(OPERATORS.iter().map(binary))
-            .collect()
-    }
 }

@@ -1,22 +1,20 @@
-//! An expression as a tree, and what is wrong with one that is none.
-
-use std::fmt::Write;
+//! Syntax tree of an expression, and faults of a text that is none.
 
 use super::operators::{binary, unary};
 use crate::faults::Fault;
 use crate::notation::tree::Span;
 
-/// What a field may depend on.
+/// Variables of a field: position (m) and time (s).
 pub const VARIABLES: [&str; 4] = ["x", "y", "z", "t"];
 
 /// A fault of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SyntaxFault {
-    /// What is wrong.
+    /// Title: the fault in one line.
     pub title: String,
-    /// What stands there and what may stand there.
+    /// Label of the marked text: the value found and the value required.
     pub label: String,
-    /// What to do.
+    /// Advice to the user.
     pub help: Option<String>,
     /// First byte in the expression.
     pub start: usize,
@@ -25,7 +23,7 @@ pub struct SyntaxFault {
 }
 
 impl SyntaxFault {
-    /// A fault of the expression as a whole.
+    /// Returns a fault that marks the whole expression.
     pub fn whole(text: &str, label: &str) -> Self {
         Self {
             title: format!("the expression \"{text}\" cannot be used"),
@@ -36,8 +34,10 @@ impl SyntaxFault {
         }
     }
 
-    /// The fault in the scene: `span` is the place of the quoted text, `inner` where the text in it
-    /// begins (None if it has escapes: then the whole is marked).
+    /// Returns the fault at its place in the scene.
+    ///
+    /// `span` is the place of the quoted text, `inner` the first byte of the text in the quotes; None
+    /// where the text has escapes: then all of it is marked.
     pub fn into_fault(self, span: Span, inner: Option<usize>) -> Fault {
         let place = match inner {
             Some(inner) => Span::new(inner + self.start, inner + self.end),
@@ -65,7 +65,7 @@ pub enum Syntax {
 }
 
 impl Syntax {
-    /// The same with everything computed that depends on nothing.
+    /// Computes all parts that depend on no variable.
     #[must_use]
     pub fn folded(self) -> Self {
         match self {
@@ -79,38 +79,6 @@ impl Syntax {
                 (a, b, _) => Syntax::Binary(name, Box::new(a), Box::new(b)),
             },
             leaf => leaf,
-        }
-    }
-
-    /// The same as text for exmex, everything in brackets.
-    pub fn to_exmex(&self) -> String {
-        let mut text = String::new();
-        self.write(&mut text);
-        text
-    }
-
-    fn write(&self, out: &mut String) {
-        match self {
-            // exmex reads no exponents; `{}` writes none. Writing to a String cannot fail.
-            Syntax::Number(value) if *value < 0.0 => {
-                let _ = write!(out, "(-{})", -value);
-            }
-            Syntax::Number(value) => {
-                let _ = write!(out, "{value}");
-            }
-            Syntax::Variable(name) => out.push_str(name),
-            Syntax::Unary(name, a) => {
-                let _ = write!(out, "({name}(");
-                a.write(out);
-                out.push_str("))");
-            }
-            Syntax::Binary(name, a, b) => {
-                out.push_str("((");
-                a.write(out);
-                let _ = write!(out, ") {name} (");
-                b.write(out);
-                out.push_str("))");
-            }
         }
     }
 }

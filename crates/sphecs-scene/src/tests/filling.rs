@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::shipped::{scene, smoke};
 use crate::fill::beyond;
 use crate::model::{ParticleSeed, Scene};
-use crate::{load_str, seeds, summary};
+use crate::{seeds, summary};
 use sphecs_core::particles::zone::Zone;
 
 fn of(seeds: &[ParticleSeed], zone: Zone) -> Vec<ParticleSeed> {
@@ -20,7 +20,7 @@ fn channel(extra: &str) -> Scene {
             domain: Box(min: (0.0, 0.0), max: (1.0, 0.4)), {extra}
             time: (end: 1.0), output: (every: 0.1))"
     );
-    match load_str("channel", &text, &[]) {
+    match Scene::from_text("channel", &text).load() {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
     }
@@ -55,7 +55,7 @@ fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f
 fn check_uniform(scene: &Scene) {
     let seeds = seeds(scene);
     let scheme = &scene.scheme;
-    let support = scheme.kernel().support_ratio() * scheme.smoothing_ratio() * scene.spacing;
+    let support = scheme.support(scene.spacing);
     let sees_rings = |place: DVec3| {
         scene.layout.rings.iter().any(|rings| place.distance(rings.centre) < rings.radius + support)
     };
@@ -186,7 +186,7 @@ fn a_turned_channel_is_filled_like_a_straight_one() {
         inlets: [(at: (0.0, 0.0), towards: (\"c\", \"s\"), velocity: Normal(1.0))],
         outlets: [(at: (\"c\", \"s\"), towards: (\"c\", \"s\"), condition: Orlanski())],
         time: (end: 1.0), output: (every: 0.1))";
-    let scene = match load_str("turned", text, &[]) {
+    let scene = match Scene::from_text("turned", text).load() {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
     };
@@ -207,7 +207,7 @@ fn round_pipes_have_round_sections() {
         inlets: [(at: (0.0, 0.1, 0.1), towards: (1.0, 0.0, 0.0), velocity: Normal(1.0))],
         outlets: [(at: (2.0, 0.0, 0.0), towards: (1.0, 0.0, 0.0), condition: WaveEquation())],
         time: (end: 1.0), output: (every: 0.1))";
-    let scene = match load_str("pipe", text, &[]) {
+    let scene = match Scene::from_text("pipe", text).load() {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
     };
@@ -219,10 +219,10 @@ fn round_pipes_have_round_sections() {
 
 #[test]
 fn wall_fitted_rows_give_every_particle_the_same_area() {
-    let scene = match crate::load(
-        &super::shipped::path("inclined_plates.ron"),
-        &[("fill".to_owned(), "WallFitted(lower: \"-l1 - x*s\", upper: \"l1 + x*s\")".to_owned())],
-    ) {
+    let scene = match Scene::from_file(super::shipped::path("inclined_plates.ron"))
+        .set("fill", "WallFitted(lower: \"-l1 - x*s\", upper: \"l1 + x*s\")")
+        .load()
+    {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
     };
@@ -259,7 +259,7 @@ fn a_square_bend_is_filled_and_opens_at_both_ends() {
         inlets: [(at: (-1.0, 0.0, 0.0), towards: (1.0, 0.0, 0.0), velocity: Normal(1.0))],
         outlets: [(at: (0.8, 1.8, 0.0), towards: (0.0, 1.0, 0.0), condition: WaveEquation())],
         time: (end: 1.0), output: (every: 0.1))";
-    let scene = match load_str("bend", text, &[]) {
+    let scene = match Scene::from_text("bend", text).load() {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
     };
@@ -288,7 +288,7 @@ fn a_periodic_box_without_walls_is_full() {
         fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
         domain: Box(min: (-0.3, 0.0, 1.0), max: (0.7, 1.1, 2.2)), periodic: [\"x\", \"y\", \"z\"], walls: None,
         time: (end: 1.0), output: (every: 0.1))";
-    let scene = match load_str("periodic", text, &[]) {
+    let scene = match Scene::from_text("periodic", text).load() {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
     };
@@ -364,7 +364,7 @@ fn what_will_not_act_or_not_last_is_noted() {
 fn volumes_are_estimated_to_two_per_cent_in_thin_shapes_too() {
     for name in ["square_bend.ron", "quickstart.ron", "duct3d.ron", "cylinder_re20.ron"] {
         let scene = smoke(name);
-        let cell = scene.spacing.powi(scene.dimensions as i32);
+        let cell = scene.discretisation.cell_volume();
         let places = crate::fill::places(&scene);
         let fluid = places.iter().filter(|place| place.zone != Zone::Wall).count() as f64 * cell;
         let estimate = summary::estimated_volume(&scene.container, 0.0, scene.dimensions);

@@ -1,7 +1,7 @@
 //! No panic, whatever the bytes.
 
 use std::cell::Cell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use proptest::prelude::{ProptestConfig, Strategy, any, prop_assert, prop_oneof, proptest};
 use proptest::sample::{Index, select};
@@ -9,8 +9,7 @@ use proptest::test_runner::TestRunner;
 use rustix::time::{ClockId, clock_gettime};
 
 use super::shipped::shipped;
-use crate::build::Origin;
-use crate::{load_smoke, load_str, read, seeds};
+use crate::{Scene, seeds};
 
 /// A change of a text.
 #[derive(Clone, Debug)]
@@ -102,8 +101,9 @@ fn texts() -> Vec<String> {
     let coarse = |path: &PathBuf| {
         // The bend fills a box that is all but empty: shorter ducts.
         let long = path.ends_with("square_bend.ron");
-        let short = ["constants.L1", "constants.L2"].map(|name| (name.to_owned(), "0.3".to_owned()));
-        load_smoke(path, if long { &short } else { &[] }).unwrap().text
+        let short = ["constants.L1", "constants.L2"].map(|name| (name, "0.3"));
+        let changes = if long { short.as_slice() } else { &[] };
+        Scene::from_file(path).smoke().sets(changes).load().unwrap().text
     };
     shipped().iter().map(coarse).collect()
 }
@@ -130,8 +130,7 @@ fn processor_time() -> f64 {
 /// Reads a text and fills the scene, or reports what is wrong; whether it is a scene.
 fn read_through(text: &str) -> bool {
     // A tenth of a gigabyte: a finer spacing by mutation must not make a test of minutes.
-    let origin = Origin { name: "mutated", text, folder: Path::new("."), tables: &[], memory: Some(1e8) };
-    match read("mutated", origin, &[]) {
+    match Scene::from_text("mutated", text).memory(1e8).load() {
         Ok(scene) => {
             assert!(!seeds(&scene).is_empty());
             true
@@ -170,13 +169,13 @@ proptest! {
 
     #[test]
     fn any_text_is_read_or_refused(text in any::<String>()) {
-        let _ = load_str("any", &text, &[]);
+        let _ = Scene::from_text("any", &text).load();
     }
 
     #[test]
     fn any_set_is_taken_or_refused(path in "[a-z0-9_.]{0,20}", value in any::<String>()) {
         let text = std::fs::read_to_string(super::shipped::path("duct3d.ron")).unwrap();
-        let _ = load_str("set", &text, &[(path, value)]);
+        let _ = Scene::from_text("set", &text).set(path, value).load();
     }
 }
 
@@ -184,12 +183,12 @@ proptest! {
 fn deep_nesting_is_refused_before_the_stack_ends() {
     for open in ["(", "[", "{", "a(", "(a:", "\"", "/*"] {
         let text = open.repeat(100_000);
-        assert!(load_str("deep", &text, &[]).is_err());
+        assert!(Scene::from_text("deep", &text).load().is_err());
     }
     let expression = "(".repeat(100_000);
     let text = format!("Scene(constants: {{\"a\": \"{expression}\"}})");
-    assert!(load_str("deep", &text, &[]).is_err());
+    assert!(Scene::from_text("deep", &text).load().is_err());
     let negations = "-".repeat(100_000);
     let text = format!("Scene(constants: {{\"a\": \"{negations}1\"}})");
-    assert!(load_str("deep", &text, &[]).is_err());
+    assert!(Scene::from_text("deep", &text).load().is_err());
 }

@@ -1,14 +1,12 @@
 //! `--set path=value`.
 
 use super::shipped::path;
-use crate::faults::SceneFaults;
-use crate::load;
+use crate::faults::SceneErrors;
 use crate::model::Scene;
 use sphecs_core::physics::outlet::OutletCondition;
 
-fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneFaults> {
-    let sets: Vec<_> = sets.iter().map(|(path, value)| ((*path).to_owned(), (*value).to_owned())).collect();
-    load(&path("constricted_r2.ron"), &sets)
+fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneErrors> {
+    Scene::from_file(&path("constricted_r2.ron")).sets(sets).load()
 }
 
 fn sound(sets: &[(&str, &str)]) -> Scene {
@@ -59,7 +57,8 @@ fn a_field_that_the_file_leaves_out_is_put_in() {
     assert!((scene.outlets[0].patch.depth - 11.0 * 1.9e-3).abs() < 1e-12);
     assert!(scene.text.contains("precision: F32"));
     // The text as run is itself a scene.
-    let again = crate::load_str("again", &scene.text, &[])
+    let again = Scene::from_text("again", &scene.text)
+        .load()
         .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
     assert_eq!((again.outlets[0].condition, again.spacing), (scene.outlets[0].condition, scene.spacing));
     assert_eq!(again.text, scene.text);

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::faults::SceneFaults;
+use crate::faults::SceneErrors;
 use crate::model::{BodyForce, Scene};
-use crate::{load, load_smoke, seeds, summary};
+use crate::{seeds, summary};
 use sphecs_core::particles::zone::Zone;
 
 fn folder() -> PathBuf {
@@ -33,7 +33,7 @@ pub fn path(name: &str) -> PathBuf {
     folder().join(name)
 }
 
-fn sound(scene: Result<Scene, SceneFaults>) -> Scene {
+fn sound(scene: Result<Scene, SceneErrors>) -> Scene {
     match scene {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
@@ -42,12 +42,12 @@ fn sound(scene: Result<Scene, SceneFaults>) -> Scene {
 
 /// A shipped scene.
 pub fn scene(name: &str) -> Scene {
-    sound(load(&path(name), &[]))
+    sound(Scene::from_file(&path(name)).load())
 }
 
 /// A shipped scene at its smoke spacing.
 pub fn smoke(name: &str) -> Scene {
-    sound(load_smoke(&path(name), &[]))
+    sound(Scene::from_file(&path(name)).smoke().load())
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The sums of one row: what every neighbour contributes to them.
+//! Sums of one particle over its neighbours: kernel sum, moments of the flow, and slopes.
 
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{self, Lanes};
@@ -6,49 +6,49 @@ use crate::math::real::Real;
 use crate::math::symmetric::component;
 use crate::pass::density::squared_distance;
 use crate::pass::pack::{CoveredLanes, NeighbourMask, Pack, Source, TILE_VECTORS};
+use crate::pass::row_pass::splat;
 
-/// What a row has summed up.
+/// Sums of one particle.
 pub(super) struct RowSums<R, const D: usize> {
-    /// Σ w(q) over all.
+    /// Σ w(q) over all neighbours.
     pub kernel_sum: R,
-    /// What the gradient of the velocity is made of.
+    /// Moments of which the velocity gradient is made.
     pub of_flow: FlowSums<D>,
-    /// Σ V_b slope · x_ab/h over all, or 0.
+    /// Σ V_b slope · x_ab/h over all neighbours; 0 if it is not summed.
     pub slopes: [f64; D],
-    /// Which vectors of the pack have something in the support.
+    /// Vectors of the pack with a neighbour in the support.
     pub near: NeighbourMask,
 }
 
 /// Sums over the flow with the weights of the slope, x = x_ab and v = v_ab.
 pub(super) struct FlowSums<const D: usize> {
-    /// Σ w, of the row itself, too.
+    /// Σ w, the particle itself included.
     pub weights: f64,
     /// Σ w x.
     pub along: [f64; D],
     /// Σ w v.
     pub across: [f64; D],
-    /// Σ w x_i x_j, by component: it is symmetric.
+    /// Σ w x_i x_j, by component of a symmetric tensor.
     pub moment: [f64; 6],
     /// Σ w v_i x_j.
     pub sum: [[f64; D]; D],
 }
 
-/// Sums over a pack for a row; `CROWDED`: the slopes, too. `all_slopes` is room for f(q) of a stretch.
+/// Sums over a pack for the particle of a row, with the slopes if `SLOPES`. `all_slopes` is a buffer for f(q) of a tile.
 ///
-/// In three walks: what is near, without a branch; roots and kernel of that; and the many sums, which would find no registers beside the kernel.
+/// In three loops: one finds the neighbours in the support, without a branch; one computes their roots and kernel; one adds to the
+/// many sums, which would find no registers beside the kernel.
 #[inline(always)]
-pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>(
+pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const SLOPES: bool>(
     pack: &Pack<L::Real>,
     source: &Source<L::Real, D>,
     row: usize,
     all_slopes: &mut [L; TILE_VECTORS],
 ) -> RowSums<L::Real, D> {
     let zero = L::constant(0.0);
-    let point = pack.relative(source, row);
-    let mut x_a = [zero; D];
+    let x_a = splat::<L, D>(pack.relative(source, row));
     let mut v_a = [zero; D];
     for d in 0..D {
-        x_a[d] = L::splat(point[d]);
         v_a[d] = L::splat(source.columns[d][row]);
     }
     let mut kernel_sum = zero;
@@ -61,7 +61,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
     let mut near = NeighbourMask::ALL;
     let mut covered = CoveredLanes::default();
-    for tile in pack.tiles::<L, D>(if CROWDED { 2 * D + 2 } else { 2 * D + 1 }) {
+    for tile in pack.tiles::<L, D>(if SLOPES { 2 * D + 2 } else { 2 * D + 1 }) {
         let builder = tile.find_neighbours(x_a, limit);
         tile.store_mask(builder, &mut near);
         let lanes = tile.start_lanes(builder, &mut covered);
@@ -75,7 +75,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const CROWDED: bool>
             let x = entry.seen_from(x_a);
             let slope = of_all * entry.column(2 * D);
             weight_sum = weight_sum + slope;
-            if CROWDED {
+            if SLOPES {
                 let of_volume = of_all * entry.column(2 * D + 1);
                 for d in 0..D {
                     slopes[d] = of_volume.mul_add(x[d], slopes[d]);

@@ -6,48 +6,47 @@
 //! dv_a/dt += (1/m) Σ_w F_w w_aw / Σ_b w_wb
 //! ```
 //!
-//! Sums over b are those over the flow around a wall particle. The stress is that of the mean flow in its support, about a spacing
-//! away, and what it takes goes to the same particles by the same weights, so that momentum is kept. Of the layers
-//! behind a flat wall one is nearer than Δ, wherever the lattice is cut, so that it takes the stress of its own area. In the edge
-//! of two walls the particle behind both takes that of another Δ^(D−1): 1/N of the stress of a square duct with N rows in plug flow.
+//! Sums over b are over the flow around a wall particle. The stress is that of the mean flow in its support, about one spacing
+//! away. The force on the wall acts with opposite sign on the same particles, by the same weights, so momentum is conserved. Of
+//! the layers behind a flat wall one is nearer than Δ, wherever the lattice is cut, so it has the stress of its own area. In the
+//! edge of two walls the particle behind both has the stress of another Δ^(D−1): 1/N of the stress of a square duct with N
+//! particles across in plug flow.
 //!
-//! A stress per wall particle that the kernel spreads is our own way to give it to the particles. What it is for:
+//! A stress per wall particle that the kernel distributes is our own way to give it to the particles. Its purpose:
 //! docs/walls.md.
 
 #[cfg(test)]
 mod tests;
 
-use std::marker::PhantomData;
 use std::ops::Range;
 
 use glam::DVec3;
 
-use super::blocks::for_each_block;
 use super::body::{Body, BodySum};
-use super::density::LEAST_Q2;
+use super::density::{LEAST_Q2, squared_distance};
 use super::pack::{Only, Pack, Source};
 use super::rates::VelocityLevel;
+use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
+use super::walls::LEAST_WEIGHT;
 use crate::math::grid::CellGrid;
-use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{self, Lanes, Vectorised, dot};
+use crate::math::kernel::KernelShape;
+use crate::math::lanes::{self, Lanes, dot};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::wall::law::friction_velocity;
 
-/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing is felt.
-const LEAST_SUM: f64 = 1e-20;
-
-/// Depth behind the surface from which a wall particle takes nothing, over Δ: a little less than one, for a lattice with a layer on the
-/// surface itself.
+/// Depth behind the surface beyond which a wall particle has no friction, over Δ.
+///
+/// A little less than one, for a lattice with a layer on the surface itself.
 const REACH: f64 = 1.0 - 1e-6;
 
 /// Least distance of the mean flow from the wall, over Δ.
 const LEAST_DISTANCE: f64 = 0.1;
 
-/// Adds to the accelerations of the fluid what walls with a wall function take, by the velocities of a level.
+/// Adds the friction of walls with a wall function to the accelerations of the fluid, by the velocities of a level.
 pub fn add_wall_friction<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -63,11 +62,56 @@ pub fn add_wall_friction<R: Real, const D: usize>(
     for column in sums.friction.iter_mut().chain([&mut sums.friction_felt]) {
         column.resize(particles.len(), R::default());
     }
-    pair.kernel.with_shape(TakePass { pair, grid, particles: &*particles, level, sums });
-    pair.kernel.with_shape(FeelPass { pair, grid, particles, sums });
+    find_wall_friction(pair, grid, particles, level, sums);
+    distribute_friction(pair, grid, particles, sums);
 }
 
-/// Adds the friction on a body to what pairs with it exert.
+/// Finds the friction of every wall particle from the flow around it, into `sums.friction`.
+fn find_wall_friction<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &ParticleArrays<R, D>,
+    level: VelocityLevel,
+    sums: &mut PairSums<R, D>,
+) {
+    let PairSums { friction, friction_felt, columns, packs, .. } = sums;
+    let velocity = level.columns(particles);
+    let neighbours: [&[R]; 4] = std::array::from_fn(|column| match column {
+        d if d < D => velocity[d].as_slice(),
+        _ => columns.fluid_volume.as_slice(),
+    });
+    let input = PassInput {
+        pair,
+        grid,
+        position: &particles.position,
+        columns: &neighbours[..=D],
+        only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
+        packs,
+    };
+    let outputs = (friction.each_mut().map(Vec::as_mut_slice), friction_felt.as_mut_slice());
+    input.run(&WallSidePass { pair, particles, velocity }, outputs);
+}
+
+/// Adds the friction of the wall particles to the accelerations of the fluid around them.
+fn distribute_friction<R: Real, const D: usize>(
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &mut ParticleArrays<R, D>,
+    sums: &PairSums<R, D>,
+) {
+    let ParticleArrays { acceleration, position, zone, .. } = particles;
+    let input = PassInput {
+        pair,
+        grid,
+        position,
+        columns: &sums.friction.each_ref().map(Vec::as_slice),
+        only: Only::Positive(&sums.columns.image_distance, &sums.columns.walls_before),
+        packs: &sums.packs,
+    };
+    input.run(&FluidSidePass { zone }, acceleration.each_mut().map(Vec::as_mut_slice));
+}
+
+/// Adds the friction on a body to the forces of its pairs.
 pub fn add_friction_on<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -79,7 +123,7 @@ pub fn add_friction_on<R: Real, const D: usize>(
     if !pair.wall_part(body.part).wall_function {
         return;
     }
-    // One after another, in the order of the rows: the same bits for any number of threads.
+    // In the order of the rows, so that the sum is bitwise identical for any number of threads.
     for row in 0..particles.len() {
         if particles.zone[row] != Zone::Wall || particles.patch[row] != body.part {
             continue;
@@ -101,106 +145,64 @@ pub fn add_friction_on<R: Real, const D: usize>(
     }
 }
 
-struct TakePass<'a, R: Real, const D: usize> {
+/// Friction of the wall particles, from the flow around them.
+struct WallSidePass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
     particles: &'a ParticleArrays<R, D>,
-    level: VelocityLevel,
-    sums: &'a mut PairSums<R, D>,
+    velocity: &'a [Vec<R>; D],
 }
 
-impl<R: Real, const D: usize> WithShape for TakePass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let PairSums { friction, friction_felt, columns, packs, .. } = self.sums;
-        let velocity = self.level.columns(self.particles);
-        let neighbours: [&[R]; 4] = std::array::from_fn(|column| match column {
-            d if d < D => velocity[d].as_slice(),
-            _ => columns.fluid_volume.as_slice(),
-        });
-        let source = Source {
-            grid: self.grid,
-            position: &self.particles.position,
-            columns: &neighbours[..=D],
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
-        };
-        let work = |cells: Range<usize>, (friction, felt): ([&mut [R]; D], &mut [R])| {
-            let block = TakeBlock::<K, R, D> {
-                pair: self.pair,
-                source: &source,
-                particles: self.particles,
-                cells,
-                friction,
-                felt,
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        };
-        let written = (friction.each_mut().map(Vec::as_mut_slice), friction_felt.as_mut_slice());
-        for_each_block(self.grid, written, &work, &|(), ()| ());
-    }
-}
-
-struct TakeBlock<'a, K, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    source: &'a Source<'a, R, D>,
-    particles: &'a ParticleArrays<R, D>,
-    cells: Range<usize>,
-    friction: [&'a mut [R]; D],
-    felt: &'a mut [R],
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
-}
-
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for TakeBlock<'_, K, R, D> {
-    type Output = ();
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallSidePass<'a, R, D> {
+    /// Acceleration of the neighbours over w(q), and Σ w(q) over the fluid.
+    type Outputs = ([&'a mut [R]; D], &'a mut [R]);
+    type Sum = MeanFlow<D>;
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(mut self) {
-        let (pair, particles) = (self.pair, self.particles);
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        let reach = REACH * pair.spacing;
-        let takes = |row: usize| {
-            particles.zone[row] == Zone::Wall
-                && pair.wall_part(particles.patch[row]).wall_function
-                && particles.wall_distance[row].to_f64() < reach
-        };
-        for cell in self.cells.clone() {
-            let rows = grid.rows(cell);
-            for column in self.friction.iter_mut().chain([&mut self.felt]) {
-                column[rows.start - first..rows.end - first].fill(R::default());
-            }
-            if !self.pack.fill::<L, D>(self.source, cell, takes) {
-                continue;
-            }
-            for row in rows.filter(|&row| takes(row)) {
-                let point = self.pack.relative(self.source, row);
-                let normal: [f64; D] = std::array::from_fn(|d| particles.wall_normal[d][row].to_f64());
-                let flow = mean_flow::<K, L, D>(self.pack, point, normal);
-                if flow.weights <= LEAST_SUM {
-                    continue;
-                }
-                let depth = particles.wall_distance[row].to_f64();
-                let wall: [f64; D] = std::array::from_fn(|d| self.source.columns[d][row].to_f64());
-                let area = pair.spacing.powi(D as i32 - 1);
-                let y = (flow.height * pair.smoothing_length - depth).max(LEAST_DISTANCE * pair.spacing);
-                let stress = stress(pair, particles.density[row].to_f64(), y, normal, wall, flow.velocity);
-                for d in 0..D {
-                    let taken = -stress[d] * area / (pair.mass * flow.weights);
-                    self.friction[d][row - first] = R::from_f64(taken);
-                }
-                self.felt[row - first] = R::from_f64(flow.felt);
-            }
+    fn includes(&self, row: usize) -> bool {
+        let Self { pair, particles, .. } = self;
+        particles.zone[row] == Zone::Wall
+            && pair.wall_part(particles.patch[row]).wall_function
+            && particles.wall_distance[row].to_f64() < REACH * pair.spacing
+    }
+
+    #[inline(always)]
+    fn begin(&self, rows: Range<usize>, (friction, felt): &mut Self::Outputs) {
+        for column in friction.iter_mut().chain([felt]) {
+            column[..rows.len()].fill(R::default());
         }
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> MeanFlow<D> {
+        let normal = std::array::from_fn(|d| self.particles.wall_normal[d][row].to_f64());
+        mean_flow::<K, L, D>(pack, pack.relative(source, row), normal)
+    }
+
+    #[inline(always)]
+    fn store(&self, row: usize, slot: usize, flow: MeanFlow<D>, (friction, felt): &mut Self::Outputs) {
+        if flow.weights <= LEAST_WEIGHT {
+            return;
+        }
+        let Self { pair, particles, .. } = self;
+        let normal: [f64; D] = std::array::from_fn(|d| particles.wall_normal[d][row].to_f64());
+        let depth = particles.wall_distance[row].to_f64();
+        let wall: [f64; D] = std::array::from_fn(|d| self.velocity[d][row].to_f64());
+        let area = pair.spacing.powi(D as i32 - 1);
+        let y = (flow.height * pair.smoothing_length - depth).max(LEAST_DISTANCE * pair.spacing);
+        let stress = stress(pair, particles.density[row].to_f64(), y, normal, wall, flow.velocity);
+        for d in 0..D {
+            friction[d][slot] = R::from_f64(-stress[d] * area / (pair.mass * flow.weights));
+        }
+        felt[slot] = R::from_f64(flow.felt);
     }
 }
 
-/// Stress on a wall, Pa, of the flow's velocity at a distance.
+/// Returns the stress on a wall, Pa, of the flow's velocity at the distance `y`, m.
 fn stress<const D: usize>(
     pair: &PairSettings,
     density: f64,
@@ -224,10 +226,11 @@ struct MeanFlow<const D: usize> {
     height: f64,
     /// Σ w(q) over the flow.
     weights: f64,
-    /// The same over the fluid alone.
+    /// Σ w(q) over the fluid alone.
     felt: f64,
 }
 
+/// Returns the mean of the packed flow around a wall particle.
 #[inline(always)]
 fn mean_flow<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
@@ -235,9 +238,9 @@ fn mean_flow<K: KernelShape, L: Lanes, const D: usize>(
     normal: [f64; D],
 ) -> MeanFlow<D> {
     let zero = L::constant(0.0);
-    let (mut x_w, mut n_w) = ([zero; D], [zero; D]);
+    let x_w = splat::<L, D>(point);
+    let mut n_w = [zero; D];
     for d in 0..D {
-        x_w[d] = L::splat(point[d]);
         n_w[d] = L::constant(normal[d]);
     }
     let (mut sum, mut height, mut weights, mut felt) = ([zero; D], zero, zero, zero);
@@ -257,7 +260,7 @@ fn mean_flow<K: KernelShape, L: Lanes, const D: usize>(
         felt = felt + L::select(zero.less(entry.column(2 * D)), weight, zero);
     }
     let whole = weights.sum().to_f64();
-    let inverse = if whole > LEAST_SUM { 1.0 / whole } else { 0.0 };
+    let inverse = if whole > LEAST_WEIGHT { 1.0 / whole } else { 0.0 };
     MeanFlow {
         velocity: lanes::sums(sum).map(|sum| sum * inverse),
         height: height.sum().to_f64() * inverse,
@@ -266,89 +269,47 @@ fn mean_flow<K: KernelShape, L: Lanes, const D: usize>(
     }
 }
 
-struct FeelPass<'a, R: Real, const D: usize> {
-    pair: &'a PairSettings,
-    grid: &'a CellGrid<D>,
-    particles: &'a mut ParticleArrays<R, D>,
-    sums: &'a PairSums<R, D>,
-}
-
-impl<R: Real, const D: usize> WithShape for FeelPass<'_, R, D> {
-    type Output = ();
-
-    fn run<K: KernelShape>(self) {
-        let ParticleArrays { acceleration, position, zone, .. } = self.particles;
-        let columns = &self.sums.columns;
-        let neighbours: [&[R]; D] = self.sums.friction.each_ref().map(Vec::as_slice);
-        let source = Source {
-            grid: self.grid,
-            position,
-            columns: &neighbours,
-            inverse_h: 1.0 / self.pair.smoothing_length,
-            support_ratio: K::SUPPORT,
-            only: Only::Positive(&columns.image_distance, &columns.walls_before),
-        };
-        let zone = zone.as_slice();
-        let packs = &self.sums.packs;
-        let work = |cells: Range<usize>, acceleration: [&mut [R]; D]| {
-            let block = FeelBlock::<K, R, D> {
-                source: &source,
-                zone,
-                cells,
-                acceleration,
-                pack: &mut packs.of_this_thread(),
-                shape: PhantomData,
-            };
-            R::dispatch(self.pair.lanes, block);
-        };
-        for_each_block(self.grid, acceleration.each_mut().map(Vec::as_mut_slice), &work, &|(), ()| ());
-    }
-}
-
-struct FeelBlock<'a, K, R: Real, const D: usize> {
-    source: &'a Source<'a, R, D>,
+/// Accelerations of the fluid, from the friction of the wall particles around it.
+struct FluidSidePass<'a> {
     zone: &'a [Zone],
-    cells: Range<usize>,
-    acceleration: [&'a mut [R]; D],
-    pack: &'a mut Pack<R>,
-    shape: PhantomData<K>,
 }
 
-impl<K: KernelShape, R: Real, const D: usize> Vectorised<R> for FeelBlock<'_, K, R, D> {
-    type Output = ();
+impl<'a, R: Real, const D: usize> RowPass<R, D> for FluidSidePass<'a> {
+    type Outputs = [&'a mut [R]; D];
+    /// Acceleration, m/s².
+    type Sum = [R; D];
 
     #[inline(always)]
-    fn run<L: Lanes<Real = R>>(self) {
-        let grid = self.source.grid;
-        let first = grid.rows(self.cells.start).start;
-        let zero = L::constant(0.0);
-        for cell in self.cells.clone() {
-            let rows = grid.rows(cell);
-            if !self.pack.fill::<L, D>(self.source, cell, |row| self.zone[row] == Zone::Fluid) {
-                continue;
+    fn includes(&self, row: usize) -> bool {
+        self.zone[row] == Zone::Fluid
+    }
+
+    #[inline(always)]
+    fn sum<K: KernelShape, L: Lanes<Real = R>>(
+        &self,
+        pack: &Pack<R>,
+        source: &Source<'_, R, D>,
+        row: usize,
+    ) -> [R; D] {
+        let x_a = splat::<L, D>(pack.relative(source, row));
+        let mut sum = [L::constant(0.0); D];
+        for entry in pack.entries::<L>(2 * D) {
+            let weight = K::value(squared_distance(x_a, entry).roots().0);
+            for d in 0..D {
+                sum[d] = entry.column(D + d).mul_add(weight, sum[d]);
             }
-            for row in rows.filter(|&row| self.zone[row] == Zone::Fluid) {
-                let point = self.pack.relative(self.source, row);
-                let mut x_a = [zero; D];
-                for d in 0..D {
-                    x_a[d] = L::splat(point[d]);
-                }
-                let mut sum = [zero; D];
-                for entry in self.pack.entries::<L>(2 * D) {
-                    let mut q2 = L::constant(LEAST_Q2);
-                    for d in 0..D {
-                        let x = entry.column(d) - x_a[d];
-                        q2 = x.mul_add(x, q2);
-                    }
-                    let weight = K::value(q2.roots().0);
-                    for d in 0..D {
-                        sum[d] = entry.column(D + d).mul_add(weight, sum[d]);
-                    }
-                }
-                for d in 0..D {
-                    self.acceleration[d][row - first] += sum[d].sum();
-                }
-            }
+        }
+        let mut total = [R::default(); D];
+        for d in 0..D {
+            total[d] = sum[d].sum();
+        }
+        total
+    }
+
+    #[inline(always)]
+    fn store(&self, _row: usize, slot: usize, sum: [R; D], acceleration: &mut Self::Outputs) {
+        for d in 0..D {
+            acceleration[d][slot] += sum[d];
         }
     }
 }

@@ -27,8 +27,8 @@ pub fn is_fast<A: Advance>(scheme: &A, damping: f64) -> bool {
 
 /// Returns the factor of the acceleration of a particle with a damping rate, 1/s: 1 unless the rate
 /// [is fast](is_fast).
-pub fn implicit_factor<A: Advance>(scheme: &A, fresh: bool, damping: f64) -> f64 {
-    1.0 / (1.0 + scheme.friction_span(fresh) * (damping - DAMPING / scheme.time_step()).max(0.0))
+pub fn implicit_factor<A: Advance>(scheme: &A, needs_restart: bool, damping: f64) -> f64 {
+    1.0 / (1.0 + scheme.friction_span(needs_restart) * (damping - DAMPING / scheme.time_step()).max(0.0))
 }
 
 #[cfg(test)]
@@ -44,10 +44,10 @@ mod tests {
         for step in 0..200 {
             let (scheme, uses_previous) = scheme(step);
             let [now, previous] = velocities;
-            let fresh = step == 0;
+            let needs_restart = step == 0;
             let velocity = if uses_previous { previous } else { now };
-            let damped = -rate * velocity * implicit_factor(&scheme, fresh, rate);
-            velocities = scheme.advance(fresh, 0.0, velocities, damped).1;
+            let damped = -rate * velocity * implicit_factor(&scheme, needs_restart, rate);
+            velocities = scheme.advance(needs_restart, 0.0, velocities, damped).1;
             let next = velocities[0];
             assert!(next >= 0.0 && next <= now, "λ = {rate}, step {step}: {now} -> {next}");
         }

@@ -39,11 +39,11 @@ pub struct KickDrift {
 }
 
 impl KickDrift {
-    /// Returns the value at n+½, from the value at n−½ and the rate at n; for a `fresh` row from
-    /// the value at n.
+    /// Returns the value at n+½, from the value at n−½ and the rate at n; for a row that needs a
+    /// restart from the value at n.
     #[inline(always)]
-    pub fn half<R: Real>(&self, fresh: bool, present: R, before: R, rate: R) -> R {
-        if fresh {
+    pub fn half<R: Real>(&self, needs_restart: bool, present: R, before: R, rate: R) -> R {
+        if needs_restart {
             present + R::from_f64(0.5 * self.time_step) * rate
         } else {
             before + R::from_f64(0.5 * (self.time_step + self.previous_time_step)) * rate
@@ -69,19 +69,19 @@ impl Advance for KickDrift {
         self.time_step
     }
 
-    fn friction_span(&self, fresh: bool) -> f64 {
-        self.time_step + if fresh { self.time_step } else { self.previous_time_step }
+    fn friction_span(&self, needs_restart: bool) -> f64 {
+        self.time_step + if needs_restart { self.time_step } else { self.previous_time_step }
     }
 
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        fresh: bool,
+        needs_restart: bool,
         position: f64,
         [now, half]: [R; 2],
         acceleration: R,
     ) -> (f64, [R; 2]) {
-        let half = self.half(fresh, now, half, acceleration);
+        let half = self.half(needs_restart, now, half, acceleration);
         (self.position(position, half.to_f64(), 0.0), [self.predict(half, acceleration), half])
     }
 }

@@ -52,13 +52,13 @@ pub trait Advance: Copy + Sync {
     fn time_step(&self) -> f64;
 
     /// Returns the interval T of [`friction`], s.
-    fn friction_span(&self, fresh: bool) -> f64;
+    fn friction_span(&self, needs_restart: bool) -> f64;
 
     /// Advances a particle: returns its position, velocity and previous velocity after the step,
     /// from those before it and the acceleration at its beginning.
     fn advance<R: Real>(
         &self,
-        fresh: bool,
+        needs_restart: bool,
         position: f64,
         velocities: [R; 2],
         acceleration: R,

@@ -37,8 +37,14 @@ impl Verlet {
     /// Returns the velocity at n+1, m/s, from those at n and n−1, m/s, and the acceleration at n,
     /// m/s².
     #[inline(always)]
-    pub fn velocity<R: Real>(&self, fresh: bool, velocity: R, previous_velocity: R, acceleration: R) -> R {
-        if self.is_corrective || fresh {
+    pub fn velocity<R: Real>(
+        &self,
+        needs_restart: bool,
+        velocity: R,
+        previous_velocity: R,
+        acceleration: R,
+    ) -> R {
+        if self.is_corrective || needs_restart {
             velocity + R::from_f64(self.time_step) * acceleration
         } else {
             previous_velocity + R::from_f64(self.time_step + self.previous_time_step) * acceleration
@@ -57,19 +63,23 @@ impl Advance for Verlet {
         self.time_step
     }
 
-    fn friction_span(&self, fresh: bool) -> f64 {
-        if self.is_corrective || fresh { self.time_step } else { self.time_step + self.previous_time_step }
+    fn friction_span(&self, needs_restart: bool) -> f64 {
+        if self.is_corrective || needs_restart {
+            self.time_step
+        } else {
+            self.time_step + self.previous_time_step
+        }
     }
 
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        fresh: bool,
+        needs_restart: bool,
         position: f64,
         [now, previous]: [R; 2],
         acceleration: R,
     ) -> (f64, [R; 2]) {
-        let next = self.velocity(fresh, now, previous, acceleration);
+        let next = self.velocity(needs_restart, now, previous, acceleration);
         (self.position(position, now.to_f64(), acceleration.to_f64()), [next, now])
     }
 }

@@ -72,7 +72,7 @@ mod tests {
     use glam::DVec3;
 
     use super::SurfaceShear;
-    use sphecs_scene::load_str;
+    use sphecs_scene::Scene;
 
     /// A sphere that rotates about z with increasing ω has the torque −2 μ ω V about any point, and
     /// no force. A sphere that slips or translates has neither.
@@ -90,7 +90,7 @@ mod tests {
                     reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 1.0),
                 )"#
             );
-            load_str("sphere", &text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"))
+            Scene::from_text("sphere", &text).load().unwrap_or_else(|faults| panic!("{faults:?}"))
         };
         let about = DVec3::new(0.1, -0.2, 0.3);
         let at = |wall: &str, time: f64| {

@@ -130,14 +130,13 @@ impl PlaceAmongPoints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sphecs_scene::load_str;
 
     fn points(extra: &str) -> (SectionPoints, Patch) {
         let text = format!(
             "Scene(title: \"t\", spacing: 0.1, smoke: 0.2, fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
                 {extra} time: (end: 1.0), output: (every: 0.1))"
         );
-        match load_str("openings", &text, &[]) {
+        match Scene::from_text("openings", &text).load() {
             Ok(scene) => {
                 let patch = scene.outlets[0].patch.clone();
                 (SectionPoints::new(&scene, &patch), patch)

@@ -190,7 +190,7 @@ fn step_at_rest(scene: &Scene) -> f64 {
         cfl: scene.time.cfl,
         viscous: scene.time.viscous,
         damping: friction::DAMPING,
-        smoothing_length: scene.scheme.smoothing_ratio() * scene.spacing,
+        smoothing_length: scene.discretisation.smoothing_length,
         viscosity: scene.fluid.viscosity,
     };
     limits.time_step(0.0, scene.fluid.sound_speed, 0.0)

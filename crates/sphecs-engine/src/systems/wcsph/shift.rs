@@ -8,7 +8,7 @@ use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{RatesFound, Sums};
-use crate::resources::scene::{ActiveScene, Resolution};
+use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lanes::{Lanes, Vectorised};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -24,7 +24,6 @@ use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 pub(crate) fn shift<R: Real, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
-    resolution: Res<Resolution>,
     found: Res<RatesFound>,
     pair: Res<Pair>,
     sums: Res<Sums<R, D>>,
@@ -35,8 +34,8 @@ pub(crate) fn shift<R: Real, const D: usize>(
     };
     let shifting = scheme.shifting;
     let step = ShiftStep {
-        smoothing_length: resolution.smoothing_length,
-        spacing: resolution.spacing,
+        smoothing_length: scene.0.discretisation.smoothing_length,
+        spacing: scene.0.discretisation.spacing,
         largest_speed: found.largest_speed,
         time_step: clock.time_step,
     };

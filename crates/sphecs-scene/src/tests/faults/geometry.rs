@@ -1,7 +1,7 @@
 //! Faults of shapes, openings, periods and particle counts.
 
 use super::{SOUND, check, faults_of};
-use crate::load_str;
+use crate::Scene;
 
 #[test]
 fn shapes_without_sense_are_faults() {
@@ -83,8 +83,9 @@ fn periods_must_fit() {
         format!("{}{}", &text[..inlets], &text[time..])
     };
     let text = closed(&SOUND.replace("periodic: []", "periodic: [\"x\"]"));
-    let scene =
-        load_str("test.ron", &text, &[]).unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    let scene = Scene::from_text("test.ron", &text)
+        .load()
+        .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
     assert_eq!(scene.periodic, [Some((0.0, 1.0)), None, None]);
     let uneven = text.replace("max: (1.0,", "max: (1.02,");
     let faults = faults_of(&uneven);

@@ -4,8 +4,8 @@ mod geometry;
 mod notation;
 mod values;
 
-use crate::faults::SceneFaults;
-use crate::load_str;
+use crate::Scene;
+use crate::faults::SceneErrors;
 
 /// A sound scene; tests replace one piece of it.
 const SOUND: &str = r#"Scene(
@@ -28,8 +28,8 @@ const SOUND: &str = r#"Scene(
 )
 "#;
 
-fn faults_of(text: &str) -> SceneFaults {
-    match load_str("test.ron", text, &[]) {
+fn faults_of(text: &str) -> SceneErrors {
+    match Scene::from_text("test.ron", text).load() {
         Ok(_) => panic!("no fault in\n{text}"),
         Err(faults) => faults,
     }
@@ -71,7 +71,7 @@ fn check(right: &str, wrong: &str, title: &str, token: &str) -> String {
 
 #[test]
 fn the_sound_scene_is_sound() {
-    if let Err(faults) = load_str("test.ron", SOUND, &[]) {
+    if let Err(faults) = Scene::from_text("test.ron", SOUND).load() {
         panic!("{:?}", miette::Report::new(faults));
     }
 }

@@ -1,7 +1,7 @@
 //! Faults of numbers, expressions, tables and probes.
 
 use super::{SOUND, check, faults_of};
-use crate::load_str;
+use crate::Scene;
 use sphecs_core::physics::outlet::{Frame, OutletCondition, OutletPressure, TransverseOperator, Waves};
 use sphecs_core::physics::wall::Slip;
 
@@ -63,7 +63,7 @@ fn what_is_as_fast_as_sound_is_a_fault() {
     let text = SOUND.replace(wcsph, "EdacTvf(background: 10)");
     let faults = faults_of(&text);
     assert_eq!(faults.faults()[0].title, "the time step is too long for the background pressure");
-    if let Err(faults) = load_str("t", &text.replace("cfl: 0.3", "cfl: 0.25"), &[]) {
+    if let Err(faults) = Scene::from_text("t", &text.replace("cfl: 0.3", "cfl: 0.25")).load() {
         panic!("at the limit it is allowed: {faults:?}");
     }
 }
@@ -72,8 +72,9 @@ fn what_is_as_fast_as_sound_is_a_fault() {
 fn an_outlet_may_leave_its_condition_to_the_engine() {
     let text = SOUND.replace(", condition: WaveEquation()", "");
     assert_ne!(text, SOUND);
-    let scene =
-        load_str("test.ron", &text, &[]).unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    let scene = Scene::from_text("test.ron", &text)
+        .load()
+        .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
     let conditions: Vec<_> = scene.outlets.iter().map(|outlet| outlet.condition).collect();
     let usual = OutletCondition::WaveEquation {
         frame: Frame::Moving,
@@ -86,8 +87,9 @@ fn an_outlet_may_leave_its_condition_to_the_engine() {
 #[test]
 fn a_wall_function_needs_a_viscosity() {
     let text = SOUND.replace("slip: NoSlip", "slip: WallFunction");
-    let scene =
-        load_str("test.ron", &text, &[]).unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
+    let scene = Scene::from_text("test.ron", &text)
+        .load()
+        .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
     assert!(scene.walls.parts.iter().all(|part| part.slip == Slip::WallFunction));
     let text = text.replace("viscosity: 1.0e-3", "viscosity: 0");
     let faults = faults_of(&text);
@@ -211,7 +213,7 @@ fn tables_are_checked_in_their_own_text() {
     let run = |velocity: &str| {
         let path = folder.path().join("scene.ron");
         std::fs::write(&path, SOUND.replace("Normal(\"v0 * y\")", velocity)).unwrap();
-        match crate::load(&path, &[]) {
+        match Scene::from_file(&path).load() {
             Ok(_) => panic!("{velocity} was taken"),
             Err(faults) => faults,
         }
@@ -230,7 +232,7 @@ fn tables_are_checked_in_their_own_text() {
 
 #[test]
 fn a_file_that_is_not_there_is_a_fault() {
-    let faults = crate::load(std::path::Path::new("no/such/scene.ron"), &[]);
+    let faults = Scene::from_file(std::path::Path::new("no/such/scene.ron")).load();
     assert!(faults.is_err_and(|f| f.faults()[0].title.contains("no/such/scene.ron")));
 }
 

@@ -2,8 +2,8 @@
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
 //! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
-//! 3. [`meter`]: speeds of the inlets that are given by the mass they bring, of the rows that the fill gives them
-//! 4. [`whole`]: what only the parts together show, once each of them is sound
+//! 3. [`mass_flow`]: speeds of the inlets that are given by the mass they bring, of the rows that the fill gives them
+//! 4. [`consistency`]: what only the parts together show, once each of them is sound
 
 use std::path::Path;
 
@@ -14,27 +14,28 @@ use super::faults::Fault;
 use super::geometry::Shape;
 use super::model::{BodyForce, Fill, FluidProperties, Initial, Layout, Scene};
 use super::schema::SceneFile;
+use sphecs_core::discretisation::Discretisation;
 
 pub mod bodies;
 pub mod boundaries;
 pub mod checker;
+pub mod compressibility;
+pub mod consistency;
 pub mod layout;
-pub mod meter;
+pub mod mass_flow;
 pub mod patches;
 pub mod scheme;
 pub mod section;
 pub mod settings;
 pub mod shapes;
-pub mod sound;
 pub mod tables;
 pub mod walls;
-pub mod whole;
 
 use checker::Checker;
 
 /// Where a scene came from.
 #[derive(Clone, Copy, Debug)]
-pub struct Origin<'a> {
+pub struct SceneSource<'a> {
     /// File stem, used for the run folder.
     pub name: &'a str,
     /// The text as run.
@@ -49,19 +50,23 @@ pub struct Origin<'a> {
 
 /// Builds a scene, with every fault found. With faults there may be a scene too, with harmless values in
 /// their places: it is good for further checks only.
-pub fn build(file: &SceneFile, constants: &Constants, origin: Origin<'_>) -> (Option<Scene>, Vec<Fault>) {
-    let mut check = Checker::new(constants, origin.text);
-    check.tables = origin.tables.to_vec();
-    let scene = parts(file, &mut check, origin);
-    let stands = check.blemishes() == 0;
-    let mut faults = check.faults;
+pub fn check(
+    file: &SceneFile,
+    constants: &Constants,
+    source: SceneSource<'_>,
+) -> (Option<Scene>, Vec<Fault>) {
+    let mut checker = Checker::new(constants, source.text);
+    checker.tables = source.tables.to_vec();
+    let scene = parts(file, &mut checker, source);
+    let stands = checker.blemishes() == 0;
+    let mut faults = checker.faults;
     if let Some(scene) = &scene {
-        whole::check(scene, file, stands, &mut faults);
+        consistency::check(scene, file, stands, &mut faults);
     }
     (scene, faults)
 }
 
-fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Option<Scene> {
+fn parts(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> Option<Scene> {
     let before = check.blemishes();
     let dimensions = settings::dimensions(file, check);
     check.dimensions = dimensions;
@@ -73,7 +78,8 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
     // Further sections are read against a stand-in, so that their own faults show in the same run.
     let domain = domain.unwrap_or(Shape::Ball { center: DVec3::ZERO, radius: 1.0 });
     if sound
-        && let Some(fault) = whole::too_many((&domain, dimensions), &scheme, spacing, file, origin.memory)
+        && let Some(fault) =
+            consistency::too_many((&domain, dimensions), &scheme, spacing, file, source.memory)
     {
         check.report(fault);
         sound = false;
@@ -104,11 +110,11 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         domain: &domain,
         periodic: &periodic,
         spacing,
-        support: scheme.kernel().support_ratio() * scheme.smoothing_ratio() * spacing,
+        support: scheme.support(spacing),
         dimensions,
         sound,
     };
-    let inlets = boundaries::inlets(&file.inlets, &site, origin.folder, check);
+    let inlets = boundaries::inlets(&file.inlets, &site, source.folder, check);
     let outlets = boundaries::outlets(&file.outlets, &site, check);
     settings::references(file, check);
     let (inlets, outlets) = (inlets?, outlets?);
@@ -131,13 +137,20 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         inlets.iter().map(|inlet| &inlet.patch).chain(outlets.iter().map(|outlet| &outlet.patch)).collect();
     let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
     let mut scene = Scene {
-        name: origin.name.to_owned(),
+        name: source.name.to_owned(),
         title: file.title.value.clone(),
-        text: origin.text.to_owned(),
+        text: source.text.to_owned(),
         tables: std::mem::take(&mut check.tables),
         dimensions,
         precision: file.precision,
         spacing,
+        discretisation: Discretisation::new(
+            scheme.kernel(),
+            dimensions,
+            spacing,
+            scheme.smoothing_ratio(),
+            fluid.density,
+        ),
         smoke_spacing,
         fluid,
         scheme,
@@ -165,7 +178,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, origin: Origin<'_>) -> Optio
         reference_length: 0.0,
     };
     if check.blemishes() == before {
-        meter::meter(&mut scene, file, check);
+        mass_flow::meter(&mut scene, file, check);
     }
     settings::derive(&mut scene, file);
     Some(scene)

@@ -108,9 +108,8 @@ fn part(scene: &Scene, surface: DVec3) -> u16 {
 
 #[cfg(test)]
 mod tests {
+    use crate::model::Scene;
     use glam::DVec3;
-
-    use crate::load_str;
 
     /// A drum that turns with 2/s and, later, faster: ω² R to its axis whatever it does along itself.
     #[test]
@@ -124,7 +123,7 @@ mod tests {
             )]),
             reference: (velocity: 1.0), time: (end: 1.0), output: (every: 1.0),
         )"#;
-        let scene = load_str("drum", text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let scene = Scene::from_text("drum", text).load().unwrap_or_else(|faults| panic!("{faults:?}"));
         let drum = scene.walls.parts.iter().find(|part| part.moves()).expect("a part that moves");
         let point = DVec3::new(0.3, -0.4, 0.0);
         for (time, rate) in [(0.0, 2.0), (0.5, 3.0)] {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{bodies, sound};
+use super::{bodies, compressibility};
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill::{self, Place};
@@ -42,7 +42,7 @@ pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fau
     }
     // These look at values in whose places harmless ones stand if there are faults.
     if stands && faults.is_empty() {
-        sound::against(scene, file, faults);
+        compressibility::against(scene, file, faults);
         probes(scene, file, faults);
         bodies::have_particles(scene, file, &places, faults);
         fields(scene, file, &places, faults);

@@ -1,4 +1,4 @@
-//! The ends of rows: gradients of velocity from what the rows have summed up, many at a time, so that the loops are over vectors.
+//! Velocity gradients from the moments of particles, many particles at a time so that the compiler vectorises the loops.
 
 use super::row::FlowSums;
 use crate::math::linear::invert_symmetric;
@@ -6,35 +6,36 @@ use crate::math::real::Real;
 use crate::math::symmetric::{component, components};
 use crate::pass::blocks::GROUP;
 
-/// A number of each row.
+/// One number per waiting particle.
 type Column = [f64; GROUP];
 
-/// The columns that gradients and their symmetric parts are written to, of a block's rows; one that is empty is left out.
+/// Columns of a block for the symmetric parts of the gradients, by component, and for the gradients; empty ones are left out.
 pub(super) type Gradients<'a, R, const D: usize> = ([&'a mut [R]; 6], [[&'a mut [R]; D]; D]);
 
-/// Sums of rows that wait for their ends.
-pub(super) struct Ends<const D: usize> {
-    /// How many wait.
+/// Moments of particles whose gradients are not computed yet.
+pub(super) struct PendingGradients<const D: usize> {
+    /// Number of waiting particles.
     waiting: usize,
-    /// Their places in the columns that are written to.
-    places: [usize; GROUP],
+    /// Their slots in the columns.
+    slots: [usize; GROUP],
     weights: Column,
     along: [Column; D],
     across: [Column; D],
     moment: [Column; 6],
     sum: [[Column; D]; D],
-    /// w of a row itself, which is in no sum but that of the weights.
+    /// w of a particle itself, which is in no sum but that of the weights.
     own_weight: f64,
     /// 1/m, since distances are in units of h.
     inverse_h: f64,
 }
 
-impl<const D: usize> Ends<D> {
+impl<const D: usize> PendingGradients<D> {
+    /// Nothing waits.
     pub(super) fn new(own_weight: f64, inverse_h: f64) -> Self {
         let none = [0.0; GROUP];
-        Ends {
+        Self {
             waiting: 0,
-            places: [0; GROUP],
+            slots: [0; GROUP],
             weights: none,
             along: [none; D],
             across: [none; D],
@@ -45,11 +46,11 @@ impl<const D: usize> Ends<D> {
         }
     }
 
-    /// Takes the sums of the row whose results go to `place`, and writes what waits as soon as there is no room for another.
+    /// Adds the sums of the particle whose gradient goes to `slot`; writes all gradients once a group is complete.
     #[inline(always)]
-    pub(super) fn take<R: Real>(&mut self, place: usize, sums: &FlowSums<D>, to: &mut Gradients<R, D>) {
+    pub(super) fn push<R: Real>(&mut self, slot: usize, sums: &FlowSums<D>, to: &mut Gradients<R, D>) {
         let row = self.waiting % GROUP;
-        self.places[row] = place;
+        self.slots[row] = slot;
         self.weights[row] = sums.weights;
         for i in 0..D {
             self.along[i][row] = sums.along[i];
@@ -67,11 +68,11 @@ impl<const D: usize> Ends<D> {
         }
     }
 
-    /// Writes the gradients of all that waits.
+    /// Writes the gradients of all waiting particles.
     #[inline(always)]
     pub(super) fn write<R: Real>(&mut self, to: &mut Gradients<R, D>) {
         let gradient = self.gradients();
-        let places = &self.places[..self.waiting.min(GROUP)];
+        let slots = &self.slots[..self.waiting.min(GROUP)];
         let (strain, whole) = to;
         for i in 0..D {
             for j in 0..=i {
@@ -79,18 +80,18 @@ impl<const D: usize> Ends<D> {
                 for row in 0..GROUP {
                     mean[row] = 0.5 * (gradient[i][j][row] + gradient[j][i][row]);
                 }
-                write_column(places, &mean, strain[component::<D>(i, j)]);
+                write_column(slots, &mean, strain[component::<D>(i, j)]);
             }
             for j in 0..D {
-                write_column(places, &gradient[i][j], whole[i][j]);
+                write_column(slots, &gradient[i][j], whole[i][j]);
             }
         }
         self.waiting = 0;
     }
 
-    /// The gradient of each row, 1/s; zero where fewer neighbours than dimensions, or those in a line, say nothing of it.
+    /// Returns the gradient of each particle, 1/s; zero where the neighbours do not span all dimensions.
     ///
-    /// Over all rows there is room for: those that do not wait have sums of earlier ones, and are not written.
+    /// Computes a whole group: entries behind the waiting ones have older sums and are not written.
     #[inline(always)]
     fn gradients(&self) -> [[Column; D]; D] {
         let mut gradient = [[[0.0; GROUP]; D]; D];
@@ -119,20 +120,20 @@ impl<const D: usize> Ends<D> {
     }
 }
 
-/// Writes a number of each row to its place.
+/// Writes one number per particle to its slot.
 #[inline(always)]
-fn write_column<R: Real>(places: &[usize], values: &Column, column: &mut [R]) {
-    let (Some(first), Some(last)) = (places.first(), places.last()) else { return };
+fn write_column<R: Real>(slots: &[usize], values: &Column, column: &mut [R]) {
+    let (Some(first), Some(last)) = (slots.first(), slots.last()) else { return };
     if column.is_empty() {
         return;
     }
-    if last - first < places.len() {
+    if last - first < slots.len() {
         for (slot, value) in column[*first..=*last].iter_mut().zip(values) {
             *slot = R::from_f64(*value);
         }
     } else {
-        for (place, value) in places.iter().zip(values) {
-            column[*place] = R::from_f64(*value);
+        for (slot, value) in slots.iter().zip(values) {
+            column[*slot] = R::from_f64(*value);
         }
     }
 }

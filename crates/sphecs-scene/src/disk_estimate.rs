@@ -35,8 +35,8 @@ impl Demand {
         let steps = steps_to(scene, until).min(most_steps.unwrap_or(u64::MAX) as f64);
         // None is written between two steps.
         let occasions = |every: f64| (until / every).min(steps) + 2.0;
-        let particles = estimated_volume(&scene.container, 0.0, scene.dimensions)
-            / scene.spacing.powi(scene.dimensions as i32);
+        let particles =
+            estimated_volume(&scene.container, 0.0, scene.dimensions) / scene.discretisation.cell_volume();
         let points: f64 = scene.output.probes.iter().map(|probe| points_of(&probe.kind)).sum();
         let row = NUMBER * (MONITOR_COLUMNS + PROBE_COLUMNS * points);
         let frames = occasions(scene.output.every);
@@ -72,13 +72,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::load;
 
     fn quickstart(sets: &[(&str, &str)]) -> Scene {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/quickstart.ron");
-        let sets: Vec<(String, String)> =
-            sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-        load(&path, &sets).expect("a scene")
+        Scene::from_file(&path).sets(sets).load().expect("a scene")
     }
 
     #[test]

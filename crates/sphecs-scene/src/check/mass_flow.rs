@@ -68,7 +68,7 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
         rows_along(patch, scene, &mut add);
     } else {
         // Rows of the fill: each particle has the share of its row's section that it has of the row's length.
-        let share = scene.spacing.powi(scene.dimensions as i32) / patch.depth;
+        let share = scene.discretisation.cell_volume() / patch.depth;
         for place in fill::places(scene) {
             if place.zone == Zone::Inflow && usize::from(place.patch) == index {
                 add(place.position, share);
@@ -106,20 +106,19 @@ fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
 
 #[cfg(test)]
 mod tests {
-    use crate::load_str;
     use crate::model::Scene;
     use crate::spawn::seeds;
     use sphecs_core::particles::zone::Zone;
 
     fn scene(text: &str, velocity: &str) -> Scene {
-        let set = [("inlets.0.velocity".to_owned(), velocity.to_owned())];
-        load_str("metered", text, &set).unwrap_or_else(|faults| panic!("{faults:?}"))
+        let set = [("inlets.0.velocity", velocity)];
+        Scene::from_text("metered", text).sets(set).load().unwrap_or_else(|faults| panic!("{faults:?}"))
     }
 
     /// Mass that the particles of the zone carry over the plane at a time, kg/s.
     fn carried(scene: &Scene, time: f64) -> f64 {
         let inlet = &scene.inlets[0];
-        let mass = scene.fluid.density * scene.spacing.powi(scene.dimensions as i32);
+        let mass = scene.discretisation.mass;
         let inflow = seeds(scene).into_iter().filter(|seed| seed.zone == Zone::Inflow);
         let speed = |at| inlet.velocity_at(0.0, at, time).dot(inlet.patch.towards);
         inflow.map(|seed| mass * speed(seed.position) / inlet.patch.depth).sum()

@@ -6,7 +6,7 @@ use crate::fill::Place;
 use crate::geometry::Shape;
 use crate::model::{Body, BodyReference, Scene, Walls};
 use crate::schema::{BodyFile, SceneFile};
-use crate::walls::surface;
+use crate::wall_particles::surface;
 use sphecs_core::particles::zone::Zone;
 
 /// All bodies that are sound; `end` is that of the run, s.

@@ -1,0 +1,159 @@
+//! Macro for the table of particle columns.
+//!
+//! One line of the table states name, type, value of one particle, name in a checkpoint, when the
+//! column is in use and how it is sorted. The macro generates [`ParticleArrays`] and [`Row`]
+//! with everything that has to name every column, so that a column cannot be forgotten.
+//!
+//! [`ParticleArrays`]: super::arrays::ParticleArrays
+//! [`Row`]: super::rows::Row
+
+/// Condition for a column to be in use; a column that is not is empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum When {
+    /// Always.
+    Always,
+    /// The pressure evolves by an equation of its own.
+    PressureEvolves,
+    /// Particles are moved by more than their velocity.
+    ParticlesDrift,
+    /// A wall particle has been added.
+    WallsExist,
+}
+
+/// Treatment of a column when the particles are sorted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sort {
+    /// Its values are permuted.
+    Permute,
+    /// Its values are permuted unless all are equal, as the zones of a box of fluid are.
+    PermuteUnlessUniform,
+    /// Its values are permuted if there are walls; otherwise all are equal.
+    PermuteIfWalls,
+}
+
+/// Generates the columns of the particles from their table.
+macro_rules! columns {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident: $column:ty => $value:ty, $saved:literal, $when:ident, $sort:ident($spare:ident);
+    )*) => {
+        /// Columns of all particles that can be a neighbour, in `D` dimensions.
+        ///
+        /// Positions are f64 always; the other columns are in the precision of the pair sums.
+        #[derive(Clone, Debug)]
+        pub struct ParticleArrays<R: Real, const D: usize> {
+            $(
+                $(#[$doc])*
+                pub $name: $column,
+            )*
+            /// Rate of change of velocity, m/s²: written by a step between its sort and its kick,
+            /// without meaning at other times.
+            pub acceleration: [Vec<R>; D],
+            /// Whether the pressure evolves by an equation of its own.
+            pub evolves_pressure: bool,
+            /// Whether particles are moved by more than their velocity.
+            pub drifts: bool,
+        }
+
+        /// All values of one particle.
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct Row {
+            $(
+                $(#[$doc])*
+                pub $name: $value,
+            )*
+        }
+
+        impl<R: Real, const D: usize> Default for ParticleArrays<R, D> {
+            fn default() -> Self {
+                Self {
+                    $($name: Quantity::empty(),)*
+                    acceleration: Quantity::empty(),
+                    evolves_pressure: false,
+                    drifts: false,
+                }
+            }
+        }
+
+        impl<R: Real, const D: usize> ParticleArrays<R, D> {
+            /// Appends a particle behind all others, outside the order of the cells, until the next
+            /// sort.
+            pub fn push(&mut self, particle: &Row) {
+                let row = self.len();
+                $(
+                    if self.is_used(When::$when) || When::$when.begins_with(particle.zone) {
+                        Quantity::push(&mut self.$name, row, particle.$name);
+                    }
+                )*
+                Quantity::push(&mut self.acceleration, row, Default::default());
+            }
+
+            /// Returns all values of the particle of a row; 0 for columns that are not in use.
+            pub fn row(&self, row: usize) -> Row {
+                Row {
+                    $(
+                        $name: match self.is_used(When::$when) {
+                            true => self.$name.value(row),
+                            false => Default::default(),
+                        },
+                    )*
+                }
+            }
+
+            /// Reserves memory for that many more particles, and no more.
+            pub fn reserve(&mut self, particles: usize) {
+                $(
+                    if self.is_used(When::$when) {
+                        self.$name.columns_mut().iter_mut().for_each(|column| column.reserve_exact(particles));
+                    }
+                )*
+                self.acceleration.iter_mut().for_each(|column| column.reserve_exact(particles));
+            }
+
+            /// Empties every column, keeping its memory.
+            pub fn clear(&mut self) {
+                $(self.$name.columns_mut().iter_mut().for_each(Vec::clear);)*
+                self.acceleration.iter_mut().for_each(Vec::clear);
+            }
+
+            /// Puts the rows of every column into `order`.
+            fn reorder_columns(&mut self, order: &[u32], spare: &mut SpareColumns<R>) {
+                let has_walls = self.is_used(When::WallsExist);
+                $(reorder(&mut self.$name, Sort::$sort, has_walls, order, &mut spare.$spare);)*
+                for column in &mut self.acceleration {
+                    column.resize(order.len(), R::default());
+                }
+            }
+
+            /// Adds every column that the next step depends on to a checkpoint, of the chosen
+            /// particles.
+            pub(super) fn save_columns(&self, rows: &SavedRows, to: &mut Columns) {
+                $(self.$name.save(concat!("arrays.", $saved), &|column| rows.pick(column), to);)*
+                to.put("arrays.evolves_pressure", vec![u8::from(self.evolves_pressure)]);
+                to.put("arrays.drifts", vec![u8::from(self.drifts)]);
+            }
+
+            /// Takes every column of [`Self::save_columns`].
+            ///
+            /// # Errors
+            /// [`ColumnMismatch`] when a column is missing, of another type or length, or has a
+            /// wrong value.
+            pub(super) fn restore_columns(from: &mut Columns) -> Result<Self, ColumnMismatch> {
+                let rows = from.iter().find(|(name, _)| *name == "arrays.id").map_or(0, |(_, id)| id.len());
+                let mut arrays = Self {
+                    evolves_pressure: from.take_exactly::<u8>("arrays.evolves_pressure", 1)? == [1],
+                    drifts: from.take_exactly::<u8>("arrays.drifts", 1)? == [1],
+                    ..Self::default()
+                };
+                $(
+                    let lengths = arrays.lengths(When::$when, rows);
+                    arrays.$name = Quantity::restore(concat!("arrays.", $saved), &lengths, from)?;
+                )*
+                arrays.acceleration = std::array::from_fn(|_| vec![R::default(); rows]);
+                Ok(arrays)
+            }
+        }
+    };
+}
+
+pub(super) use columns;
