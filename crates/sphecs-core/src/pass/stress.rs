@@ -20,6 +20,7 @@ use crate::math::real::Real;
 use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
+use crate::physics::viscosity::Sps;
 
 /// Sets stress and eddy viscosity from the velocity gradient in `sums`. Does nothing unless the viscous term is `Sps`.
 pub fn find_stress<R: Real, const D: usize>(
@@ -37,7 +38,7 @@ pub fn find_stress<R: Real, const D: usize>(
     for column in sums.stress.iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());
     }
-    find_flow_stress(&model, grid, particles, sums);
+    find_flow_stress(pair, &model, grid, particles, sums);
     if has_walls {
         extrapolate_stress(pair, grid, particles, sums);
     }
@@ -48,6 +49,7 @@ type FlowStress<'a, R> = ([&'a mut [R]; 6], [&'a mut [R]; 1]);
 
 /// Sets stress and eddy viscosity of the flow, and zero for walls.
 fn find_flow_stress<R: Real, const D: usize>(
+    pair: &PairSettings,
     model: &Sps,
     grid: &CellGrid<D>,
     particles: &ParticleArrays<R, D>,
