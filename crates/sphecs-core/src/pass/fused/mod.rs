@@ -131,8 +131,8 @@ pub(super) trait PairTerms<L: Lanes, const D: usize> {
     /// Returns the quantities of a row.
     fn own(&self, row: &FluidRow<L::Real, D>) -> Self::Own;
 
-    /// Returns sums over no neighbours.
-    fn no_sums(&self) -> Self::Sums;
+    /// Returns the sums of a row over no neighbours.
+    fn no_sums(&self, own: &Self::Own) -> Self::Sums;
 
     /// Adds the terms of a vector of neighbours.
     fn add<K: KernelShape>(&self, own: &Self::Own, neighbours: Entry<'_, L>, sums: &mut Self::Sums);
@@ -194,7 +194,7 @@ pub(super) fn sum_pairs<K: KernelShape, L: Lanes, T: PairTerms<L, D>, const D: u
     row: &FluidRow<L::Real, D>,
 ) -> T::Sums {
     let own = terms.own(row);
-    let mut sums = terms.no_sums();
+    let mut sums = terms.no_sums(&own);
     for neighbours in pack.masked_entries::<L, D>(terms.width(), row.mask) {
         terms.add::<K>(&own, neighbours, &mut sums);
     }
