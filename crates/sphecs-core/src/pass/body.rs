@@ -23,7 +23,7 @@ use std::marker::PhantomData;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::fused::{FluidRow, FusedInputs, FusedScheme};
-use super::pack::{Near, Only, Pack, PackPool, Source};
+use super::pack::{NeighbourMask, Only, Pack, PackPool, Source};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised};
@@ -161,7 +161,7 @@ impl<K: KernelShape, S: FusedScheme<R, D>, R: Real, const D: usize> Vectorised<R
                 row,
                 point: self.pack.relative(self.source, row),
                 wall_distance: wall_distance[row].to_f64(),
-                mask: Near::ALL,
+                mask: NeighbourMask::ALL,
             };
             let force = self.scheme.row_force::<K, L>(self.inputs, self.source, self.pack, &fluid);
             // In a periodic box the nearest image of the particle counts.

@@ -12,7 +12,9 @@
 
 use std::ops::Range;
 
-use super::pack::{CULLED_DIMENSIONS, Covered, Entry, Near, NearNotes, Only, Pack, Source, noted};
+use super::pack::{
+    CULLED_DIMENSIONS, CoveredLanes, Entry, MaskBuilder, NeighbourMask, Only, Pack, Source, mask_len,
+};
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::{PairSettings, PressureLaw};
 use super::sums::PairSums;
@@ -39,7 +41,7 @@ pub fn sum_density<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
-    sums.near.resize(noted::<D>(particles.len()), Near::ALL);
+    sums.near.resize(mask_len::<D>(particles.len()), NeighbourMask::ALL);
     sums.columns.forget_densities();
     let ParticleArrays { zone, position, density, pressure, .. } = particles;
     let input = PassInput { pair, grid, position, columns: &[], only: Only::All, packs: &sums.packs };
@@ -54,8 +56,8 @@ struct DensityPass<'a> {
 
 impl<'a, R: Real, const D: usize> RowPass<R, D> for DensityPass<'a> {
     /// Density and pressure, and the vectors of the pack with a neighbour in the support.
-    type Outputs = ([&'a mut [R]; 2], &'a mut [Near]);
-    type Sum = (R, Near);
+    type Outputs = ([&'a mut [R]; 2], &'a mut [NeighbourMask]);
+    type Sum = (R, NeighbourMask);
 
     #[inline(always)]
     fn includes(&self, row: usize) -> bool {
@@ -68,7 +70,7 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for DensityPass<'a> {
         pack: &Pack<R>,
         source: &Source<'_, R, D>,
         row: usize,
-    ) -> (R, Near) {
+    ) -> (R, NeighbourMask) {
         kernel_sum::<K, L, D>(pack, pack.relative(source, row))
     }
 
@@ -77,7 +79,7 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for DensityPass<'a> {
         &self,
         _row: usize,
         slot: usize,
-        (sum, near): (R, Near),
+        (sum, near): (R, NeighbourMask),
         ([density, _], masks): &mut Self::Outputs,
     ) {
         density[slot] = sum;
@@ -118,29 +120,29 @@ pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut 
 fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
     point: [L::Real; D],
-) -> (L::Real, Near) {
+) -> (L::Real, NeighbourMask) {
     let x_a = splat::<L, D>(point);
     let mut sum = L::constant(0.0);
-    let mut near = Near::ALL;
-    let mut covered = Covered::default();
+    let mut near = NeighbourMask::ALL;
+    let mut covered = CoveredLanes::default();
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
-    for stretch in pack.stretches::<L, D>(D) {
-        let notes = if finds_neighbours_first::<K, L, D>() {
-            let notes = stretch.find_near(x_a, limit);
-            for lane in stretch.near(notes, &mut covered) {
-                sum = K::add_value(squared_distance(x_a, stretch.at_lane(lane)).roots().0, sum);
+    for tile in pack.tiles::<L, D>(D) {
+        let builder = if finds_neighbours_first::<K, L, D>() {
+            let builder = tile.find_neighbours(x_a, limit);
+            for lane in tile.start_lanes(builder, &mut covered) {
+                sum = K::add_value(squared_distance(x_a, tile.at_lane(lane)).roots().0, sum);
             }
-            notes
+            builder
         } else {
-            let mut notes = NearNotes::default();
-            for vector in 0..stretch.len() {
-                let q2 = squared_distance(x_a, stretch.at(vector));
-                notes.take::<L, D>(q2, limit);
+            let mut builder = MaskBuilder::default();
+            for vector in 0..tile.len() {
+                let q2 = squared_distance(x_a, tile.at(vector));
+                builder.add::<L, D>(q2, limit);
                 sum = K::add_value(q2.roots().0, sum);
             }
-            notes
+            builder
         };
-        stretch.note(notes, &mut near);
+        tile.store_mask(builder, &mut near);
     }
     (sum.sum(), near)
 }

@@ -11,7 +11,7 @@
 //! is kept.
 
 use super::density::LEAST_Q2;
-use super::pack::{Near, Only, Pack, Source};
+use super::pack::{NeighbourMask, Only, Pack, Source};
 use super::rates::VelocityLevel;
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
@@ -93,7 +93,7 @@ pub fn sum_gradients<R: Real, const D: usize>(
 struct GradientPass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
     particles: &'a ParticleArrays<R, D>,
-    near: &'a [Near],
+    near: &'a [NeighbourMask],
     walls: WallColumns,
 }
 
@@ -128,8 +128,8 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for GradientPass<'a, R, D> {
 
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
-        let near = Near::of_row(self.near, row);
-        for entry in pack.entries_near::<L, D>(D + source.columns.len(), near) {
+        let near = NeighbourMask::of_row(self.near, row);
+        for entry in pack.masked_entries::<L, D>(D + source.columns.len(), near) {
             let mut x = [zero; D];
             let mut v = [zero; D];
             let mut q2 = L::constant(LEAST_Q2);

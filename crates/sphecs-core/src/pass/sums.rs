@@ -7,7 +7,7 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::blocks::for_each_part;
-use super::pack::{Near, PackPool};
+use super::pack::{NeighbourMask, PackPool};
 use super::settings::PairSettings;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -75,7 +75,7 @@ pub struct PairSums<R, const D: usize> {
     /// since the last sort.
     ///
     /// Empty before that, and in 3D.
-    pub(super) near: Vec<Near>,
+    pub(super) near: Vec<NeighbourMask>,
     pub(super) columns: PairColumns<R>,
     pub(super) packs: PackPool<R>,
 }

@@ -65,7 +65,7 @@ pub(super) struct EdacParticle<L, const D: usize> {
 /// A pair as the terms of the scheme see it.
 struct EdacPair<L, const D: usize> {
     geometry: PairGeometry<L, D>,
-    image: WallImage<L, D>,
+    image: WallImage<L>,
     /// ρ_b, kg/m³.
     density: L,
     /// V_b/m, m³/kg.
@@ -169,13 +169,15 @@ impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
 
     /// Adds the neighbours to the divergence of the velocity.
     #[inline(always)]
-    fn add_divergence(&self, pair: &EdacPair<L, D>, sums: &mut EdacSums<L, D>) {
-        let product = dot(pair.geometry.x, pair.geometry.v);
-        let product = if self.choices().image_in_divergence {
-            pair.image.free_slip_product(pair.image.factor * product, pair.image.factor, &pair.geometry)
-        } else {
-            pair.image.free_slip_product(product, L::constant(1.0), &pair.geometry)
-        };
+    fn add_divergence(&self, pair: &EdacPair<L, D>, neighbours: Entry<'_, L>, sums: &mut EdacSums<L, D>) {
+        let (geometry, image) = (&pair.geometry, &pair.image);
+        let mut product = dot(geometry.x, geometry.v);
+        let mut factor = L::constant(1.0);
+        if self.choices().image_in_divergence {
+            factor = image.factor;
+            product = factor * product;
+        }
+        let product = image.free_slip_product(product, factor, geometry, neighbours);
         sums.divergence = (pair.volume * pair.geometry.slope).mul_add(product, sums.divergence);
     }
 
@@ -244,7 +246,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for EdacTerms<'_, '
     }
 
     #[inline(always)]
-    fn no_sums(&self) -> EdacSums<L, D> {
+    fn no_sums(&self, _own: &EdacParticle<L, D>) -> EdacSums<L, D> {
         EdacSums::none()
     }
 
@@ -258,7 +260,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for EdacTerms<'_, '
         let columns = self.columns();
         let pair = self.pair::<K>(own, neighbours);
         let x = pair.geometry.x;
-        self.add_divergence(&pair, sums);
+        self.add_divergence(&pair, neighbours, sums);
         self.add_to_mean_pressure(&pair, sums);
         let drag = self.add_diffusion(&pair, sums);
         let v = self.viscous_velocity(own, neighbours, &pair);

@@ -24,7 +24,7 @@ pub(super) use wall_image::WallImage;
 
 use super::blocks::for_each_block;
 use super::density::LEAST_Q2;
-use super::pack::{Entry, Near, Only, Pack, PackPool, Source, Vector};
+use super::pack::{Entry, NeighbourMask, Only, Pack, PackPool, Source, Vector};
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
@@ -48,7 +48,7 @@ pub(super) struct FusedInputs<'a, R: Real, const D: usize> {
     /// Body force of the rows, m/s²; empty where it is that of `pair`.
     pub body_force: &'a [Vec<R>; D],
     /// Masks of the neighbours in the support; empty where none were made.
-    pub masks: &'a [Near],
+    pub masks: &'a [NeighbourMask],
     /// Columns of the neighbours in the order in which they are packed.
     pub columns: &'a [&'a [R]],
 }
@@ -98,7 +98,7 @@ pub(super) struct FluidRow<R, const D: usize> {
     /// Distance to the nearest wall, m; infinite where none is in the support.
     pub wall_distance: f64,
     /// Neighbours in the support.
-    pub mask: Near,
+    pub mask: NeighbourMask,
 }
 
 /// Quantities of a particle that the terms of both schemes take, in every lane.
@@ -131,8 +131,8 @@ pub(super) trait PairTerms<L: Lanes, const D: usize> {
     /// Returns the quantities of a row.
     fn own(&self, row: &FluidRow<L::Real, D>) -> Self::Own;
 
-    /// Returns sums over no neighbours.
-    fn no_sums(&self) -> Self::Sums;
+    /// Returns the sums of a row over no neighbours.
+    fn no_sums(&self, own: &Self::Own) -> Self::Sums;
 
     /// Adds the terms of a vector of neighbours.
     fn add<K: KernelShape>(&self, own: &Self::Own, neighbours: Entry<'_, L>, sums: &mut Self::Sums);
@@ -194,8 +194,8 @@ pub(super) fn sum_pairs<K: KernelShape, L: Lanes, T: PairTerms<L, D>, const D: u
     row: &FluidRow<L::Real, D>,
 ) -> T::Sums {
     let own = terms.own(row);
-    let mut sums = terms.no_sums();
-    for neighbours in pack.entries_near::<L, D>(terms.width(), row.mask) {
+    let mut sums = terms.no_sums(&own);
+    for neighbours in pack.masked_entries::<L, D>(terms.width(), row.mask) {
         terms.add::<K>(&own, neighbours, &mut sums);
     }
     sums
@@ -375,7 +375,7 @@ impl<R: Real, const D: usize> BlockCells<'_, R, D> {
                     row,
                     point: self.pack.relative(self.source, row),
                     wall_distance: self.inputs.wall_distance[row].to_f64(),
-                    mask: Near::of_row(self.inputs.masks, row),
+                    mask: NeighbourMask::of_row(self.inputs.masks, row),
                 };
                 block_loop.sum_row::<K>(self.pack, &row, &mut of_cell);
             }

@@ -10,67 +10,82 @@ use crate::physics::pair::PairGeometry;
 use crate::physics::wall::image;
 
 /// Images of a particle in a vector of its neighbours.
+///
+/// The columns decide which terms there are: they are the same for all neighbours, so that the
+/// compiler can take the branches out of the loop.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::pass) struct WallImage<L, const D: usize> {
+pub(in crate::pass) struct WallImage<L> {
     /// Factor by which the relative velocity is continued into a wall; 1 for other neighbours.
     pub factor: L,
     /// Distance of a wall particle behind its surface, m: negative at free-slip walls, 0 for other
-    /// neighbours. None if there are no walls.
-    distance: Option<L>,
-    /// Wall normals. None if no wall is free-slip.
-    normal: Option<[L; D]>,
+    /// neighbours.
+    distance: L,
+    /// Column of the distance, only where there are walls.
+    walls: Option<Scalar>,
+    /// Column of the wall normals, only where a wall is free-slip.
+    normal: Option<Vector>,
 }
 
-impl<L: Lanes, const D: usize> WallImage<L, D> {
+impl<L: Lanes> WallImage<L> {
     /// Returns the images by the columns of distance and normal, if the pack has them; `cap` is
     /// the largest image factor.
     #[inline(always)]
-    pub fn new(
+    pub fn new<const D: usize>(
         own: &OwnParticle<L, D>,
         neighbours: Entry<'_, L>,
-        distance: Option<Scalar>,
+        walls: Option<Scalar>,
         normal: Option<Vector>,
         cap: L,
     ) -> Self {
-        let mut image = Self { factor: L::constant(1.0), distance: None, normal: None };
-        if let Some(column) = distance {
-            let distance = neighbours.scalar(column);
-            image.factor = image::velocity_factor(distance.abs(), own.inverse_wall_distance, cap);
-            image.distance = Some(distance);
+        let (mut factor, mut distance) = (L::constant(1.0), L::constant(0.0));
+        if let Some(column) = walls {
+            distance = neighbours.scalar(column);
+            factor = image::velocity_factor(distance.abs(), own.inverse_wall_distance, cap);
         }
-        if let Some(column) = normal {
-            image.normal = Some(neighbours.vector_at(column));
-        }
-        image
+        Self { factor, distance, walls, normal }
     }
 
     /// Whether a neighbour belongs to a free-slip wall.
     #[inline(always)]
     fn slips(&self) -> L::Mask {
-        let zero = L::constant(0.0);
-        match self.distance {
-            Some(distance) => distance.less(zero),
-            None => zero.less(zero),
-        }
+        self.distance.less(L::constant(0.0))
     }
 
-    /// Returns x_ab·v_ab/h, m/s, with the relative velocity continued into walls by a factor;
-    /// at free-slip walls only its component along the normal counts.
+    /// Whether a neighbour is a wall particle.
     #[inline(always)]
-    pub fn product(&self, product: L, factor: L, pair: &PairGeometry<L, D>) -> L {
-        let continued = if self.distance.is_some() { factor * product } else { product };
-        self.free_slip_product(continued, factor, pair)
+    fn is_wall(&self) -> L::Mask {
+        L::constant(0.0).less(self.distance.abs())
     }
 
-    /// Returns the product `product` with that of free-slip walls in its place.
+    /// Returns x_ab·v_ab/h, m/s, with the relative velocity continued into walls by the image
+    /// factor; at free-slip walls only its component along the normal counts.
     #[inline(always)]
-    pub fn free_slip_product(&self, product: L, factor: L, pair: &PairGeometry<L, D>) -> L {
-        match self.normal {
-            Some(normal) => {
-                let slipping = image::free_slip_product(factor, normal, pair.x, pair.v);
-                L::select(self.slips(), slipping, product)
-            }
-            None => product,
+    pub fn product<const D: usize>(
+        &self,
+        product: L,
+        pair: &PairGeometry<L, D>,
+        neighbours: Entry<'_, L>,
+    ) -> L {
+        let continued = if self.walls.is_some() { self.factor * product } else { product };
+        self.free_slip_product(continued, self.factor, pair, neighbours)
+    }
+
+    /// Returns the product `product` with that of free-slip walls, by an image factor, in its
+    /// place.
+    #[inline(always)]
+    pub fn free_slip_product<const D: usize>(
+        &self,
+        product: L,
+        factor: L,
+        pair: &PairGeometry<L, D>,
+        neighbours: Entry<'_, L>,
+    ) -> L {
+        if let Some(column) = self.normal {
+            let normal = neighbours.vector_at(column);
+            let slipping = image::free_slip_product(factor, normal, pair.x, pair.v);
+            L::select(self.slips(), slipping, product)
+        } else {
+            product
         }
     }
 
@@ -83,32 +98,24 @@ impl<L: Lanes, const D: usize> WallImage<L, D> {
     /// Returns the value of a term that acts between fluid particles only: 0 at walls.
     #[inline(always)]
     pub fn without_walls(&self, value: L) -> L {
-        match self.distance {
-            Some(distance) => {
-                let zero = L::constant(0.0);
-                L::select(zero.less(distance.abs()), zero, value)
-            }
-            None => value,
-        }
+        if self.walls.is_some() { L::select(self.is_wall(), L::constant(0.0), value) } else { value }
     }
 
     /// Returns a viscous factor multiplied by the image factor, 0 at free-slip walls.
     #[inline(always)]
     pub fn viscous(&self, value: L) -> L {
-        let value = if self.distance.is_some() { value * self.factor } else { value };
+        let value = if self.walls.is_some() { value * self.factor } else { value };
         self.without_free_slip(value)
     }
 
     /// Returns the pressure of the neighbours, Pa, with that of walls mirrored from the particle's
     /// own: p_a + ρ_a g·(x_b − x_a).
     #[inline(always)]
-    pub fn mirrored_pressure(&self, pressure: L, own: &OwnParticle<L, D>, x: [L; D]) -> L {
-        match self.distance {
-            Some(distance) => {
-                let is_wall = L::constant(0.0).less(distance.abs());
-                L::select(is_wall, own.pressure + dot(own.hydrostatic, x), pressure)
-            }
-            None => pressure,
+    pub fn mirrored_pressure<const D: usize>(&self, pressure: L, own: &OwnParticle<L, D>, x: [L; D]) -> L {
+        if self.walls.is_some() {
+            L::select(self.is_wall(), own.pressure + dot(own.hydrostatic, x), pressure)
+        } else {
+            pressure
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The box around what is packed: a row that it is out of reach of needs no walk.
+//! The box around the packed particles: a row out of its reach needs no sum.
 
 use super::{FAR, Pack};
 use crate::math::lanes::Lanes;
@@ -11,11 +11,12 @@ pub struct Bounds<const D: usize> {
     upper: [f64; D],
 }
 
-/// A box is out of reach if it is so by more than this fraction: what rounding does to a distance is less, in f32 too.
+/// Margin, relative to the squared support, by which a box must be out of reach: rounding changes a
+/// squared distance by less, in f32 too.
 const MARGIN: f64 = 1e-5;
 
 impl<R: Real> Pack<R> {
-    /// The box around all that was packed.
+    /// Returns the box around all packed particles.
     #[inline(always)]
     pub fn bounds<L: Lanes<Real = R>, const D: usize>(&self) -> Bounds<D> {
         let (far, half) = (L::constant(FAR), L::constant(0.5 * FAR));
@@ -25,7 +26,7 @@ impl<R: Real> Pack<R> {
             for d in 0..D {
                 let x = entry.column(d);
                 least[d] = least[d].min(x);
-                // Not the padding.
+                // The padding does not count.
                 most[d] = most[d].max(L::select(x.less(half), x, -far));
             }
         }
@@ -38,7 +39,8 @@ impl<R: Real> Pack<R> {
 }
 
 impl<const D: usize> Bounds<D> {
-    /// Whether everything in the box is out of reach of a point, in units of h from the centre; `limit` is the square of the support over h.
+    /// Whether everything in the box is out of reach of a point, in units of h from the centre;
+    /// `limit` is the square of the support over h.
     #[inline(always)]
     pub fn out_of_reach<R: Real>(&self, point: [R; D], limit: f64) -> bool {
         let mut square = 0.0;
@@ -59,7 +61,7 @@ mod tests {
     use crate::math::lanes::{InstructionSet, Vectorised};
     use crate::pass::pack::{Only, Source};
 
-    /// So many particles along a line through the middle of one cell.
+    /// This many particles along a line through the middle of one cell.
     struct Line(usize);
 
     impl<R: Real> Vectorised<R> for Line {
@@ -87,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn the_box_is_that_of_the_particles_without_the_padding() {
+    fn the_box_leaves_out_the_padding() {
         for set in InstructionSet::available() {
             for count in [1, 3, 8, 31] {
                 let last = (count - 1) as f64;

@@ -1,4 +1,4 @@
-//! How a pack is filled: runs of rows, vector by vector, all columns of one before the next.
+//! Filling of a pack: runs of rows, vector by vector, all columns of one vector before the next.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::math::lanes::{Lanes, MOST_LANES};
 use crate::math::real::Real;
 
 impl<R: Real> Pack<R> {
-    /// Copies the runs one behind another; returns how many particles they have.
+    /// Copies the runs one after another; returns the number of their particles.
     #[inline(always)]
     pub(super) fn copy_all<L: Lanes<Real = R>, const D: usize>(&mut self, source: &Source<R, D>) -> usize {
         let total = source.position[0].len();
@@ -33,8 +33,8 @@ impl<R: Real> Pack<R> {
         len
     }
 
-    /// Copies what is asked for of the runs, as far as it is in reach of a box of this `size`, m, about the centre; returns how many
-    /// particles that are.
+    /// Copies the wanted particles of the runs that are in reach of a box of this `size`, m, about the
+    /// centre; returns their number.
     #[inline(always)]
     pub(super) fn copy_near<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -63,14 +63,14 @@ impl<R: Real> Pack<R> {
                     let outside = (x[d].abs() - half[d]).max(zero);
                     beyond = outside.mul_add(outside, beyond);
                 }
-                let asked_for = match source.only {
+                let wanted = match source.only {
                     Only::All => beyond,
                     Only::Positive(column, _) => L::select(zero.less(L::read(&column[row..])), beyond, limit),
                     Only::NotPositive(column, _) => {
                         L::select(zero.less(L::read(&column[row..])), limit, beyond)
                     }
                 };
-                let near = asked_for.less(limit);
+                let near = wanted.less(limit);
                 let kept = (L::bits(near) & ((1u32 << count) - 1)).count_ones() as usize;
                 if kept > 0 {
                     for column in 0..D + columns {
@@ -88,10 +88,11 @@ impl<R: Real> Pack<R> {
     }
 }
 
-/// Copies the rows of a run, all columns `stride` apart, to `to`; `WHOLE`: as many numbers as whole vectors have follow the first row.
+/// Copies the rows of a run to `to`, all columns `stride` apart; `WHOLE`: whole vectors can be read
+/// from the first row on.
 ///
 /// # Safety
-/// There must be as many, and room for whole vectors.
+/// If `WHOLE`, the columns must have so many rows. There must be room for whole vectors at `to`.
 #[inline(always)]
 unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
     source: &Source<L::Real, D>,
@@ -102,8 +103,9 @@ unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
 ) {
     for (vector, row) in rows.step_by(L::COUNT).enumerate() {
         let scale = source.inverse_h;
-        // Columns inside: they are as many each time, so that only the end of a run is guessed wrong.
-        // SAFETY: by the caller's promise.
+        // The columns are the inner loop: their number is the same each time, so that only the end of
+        // a run is mispredicted.
+        // SAFETY: the caller guarantees it.
         unsafe {
             let mut to = to.add(vector * L::COUNT);
             for d in 0..D {
@@ -126,10 +128,10 @@ unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
     }
 }
 
-/// The positions from a row on relative to an origin, in units of 1/`scale`.
+/// Returns the positions from a row on relative to an origin, in units of 1/`scale`.
 #[inline(always)]
 fn load_relative_rows<L: Lanes>(positions: &[f64], row: usize, origin: f64, scale: f64) -> L {
-    // SAFETY: `COUNT` numbers follow `row`, or a copy of what is there is read.
+    // SAFETY: `COUNT` numbers follow `row`, or a padded copy is read.
     unsafe {
         if row + L::COUNT <= positions.len() {
             L::load_relative(positions.as_ptr().add(row), origin, scale)
@@ -139,7 +141,7 @@ fn load_relative_rows<L: Lanes>(positions: &[f64], row: usize, origin: f64, scal
     }
 }
 
-/// The numbers, followed by zeros: for the last rows of the arrays.
+/// Returns the numbers followed by zeros, for the last rows of the arrays.
 #[inline(always)]
 fn padded(numbers: &[f64]) -> [f64; MOST_LANES] {
     let mut copy = [0.0; MOST_LANES];

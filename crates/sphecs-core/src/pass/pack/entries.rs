@@ -1,4 +1,4 @@
-//! A pack as the pair loops see it: vector by vector, a lane being a neighbour.
+//! Vectors of a pack, as the pair loops read them: one neighbour per lane.
 
 use std::marker::PhantomData;
 
@@ -7,7 +7,8 @@ use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
 impl<R: Real> Pack<R> {
-    /// The packed particles, vector by vector; `columns` says how many columns will be asked for.
+    /// Returns the packed particles, vector by vector; `columns` is the number of columns that will
+    /// be read.
     #[inline(always)]
     pub fn entries<L: Lanes<Real = R>>(&self, columns: usize) -> Entries<'_, L> {
         assert!(columns <= self.columns && self.lanes == L::COUNT);
@@ -32,13 +33,14 @@ pub struct Entries<'a, L: Lanes> {
 }
 
 impl<'a, L: Lanes> Entries<'a, L> {
-    /// Number of vectors that are left.
+    /// Returns the number of vectors that are left.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.left
     }
 
-    /// The vector that begins at a lane of those that are left: behind the last there are as many numbers as one has.
+    /// Returns the vector that starts at a lane of those that are left. One may start at any lane: the
+    /// columns have room for one more vector behind the last.
     #[inline(always)]
     pub(super) fn at(&self, lane: usize) -> Entry<'a, L> {
         debug_assert!(lane < self.left * L::COUNT);
@@ -62,7 +64,7 @@ impl<'a, L: Lanes> Iterator for Entries<'a, L> {
     }
 }
 
-/// One vector of neighbours: a lane is a neighbour.
+/// One vector of neighbours, one per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry<'a, L: Lanes> {
     base: *const L::Real,
@@ -72,7 +74,8 @@ pub struct Entry<'a, L: Lanes> {
 }
 
 impl<L: Lanes> Entry<'_, L> {
-    /// Numbers of a column: the coordinates first, then the columns in the order of the source.
+    /// Returns the numbers of a column: the coordinates first, then the columns in the order of the
+    /// source.
     #[inline(always)]
     pub fn column(&self, column: usize) -> L {
         assert!(column < self.columns);
@@ -80,7 +83,7 @@ impl<L: Lanes> Entry<'_, L> {
         unsafe { L::load(self.base.add(column * self.stride)) }
     }
 
-    /// `D` consecutive columns as a vector.
+    /// Returns `D` consecutive columns as a vector.
     #[inline(always)]
     pub fn vector<const D: usize>(&self, first: usize) -> [L; D] {
         let mut vector = [L::constant(0.0); D];
@@ -90,7 +93,7 @@ impl<L: Lanes> Entry<'_, L> {
         vector
     }
 
-    /// x_ab: a point less the coordinates of the neighbours, in units of h.
+    /// Returns x_ab, a point less the coordinates of the neighbours, in units of h.
     #[inline(always)]
     pub fn seen_from<const D: usize>(&self, point: [L; D]) -> [L; D] {
         let mut x = point;

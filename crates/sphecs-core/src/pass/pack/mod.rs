@@ -1,20 +1,30 @@
-//! The packed neighbourhood of a cell: what all rows of the cell sum over.
+//! The packed neighbourhood of a cell: the particles that all rows of the cell sum over.
 //!
-//! Once per cell the particles of all cells within reach are copied, column by column, into a small buffer that stays
-//! in the first-level cache: positions relative to the middle of those that sum, in units of h and in the precision of the
-//! sums, periodic images shifted, in 3D those left out that none of them can reach. The tail is padded with
-//! particles far away. So the pair loop has no masks, no gathers and one form for 2D and 3D, periodic or narrow
-//! boxes, and single precision loses only the last digits of a distance, wherever in the domain it is.
+//! Once per cell the particles of all cells within reach are copied, column by column, into a small
+//! buffer that stays in the first-level cache. Positions are relative to the centre of the rows
+//! that sum, in units of h and in the precision of the sums; periodic images are shifted; in 3D
+//! particles out of reach of all rows are left out (culled). The tail is padded with particles far
+//! away. So the pair loop has no gathers and one form for 2D and 3D, periodic or narrow boxes, and
+//! single precision loses only the last digits of a distance, wherever in the domain it is.
+//!
+//! | file | subject |
+//! |---|---|
+//! | `source.rs` | the columns and rows that a pack is made from |
+//! | `copy.rs` | how it is filled |
+//! | `columns.rs` | its columns by name and type |
+//! | `entries.rs` | its vectors, as the pair loops read them |
+//! | `mask.rs`, `tile.rs` | the particles in the support of a row |
+//! | `bounds.rs` | the box around it |
 
 mod bounds;
 mod columns;
 mod copy;
 mod entries;
-mod near;
+mod mask;
 #[cfg(test)]
-mod near_tests;
+mod mask_tests;
 mod source;
-mod stretch;
+mod tile;
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -24,9 +34,9 @@ use crossbeam_utils::CachePadded;
 pub use bounds::Bounds;
 pub use columns::{ColumnList, Scalar, Symmetric, Vector};
 pub use entries::Entry;
-pub use near::{Covered, Near, NearNotes, noted};
+pub use mask::{CoveredLanes, MaskBuilder, NeighbourMask, mask_len};
 pub use source::{Only, Source};
-pub use stretch::STRETCH;
+pub use tile::TILE_VECTORS;
 
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
@@ -34,36 +44,38 @@ use crate::math::real::Real;
 /// Coordinate of the padding, in units of h: beyond every support, and its square is finite in f32.
 const FAR: f64 = 1e6;
 
-/// Numbers in a line of the cache, for f32: columns begin on one.
+/// Numbers in a cache line, for f32: columns begin on one.
 const LINE: usize = 16;
 
-/// Culling pays where cells reach far beyond the support: in 3D, four tenths of the candidates are out of reach of all that sum.
+/// Least number of dimensions in which packs are culled: in 3D four tenths of the candidates are out
+/// of reach of all rows that sum.
 pub const CULLED_DIMENSIONS: usize = 3;
 
 /// A neighbourhood, column by column.
 #[derive(Debug, Default)]
 pub struct Pack<R> {
     storage: Vec<R>,
-    /// Where the first column begins in the storage.
+    /// Index in the storage at which the first column begins.
     begin: usize,
-    /// From one column to the next.
+    /// Distance from one column to the next.
     stride: usize,
-    /// Columns packed.
+    /// Number of columns.
     columns: usize,
     /// Entries of each column, padding included: a multiple of the lanes that filled it.
     len: usize,
-    /// Lanes that filled it.
+    /// Lanes of the vectors that filled it.
     lanes: usize,
-    /// The bits that notes of what is near have, and lanes that share one.
-    bits: u64,
-    unit: usize,
-    /// Centre of the box that it was packed around, m.
+    /// Bits that masks of the pack use.
+    used_bits: u64,
+    /// Lanes that share a bit of a mask.
+    lanes_per_bit: usize,
+    /// Centre of the box around the rows that sum, m.
     centre: [f64; 3],
-    /// Rows that were packed.
+    /// Runs of rows that were packed.
     runs: Vec<Run>,
 }
 
-/// Consecutive rows, and what to add to their positions, m.
+/// Consecutive rows, and the shift of their positions, m.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     start: usize,
@@ -72,8 +84,8 @@ struct Run {
 }
 
 impl<R: Real> Pack<R> {
-    /// Packs the neighbourhood of those rows of a cell that are wanted; returns whether there is any. In 3D, particles that none of
-    /// them can reach are left out.
+    /// Packs the neighbourhood of the wanted rows of a cell; returns whether there are any. In 3D
+    /// particles out of reach of all of them are left out.
     #[inline(always)]
     pub fn fill<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -102,7 +114,7 @@ impl<R: Real> Pack<R> {
         self.runs.clear();
         let mut candidates = 0;
         source.grid.for_each_run_near(lower, upper, |rows, by| {
-            candidates += self.take::<L, D>(source.only, rows, by)
+            candidates += self.add_run::<L, D>(source.only, rows, by)
         });
         self.copy::<L, D>(source, std::array::from_fn(|d| upper[d] - lower[d]), candidates);
         true
@@ -119,7 +131,8 @@ impl<R: Real> Pack<R> {
         self.copy::<L, D>(source, source.grid.cell_size(), candidates);
     }
 
-    /// Copies the runs, so many candidates, as far as they are in reach of a box of this `size`, m, about the centre.
+    /// Copies the particles of the runs, of which there are `candidates`, that are in reach of a box
+    /// of this `size`, m, about the centre.
     #[inline(always)]
     fn copy<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -135,7 +148,7 @@ impl<R: Real> Pack<R> {
         assert!(needed.all(|column| column.len() == total), "columns must have all rows");
 
         self.reserve(candidates + L::COUNT, D + columns);
-        (self.columns, self.lanes, self.len, self.bits) = (D + columns, L::COUNT, 0, 0);
+        (self.columns, self.lanes, self.len, self.used_bits) = (D + columns, L::COUNT, 0, 0);
         if candidates == 0 {
             return;
         }
@@ -146,8 +159,8 @@ impl<R: Real> Pack<R> {
         };
         let base = self.storage[self.begin..].as_mut_ptr();
         for column in 0..D + columns {
-            // SAFETY: `reserve` left room for one more vector after all candidates. What the padding has in its other
-            // columns must be finite, so they repeat the first particle.
+            // SAFETY: `reserve` left room for one more vector after all candidates. The other columns of
+            // the padding must be finite, so they repeat the first particle.
             unsafe {
                 let first = base.add(column * self.stride);
                 let filler = if column < D { R::from_f64(FAR) } else { *first };
@@ -155,28 +168,28 @@ impl<R: Real> Pack<R> {
             }
         }
         self.len = len.next_multiple_of(L::COUNT);
-        (self.bits, self.unit) = near::bits_of::<L>(self.len / L::COUNT);
+        (self.used_bits, self.lanes_per_bit) = mask::used_bits::<L>(self.len / L::COUNT);
     }
 
-    /// Whether nothing was packed.
+    /// Whether no particle was packed.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Position of a row of the cell as the pack has it: relative to its centre, in units of h.
+    /// Returns the position of a row of the cell relative to the centre of the pack, in units of h.
     #[inline(always)]
     pub fn relative<const D: usize>(&self, source: &Source<R, D>, row: usize) -> [R; D] {
         self.relative_to(source, std::array::from_fn(|d| source.position[d][row]))
     }
 
-    /// The same of any point of the cell.
+    /// Returns a point of the cell (m) relative to the centre of the pack, in units of h.
     #[inline(always)]
     pub fn relative_to<const D: usize>(&self, source: &Source<R, D>, point: [f64; D]) -> [R; D] {
         std::array::from_fn(|d| R::from_f64((point[d] - self.centre[d]) * source.inverse_h))
     }
 
-    /// Finds the runs of rows around a cell and its centre; returns the number of candidates, each run rounded up to
-    /// whole vectors.
+    /// Finds the runs of rows around a cell, and its centre; returns the number of candidates, each
+    /// run rounded up to whole vectors.
     #[inline(always)]
     fn find_runs<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -190,13 +203,14 @@ impl<R: Real> Pack<R> {
         }
         self.runs.clear();
         let mut candidates = 0;
-        grid.for_each_run(index, |rows, by| candidates += self.take::<L, D>(source.only, rows, by));
+        grid.for_each_run(index, |rows, by| candidates += self.add_run::<L, D>(source.only, rows, by));
         candidates
     }
 
-    /// Takes note of a run if it has rows that are packed; returns how many it has, rounded up to whole vectors.
+    /// Adds a run if it has rows that are packed; returns the number of its rows, rounded up to whole
+    /// vectors.
     #[inline(always)]
-    fn take<L: Lanes<Real = R>, const D: usize>(
+    fn add_run<L: Lanes<Real = R>, const D: usize>(
         &mut self,
         only: Only<R>,
         rows: Range<usize>,
@@ -215,10 +229,12 @@ impl<R: Real> Pack<R> {
     fn reserve(&mut self, rows: usize, columns: usize) {
         let needed = rows.next_multiple_of(LINE) + LINE;
         if needed > self.stride {
-            // An odd number of lines between columns, or all columns would compete for the same cache sets.
+            // An odd number of lines between columns: with an even one all columns would compete for
+            // the same cache sets.
             self.stride = ((needed / LINE) | 1) * LINE;
         }
-        // The stride in use, not the one needed now: it may come from a pass with fewer columns and longer rows.
+        // The stride may be longer than needed: it may come from a pass with fewer columns and more
+        // rows.
         let length = self.stride * columns + 2 * LINE;
         if length > self.storage.len() {
             self.storage.resize(length, R::default());
@@ -227,13 +243,14 @@ impl<R: Real> Pack<R> {
     }
 }
 
-/// One pack per thread, kept from pass to pass. Each has lines of the cache to itself: what a pack says of itself is written at every
-/// cell and read at every row, and two threads that share a line of it take half as long again.
+/// One pack per thread, kept from pass to pass. Each has its own cache lines: the fields of a pack
+/// are written at every cell and read at every row, and two threads that share a line take half as
+/// long again.
 #[derive(Debug, Default)]
 pub struct PackPool<R>(Vec<CachePadded<Mutex<Pack<R>>>>);
 
 impl<R: Real> PackPool<R> {
-    /// One pack for every thread of the pool that runs the pass.
+    /// Makes one pack for every thread of the pool that runs the pass.
     pub fn prepare(&mut self) {
         let threads = rayon::current_num_threads();
         if self.0.len() < threads {
@@ -241,7 +258,8 @@ impl<R: Real> PackPool<R> {
         }
     }
 
-    /// The pack of this thread. Never contended: a thread holds it for one block, in which it starts no other work.
+    /// Returns the pack of this thread. Never contended: a thread holds it for one block, in which it
+    /// starts no other work.
     pub fn of_this_thread(&self) -> MutexGuard<'_, Pack<R>> {
         let thread = rayon::current_thread_index().unwrap_or(0) % self.0.len();
         self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)
@@ -253,7 +271,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn many_columns_after_long_rows_have_room() {
+    fn many_columns_after_a_pass_with_more_rows_fit() {
         let mut pack = Pack::<f64>::default();
         pack.reserve(1000, 3);
         pack.reserve(10, 12);

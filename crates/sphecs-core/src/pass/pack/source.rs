@@ -1,10 +1,10 @@
-//! What a pack is made from, and which rows it takes up.
+//! Columns and rows that a pack is made from.
 
 use std::ops::Range;
 
 use crate::math::grid::CellGrid;
 
-/// What a neighbourhood is packed from.
+/// Columns that a neighbourhood is packed from.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a, R, const D: usize> {
     /// Grid that the rows are sorted by.
@@ -17,22 +17,24 @@ pub struct Source<'a, R, const D: usize> {
     pub inverse_h: f64,
     /// Radius of the support over h.
     pub support_ratio: f64,
-    /// Which of the rows are packed.
+    /// Rows that are packed.
     pub only: Only<'a, R>,
 }
 
-/// Which rows a pack takes up. A pass that asks for walls alone, or for all others, has less to loop over.
+/// Rows that a pack takes. A pass over walls alone, or over all others, has less to loop over.
 #[derive(Clone, Copy, Debug)]
 pub enum Only<'a, R> {
     /// All rows.
     All,
-    /// Those that have more than 0 in this column; how many those before each row are, and all at the end, or nothing.
+    /// Rows with a positive number in the first column. The second has the number of such rows before
+    /// each row, and of all at the end; it may be empty.
     Positive(&'a [R], &'a [u32]),
-    /// Those that have not.
+    /// Rows without a positive number in the first column; the second as above.
     NotPositive(&'a [R], &'a [u32]),
 }
 
 impl<'a, R> Only<'a, R> {
+    /// Returns the column that selects the rows.
     pub(super) fn column(self) -> Option<&'a [R]> {
         match self {
             Only::All => None,
@@ -40,7 +42,7 @@ impl<'a, R> Only<'a, R> {
         }
     }
 
-    /// Whether any of the rows is packed, as far as the numbers before each row tell.
+    /// Whether any of the rows is packed; true where the numbers before each row are not given.
     #[inline(always)]
     pub(super) fn any(self, rows: &Range<usize>) -> bool {
         let positive = |before: &[u32]| (before[rows.end] - before[rows.start]) as usize;

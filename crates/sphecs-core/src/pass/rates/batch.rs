@@ -40,8 +40,6 @@ struct Extremes<L> {
 /// A row of a batch beside its sums.
 pub(super) struct BatchedRow<R, const D: usize> {
     pub row: usize,
-    /// Density, kg/m³.
-    pub density: f64,
     /// Velocity as the pass takes it, m/s.
     pub velocity: [R; D],
     /// Whether a wall is in its support.
@@ -80,7 +78,7 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
         of: BatchedRow<L::Real, D>,
     ) -> bool {
         let slot = self.count % MOST_LANES;
-        let along_x_scale = L::constant(-settings.gradient_scale / of.density);
+        let along_x_scale = L::constant(-settings.gradient_scale / sums.density);
         let along_v_scale = L::constant(settings.viscous_scale);
         for d in 0..D {
             self.sums[d][slot] = sums.along_x[d].mul_add(along_x_scale, sums.along_v[d] * along_v_scale);
@@ -90,9 +88,9 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
         self.sums[2 * D][slot] = sums.divergence;
         self.sums[2 * D + 1][slot] = sums.damping;
         self.rows[slot] = of.row;
-        self.density[slot] = L::Real::from_f64(of.density);
+        self.density[slot] = L::Real::from_f64(sums.density);
         self.at_wall[slot] = L::Real::from_f64(f64::from(u8::from(of.at_wall)));
-        let sound_speed = L::constant(settings.pair().tait.sound_speed_at(of.density));
+        let sound_speed = L::constant(settings.pair().tait.sound_speed_at(sums.density));
         self.extremes.signal_speed = self.extremes.signal_speed.max(sums.signal + sound_speed);
         self.count += 1;
         self.count == L::COUNT

@@ -197,7 +197,7 @@ impl<R: Real, const D: usize> FusedScheme<R, D> for Wcsph<'_, R> {
         let settings = WcsphSettings::<L, D>::new(inputs, source, self.columns);
         let terms = settings.with_shape::<GeneralWithMoments>();
         let sums = sum_pairs::<K, L, _, D>(&terms, pack, row);
-        let (pressure, moment) = terms.pressure_and_moment(&sums, row.row);
+        let (pressure, moment) = terms.pressure_and_moment(&sums);
         RowForce { acceleration: terms.rates(&sums, row).acceleration, pressure, moment }
     }
 }
@@ -240,16 +240,15 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphBlock<'_, '_, L, S, D> {
     #[inline(always)]
     fn sum_batched<K: KernelShape>(&mut self, pack: &Pack<L::Real>, row: &FluidRow<L::Real, D>) {
         let at_wall = row.wall_distance.is_finite();
-        let terms = self.settings.with_shape::<S>();
         // Most rows have no wall in their support: their neighbours need no image factor.
         let sums = if S::WALLS && at_wall {
-            sum_pairs::<K, L, _, D>(&terms, pack, row)
+            sum_pairs::<K, L, _, D>(&self.settings.with_shape::<S>(), pack, row)
         } else {
             sum_pairs::<K, L, _, D>(&self.settings.with_shape::<S::AwayFromWalls>(), pack, row)
         };
-        let (source, density) = (self.settings.source, terms.density(row.row));
+        let source = self.settings.source;
         let velocity = std::array::from_fn(|d| source.columns[d][row.row]);
-        let batched = BatchedRow { row: row.row, density, velocity, at_wall };
+        let batched = BatchedRow { row: row.row, velocity, at_wall };
         if self.batch.add(self.settings, &sums, batched) {
             self.batch.finish(self.settings, &mut self.outputs);
         }

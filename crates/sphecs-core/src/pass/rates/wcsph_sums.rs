@@ -8,6 +8,8 @@ use crate::physics::shifting::vacondio::{self, RepulsionSums};
 
 /// Sums of a row, one per lane, without the factors that all its neighbours share.
 pub(super) struct WcsphSums<L: Lanes, const D: usize> {
+    /// Density of the row, kg/m³.
+    pub density: f64,
     /// Part of the acceleration along x_ab, over −m ∇W/(slope · x_ab/h)/ρ_a.
     pub along_x: [L; D],
     /// Part of the acceleration along v_ab, over 4 ν m ∇W/(slope · x_ab).
@@ -41,11 +43,12 @@ pub(super) struct WcsphRates<const D: usize> {
 }
 
 impl<L: Lanes, const D: usize> WcsphSums<L, D> {
-    /// Returns sums over no neighbours.
+    /// Returns the sums of a row of this density, kg/m³, over no neighbours.
     #[inline(always)]
-    pub fn none() -> Self {
+    pub fn none(density: f64) -> Self {
         let zero = L::constant(0.0);
         Self {
+            density,
             along_x: [zero; D],
             along_v: [zero; D],
             shift: [zero; D],
@@ -64,7 +67,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
     /// Returns the rates of a row from its sums.
     #[inline(always)]
     pub fn rates(&self, sums: &WcsphSums<L, D>, row: &FluidRow<L::Real, D>) -> WcsphRates<D> {
-        let density = self.density(row.row);
+        let density = sums.density;
         let shift = self.shift(sums, row);
         let [along_x_scale, along_v_scale] = self.acceleration_scales(density);
         let mut rates = WcsphRates {
@@ -110,8 +113,8 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
     /// Returns the pressure part of the acceleration, m/s², and Σ x_ab × (acceleration by the
     /// pair), m²/s², of the sums of a loop with moments.
     #[inline(always)]
-    pub fn pressure_and_moment(&self, sums: &WcsphSums<L, D>, row: usize) -> ([f64; D], [f64; 3]) {
-        let [along_x_scale, along_v_scale] = self.acceleration_scales(self.density(row));
+    pub fn pressure_and_moment(&self, sums: &WcsphSums<L, D>) -> ([f64; D], [f64; 3]) {
+        let [along_x_scale, along_v_scale] = self.acceleration_scales(sums.density);
         let (mut pressure, mut moment) = ([0.0; D], [0.0; 3]);
         for d in 0..D {
             pressure[d] = (sums.pressure_part[d] * along_x_scale).sum().to_f64();

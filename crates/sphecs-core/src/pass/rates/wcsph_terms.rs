@@ -68,6 +68,8 @@ impl WcsphChoices {
 /// Quantities of a particle, in every lane.
 pub(super) struct WcsphParticle<L, const D: usize> {
     common: OwnParticle<L, D>,
+    /// ρ_a once, kg/m³.
+    scalar_density: f64,
     /// ρ_a², kg²/m⁶.
     square: L,
     /// Pressure that the particle adds to each of its neighbours', Pa.
@@ -142,12 +144,6 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
     #[inline(always)]
     pub fn choices(&self) -> WcsphChoices {
         if S::FIXED { WcsphChoices::default() } else { self.settings.choices }
-    }
-
-    /// Returns the density of a row, kg/m³.
-    #[inline(always)]
-    pub fn density(&self, row: usize) -> f64 {
-        self.settings.source.scalar(self.columns().density, row).to_f64()
     }
 
     /// Adds the damping of particle noise to the coefficient of x_ab.
@@ -227,7 +223,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
 struct WcsphPair<L, const D: usize> {
     geometry: PairGeometry<L, D>,
     densities: PairDensities<L>,
-    image: WallImage<L, D>,
+    image: WallImage<L>,
     /// x_ab·v_ab/h, m/s.
     product: L,
     /// The same product with the image velocity in walls, m/s.
@@ -248,7 +244,7 @@ impl<L: Lanes, const D: usize> WcsphPair<L, D> {
         let densities = PairDensities::new(own.common.density, own.square, other, geometry.q2);
         let product = dot(geometry.x, geometry.v);
         let image = WallImage::new(&own.common, neighbours, columns.image_distance, columns.normal, cap);
-        let image_product = image.product(product, image.factor, &geometry);
+        let image_product = image.product(product, &geometry, neighbours);
         Self { geometry, densities, image, product, image_product }
     }
 }
@@ -266,7 +262,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for WcsphTerms<'_, 
     fn own(&self, row: &FluidRow<L::Real, D>) -> WcsphParticle<L, D> {
         let (settings, source, columns) = (self.settings, self.settings.source, self.columns());
         let pair = settings.pair();
-        let density = self.density(row.row);
+        let density = source.scalar(columns.density, row.row).to_f64();
         let pressure = source.scalar(columns.pressure, row.row).to_f64();
         let velocity = source.splat_vector(columns.velocity, row.row);
         let reference_density = pair.tait.reference_density;
@@ -275,6 +271,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for WcsphTerms<'_, 
         let alpha = self.choices().viscous.artificial_alpha;
         WcsphParticle {
             common: OwnParticle::new(settings.inputs, row, velocity, density, pressure),
+            scalar_density: density,
             square: L::constant(density * density),
             added_pressure: L::constant(added_pressure),
             strain: source.splat_optional(columns.strain, row.row),
@@ -286,8 +283,8 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for WcsphTerms<'_, 
     }
 
     #[inline(always)]
-    fn no_sums(&self) -> WcsphSums<L, D> {
-        WcsphSums::none()
+    fn no_sums(&self, own: &WcsphParticle<L, D>) -> WcsphSums<L, D> {
+        WcsphSums::none(own.scalar_density)
     }
 
     #[inline(always)]

@@ -28,7 +28,7 @@ use pending::{Gradients, PendingGradients};
 use row::{RowSums, sum};
 
 use super::density::{LEAST_Q2, finish};
-use super::pack::{Near, Only, STRETCH, noted};
+use super::pack::{NeighbourMask, Only, TILE_VECTORS, mask_len};
 use super::rates::VelocityLevel;
 use super::row_pass::{Block, BlockPass, PassInput};
 use super::settings::PairSettings;
@@ -94,7 +94,7 @@ fn prepare<R: Real, const D: usize>(
 ) {
     let rows = particles.len();
     sums.packs.prepare();
-    sums.near.resize(noted::<D>(rows), Near::ALL);
+    sums.near.resize(mask_len::<D>(rows), NeighbourMask::ALL);
     sums.columns.forget_densities();
     sums.columns.find_flow(particles);
     for column in sums.strain.iter_mut().take(components(D)) {
@@ -121,7 +121,7 @@ struct StrainPass<'a> {
 /// Density and pressure, strain and gradient, ∇C, and the vectors of the pack with a neighbour in
 /// the support.
 type Outputs<'a, R, const D: usize> =
-    ([&'a mut [R]; 2], Gradients<'a, R, D>, ([&'a mut [R]; D], &'a mut [Near]));
+    ([&'a mut [R]; 2], Gradients<'a, R, D>, ([&'a mut [R]; D], &'a mut [NeighbourMask]));
 
 impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
     type Outputs = Outputs<'a, R, D>;
@@ -140,7 +140,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
         let (q, inverse_q) = L::constant(LEAST_Q2).roots();
         let own_weight = K::slope(q, inverse_q).largest().to_f64();
         let mut pending = PendingGradients::<D>::new(own_weight, source.inverse_h);
-        let mut all_slopes = [L::constant(0.0); STRETCH];
+        let mut all_slopes = [L::constant(0.0); TILE_VECTORS];
         for cell in cells {
             if !pack.fill::<L, D>(source, cell, |row| self.zone[row].flows()) {
                 continue;

@@ -5,7 +5,7 @@ use crate::math::lanes::{self, Lanes};
 use crate::math::real::Real;
 use crate::math::symmetric::component;
 use crate::pass::density::squared_distance;
-use crate::pass::pack::{Covered, Near, Pack, STRETCH, Source};
+use crate::pass::pack::{CoveredLanes, NeighbourMask, Pack, Source, TILE_VECTORS};
 use crate::pass::row_pass::splat;
 
 /// Sums of one particle.
@@ -17,7 +17,7 @@ pub(super) struct RowSums<R, const D: usize> {
     /// Σ V_b slope · x_ab/h over all neighbours; 0 if it is not summed.
     pub slopes: [f64; D],
     /// Vectors of the pack with a neighbour in the support.
-    pub near: Near,
+    pub near: NeighbourMask,
 }
 
 /// Sums over the flow with the weights of the slope, x = x_ab and v = v_ab.
@@ -35,7 +35,7 @@ pub(super) struct FlowSums<const D: usize> {
 }
 
 /// Sums over a pack for the particle of a row, with the slopes if `SLOPES`. `all_slopes` is a
-/// buffer for f(q) of a stretch.
+/// buffer for f(q) of a tile.
 ///
 /// In three loops: one finds the neighbours in the support, without a branch; one computes their
 /// roots and kernel; one adds to the many sums, which would find no registers beside the kernel.
@@ -44,7 +44,7 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const SLOPES: bool>(
     pack: &Pack<L::Real>,
     source: &Source<L::Real, D>,
     row: usize,
-    all_slopes: &mut [L; STRETCH],
+    all_slopes: &mut [L; TILE_VECTORS],
 ) -> RowSums<L::Real, D> {
     let zero = L::constant(0.0);
     let x_a = splat::<L, D>(pack.relative(source, row));
@@ -60,19 +60,19 @@ pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const SLOPES: bool>(
     let mut sum = [[zero; D]; D];
     let mut moment = [zero; 6];
     let limit = L::constant(K::SUPPORT * K::SUPPORT);
-    let mut near = Near::ALL;
-    let mut covered = Covered::default();
-    for stretch in pack.stretches::<L, D>(if SLOPES { 2 * D + 2 } else { 2 * D + 1 }) {
-        let notes = stretch.find_near(x_a, limit);
-        stretch.note(notes, &mut near);
-        let lanes = stretch.near(notes, &mut covered);
+    let mut near = NeighbourMask::ALL;
+    let mut covered = CoveredLanes::default();
+    for tile in pack.tiles::<L, D>(if SLOPES { 2 * D + 2 } else { 2 * D + 1 }) {
+        let builder = tile.find_neighbours(x_a, limit);
+        tile.store_mask(builder, &mut near);
+        let lanes = tile.start_lanes(builder, &mut covered);
         for (slope, lane) in all_slopes.iter_mut().zip(lanes.clone()) {
-            let (q, inverse_q) = squared_distance(x_a, stretch.at_lane(lane)).roots();
+            let (q, inverse_q) = squared_distance(x_a, tile.at_lane(lane)).roots();
             kernel_sum = K::add_value(q, kernel_sum);
             *slope = K::slope(q, inverse_q);
         }
         for (&of_all, lane) in all_slopes.iter().zip(lanes) {
-            let entry = stretch.at_lane(lane);
+            let entry = tile.at_lane(lane);
             let x = entry.seen_from(x_a);
             let slope = of_all * entry.column(2 * D);
             weight_sum = weight_sum + slope;

@@ -1,15 +1,15 @@
-//! What is near, by walks of packs of many sizes.
+//! Masks and tiles of packs of many sizes.
 
-use super::near::{BITS, Covered, Near, NearNotes, Windows, fewest};
+use super::mask::{BITS, CoveredLanes, MaskBuilder, NeighbourMask, StartLanes, least_lanes_per_bit};
 use super::{Only, Pack, Source};
 use crate::math::grid::CellGrid;
 use crate::math::lanes::{InstructionSet, Lanes, MOST_LANES, Vectorised};
 use crate::math::real::Real;
 
-/// So many particles in a row of one cell, each 0.001 h from the next.
-struct Walk(usize);
+/// This many particles along a line in one cell, each 0.001 h from the next.
+struct Line(usize);
 
-impl Vectorised<f64> for Walk {
+impl Vectorised<f64> for Line {
     type Output = ();
 
     #[inline(always)]
@@ -30,55 +30,55 @@ impl Vectorised<f64> for Walk {
         };
         let mut pack = Pack::default();
         assert!(pack.fill::<L, 2>(&source, 0, |_| true));
-        // In reach of a support of 0.0005 are they themselves alone, of one of 0.0305 some before and behind: in stretches every vector comes
-        // once, and all are found however many there are.
+        // A support of 0.0005 reaches the particle alone, one of 0.0305 some before and behind it. By
+        // tiles every vector is read once and all neighbours are found, however many there are.
         for (row, reach) in [0, count / 2, count - 1].into_iter().flat_map(|row| [(row, 0), (row, 30)]) {
             let point = pack.relative(&source, row).map(L::splat);
             let support = 0.001 * reach as f64 + 0.0005;
-            let near_to = |x: L| (x * x, L::constant(support * support));
+            let squares = |x: L| (x * x, L::constant(support * support));
             let in_reach = (row.saturating_sub(reach)..count.min(row + reach + 1)).len() as u32;
-            let (mut near, mut covered) = (Near::ALL, Covered::default());
-            let (mut walked, mut found) = (0, 0);
-            for stretch in pack.stretches::<L, 2>(2) {
-                let mut notes = NearNotes::default();
-                for vector in 0..stretch.len() {
-                    walked += L::COUNT;
-                    let (q2, limit) = near_to(point[0] - stretch.at(vector).column(0));
-                    notes.take::<L, 2>(q2, limit);
+            let (mut mask, mut covered) = (NeighbourMask::ALL, CoveredLanes::default());
+            let (mut read, mut found) = (0, 0);
+            for tile in pack.tiles::<L, 2>(2) {
+                let mut builder = MaskBuilder::default();
+                for vector in 0..tile.len() {
+                    read += L::COUNT;
+                    let (q2, limit) = squares(point[0] - tile.at(vector).column(0));
+                    builder.add::<L, 2>(q2, limit);
                 }
-                for lane in stretch.near(notes, &mut covered) {
-                    let (q2, limit) = near_to(point[0] - stretch.at_lane(lane).column(0));
+                for lane in tile.start_lanes(builder, &mut covered) {
+                    let (q2, limit) = squares(point[0] - tile.at_lane(lane).column(0));
                     found += L::bits(q2.less(limit)).count_ones();
                 }
-                stretch.note(notes, &mut near);
+                tile.store_mask(builder, &mut mask);
             }
             let expected = (count.next_multiple_of(L::COUNT), in_reach);
-            assert_eq!((walked, found), expected, "row {row} of {count}, {} lanes", L::COUNT);
-            // From what was noted of the pack, too, and one by itself in one vector where there is a bit for it.
-            let vectors = |near: Near| {
-                let entries = pack.entries_near::<L, 2>(2, near);
+            assert_eq!((read, found), expected, "row {row} of {count}, {} lanes", L::COUNT);
+            // By the mask of the pack, too; a particle alone takes one vector where it has a bit.
+            let vectors = |mask: NeighbourMask| {
+                let entries = pack.masked_entries::<L, 2>(2, mask);
                 let mut found = 0;
-                let walked = entries
+                let read = entries
                     .inspect(|entry| {
-                        let (q2, limit) = near_to(point[0] - entry.column(0));
+                        let (q2, limit) = squares(point[0] - entry.column(0));
                         found += L::bits(q2.less(limit)).count_ones();
                     })
                     .count();
-                (walked, found)
+                (read, found)
             };
             let all = count.div_ceil(L::COUNT);
-            assert_eq!(vectors(Near::ALL), (all, in_reach), "{} lanes, {count} particles", L::COUNT);
-            assert_eq!(vectors(near).1, in_reach, "row {row} of {count}, {} lanes", L::COUNT);
+            assert_eq!(vectors(NeighbourMask::ALL), (all, in_reach), "{} lanes, {count} particles", L::COUNT);
+            assert_eq!(vectors(mask).1, in_reach, "row {row} of {count}, {} lanes", L::COUNT);
             if reach == 0 {
                 let beyond = all.saturating_sub(BITS);
                 let of_bits = usize::from(row / L::COUNT < BITS);
-                assert_eq!(vectors(near).0, of_bits + beyond, "row {row} of {count}, {} lanes", L::COUNT);
+                assert_eq!(vectors(mask).0, of_bits + beyond, "row {row} of {count}, {} lanes", L::COUNT);
             }
         }
     }
 }
 
-/// Vectors that begin at what was noted have each lane that was noted exactly once.
+/// Vectors that start at the bits of a mask cover each lane of the mask exactly once.
 struct Cover;
 
 impl Vectorised<f64> for Cover {
@@ -86,37 +86,37 @@ impl Vectorised<f64> for Cover {
 
     #[inline(always)]
     fn run<L: Lanes<Real = f64>>(self) {
-        let unit = fewest::<L>();
+        let unit = least_lanes_per_bit::<L>();
         for bits in [0b1u64, 0b1000_0001, 0b1100_1111_0000_0000_1111_0101, u64::MAX, 1 << 63, 0] {
             let mut covered = [0; 2 * BITS + MOST_LANES];
             let mut last = None;
-            for lane in Windows::new::<L>(bits, unit) {
-                assert!(bits >> (lane / unit) & 1 != 0, "begins at what is near");
-                assert!(last.is_none_or(|last| lane >= last + L::COUNT), "none twice");
+            for lane in StartLanes::new::<L>(bits, unit) {
+                assert!(bits >> (lane / unit) & 1 != 0, "starts at a neighbour");
+                assert!(last.is_none_or(|last| lane >= last + L::COUNT), "covers no lane twice");
                 for covered in &mut covered[lane..lane + L::COUNT] {
                     *covered += 1;
                 }
                 last = Some(lane);
             }
             for pair in (0..BITS).filter(|pair| bits >> pair & 1 != 0) {
-                assert_eq!(&covered[unit * pair..][..unit], &[1; 2][..unit], "all that is near");
+                assert_eq!(&covered[unit * pair..][..unit], &[1; 2][..unit], "covers all neighbours");
             }
         }
     }
 }
 
 #[test]
-fn vectors_have_all_that_is_near_once() {
+fn vectors_cover_every_neighbour_once() {
     for set in InstructionSet::available() {
         <f64 as Real>::dispatch(set, Cover);
     }
 }
 
 #[test]
-fn a_particle_is_found_and_where_bits_do_not_suffice_all_are_walked() {
+fn neighbours_are_found_in_packs_of_more_vectors_than_bits() {
     for set in InstructionSet::available() {
         for count in [1, 7, 64, 65, 128, 129, 200, 256, 257, 64 * 8, 64 * 8 + 1, 999] {
-            <f64 as Real>::dispatch(set, Walk(count));
+            <f64 as Real>::dispatch(set, Line(count));
         }
     }
 }
