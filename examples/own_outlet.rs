@@ -1,9 +1,9 @@
 //! Outlet condition of a user, compared with conditions of the engine.
 //!
-//! An acoustic pulse meets the outlet of a channel. The condition `Impedance` gives the outflow particles the
-//! pressure of a plane wave that leaves, so that it transmits the pulse; `DoNothing` reflects much of it. The
-//! program prints the reflection coefficient R, the largest incoming over the largest outgoing
-//! characteristic upstream of the outlet.
+//! An acoustic pulse meets the outlet of a channel. The condition `Impedance` gives the outflow
+//! particles the pressure of a plane wave that leaves, so that it transmits the pulse; `DoNothing`
+//! reflects much of it. The program prints the reflection coefficient R, the largest incoming over
+//! the largest outgoing characteristic upstream of the outlet.
 //!
 //! ```text
 //! cargo run --release --example own_outlet
@@ -25,7 +25,8 @@ use sphecs::{Plugin, PluginContext, Scene, Simulation};
 /// v_o = v̄ + (p̄ − p_o)/(ρ0 c0)
 /// ```
 ///
-/// p̄ and v̄ are means over the fluid next to the plane; u is the velocity of the flow without sound.
+/// p̄ and v̄ are means over the fluid next to the plane; u is the velocity of the flow without
+/// sound.
 #[derive(Clone, Debug)]
 pub struct Impedance {
     /// Reference pressure p_ref, Pa.

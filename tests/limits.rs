@@ -2,7 +2,8 @@
 
 use std::process::Command;
 
-/// Runs a shipped scene for two steps with values set; its exit code, message, and whether it left a folder.
+/// Runs a shipped scene for two steps with values set; its exit code, message, and whether it left
+/// a folder.
 fn run(scene: &str, sets: &[&str], more: &[&str]) -> (Option<i32>, String, bool) {
     let parent = tempfile::tempdir().expect("a folder");
     let out = parent.path().join("run");

@@ -1,6 +1,8 @@
-//! Typical mistakes in a scene: each message names file, line and column, and nearly all say what would be right.
+//! Typical mistakes in a scene: each message names file, line and column, and nearly all say what
+//! would be right.
 //!
-//! The messages as a user sees them stand in `tests/snapshots/`; `INSTA_UPDATE=always cargo test --test mistakes` renews them.
+//! The messages as a user sees them stand in `tests/snapshots/`;
+//! `INSTA_UPDATE=always cargo test --test mistakes` renews them.
 
 use std::fmt::Write as _;
 
@@ -9,7 +11,8 @@ use sphecs::Scene;
 
 const SCENE: &str = include_str!("../scenes/quickstart.ron");
 
-/// What stands in the scene, what a user wrote in its place, and what the message must suggest; empty where nothing can be.
+/// What stands in the scene, what a user wrote in its place, and what the message must suggest;
+/// empty where nothing can be.
 const MISTAKES: [(&str, &str, &str); 62] = [
     // Names of fields.
     ("dimensions: 2,", "dimension: 2,", "did you mean `dimensions`"),

@@ -1,7 +1,8 @@
-//! Language of the repository: words that must not occur, heads of modules and doc lines, width of lines.
+//! Language of the repository: words that must not occur, heads of modules and doc lines, width of
+//! lines.
 //!
-//! `words.txt` has a phrase a line and what to write instead. `docs/notebook/`, a laboratory diary, is left as it
-//! was written.
+//! `words.txt` has a phrase a line and what to write instead. `docs/notebook/`, a laboratory diary,
+//! is left as it was written.
 
 use std::path::PathBuf;
 
@@ -54,7 +55,8 @@ fn phrases() -> Vec<Phrase> {
         .collect()
 }
 
-/// Splits a line into lower-case words: `thrown_back`, `ThrownBack` and `thrown back` are the same two.
+/// Splits a line into lower-case words: `thrown_back`, `ThrownBack` and `thrown back` are the same
+/// two.
 fn words(line: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut current = String::new();

@@ -12,7 +12,8 @@ const UPDATE: &str = "UPDATE_REFERENCES";
 /// A cited work: the first author's name and the year.
 type Key = (String, u16);
 
-/// Comments of a file joined to running text, since a citation may be broken over two lines; with the line of each word.
+/// Comments of a file joined to running text, since a citation may be broken over two lines; with
+/// the line of each word.
 fn comment_words(source: &SourceFile) -> Vec<(usize, String)> {
     let mut words = Vec::new();
     for (number, line) in source.text.lines().enumerate() {
@@ -28,7 +29,8 @@ fn comment_words(source: &SourceFile) -> Vec<(usize, String)> {
     words
 }
 
-/// `Author (year)`, `Author & Author (year)` and `Author et al. (year)` in comments, with their lines.
+/// `Author (year)`, `Author & Author (year)` and `Author et al. (year)` in comments, with their
+/// lines.
 fn citations(source: &SourceFile) -> Vec<(usize, Key)> {
     let words = comment_words(source);
     let mut found = Vec::new();
@@ -48,7 +50,8 @@ fn year_in_brackets(word: &str) -> Option<u16> {
     (1700..2100).contains(&year).then_some(year)
 }
 
-/// The first author of the names that end a text: walks back over `et al.`, `&` and capitalised names.
+/// The first author of the names that end a text: walks back over `et al.`, `&` and capitalised
+/// names.
 fn first_author(words: &[(usize, String)]) -> Option<String> {
     let is_name = |word: &str| {
         word.chars().next().is_some_and(char::is_uppercase) && !word.ends_with(['.', ')', ':', ';'])
@@ -82,7 +85,8 @@ struct Entry {
     has_doi: bool,
 }
 
-/// Entries by key. An entry is a heading `## Author (year)`, the reference with its DOI, and `Used in:` with files in backticks.
+/// Entries by key. An entry is a heading `## Author (year)`, the reference with its DOI, and
+/// `Used in:` with files in backticks.
 fn entries() -> BTreeMap<Key, Entry> {
     let mut entries = BTreeMap::new();
     let mut open: Option<Key> = None;

@@ -1,4 +1,5 @@
-//! The invariants of ARCHITECTURE.md that the compiler does not check. Each failure names the line and the cure.
+//! The invariants of ARCHITECTURE.md that the compiler does not check. Each failure names the line
+//! and the cure.
 
 use std::collections::BTreeMap;
 
@@ -78,8 +79,8 @@ fn imports_are_found_however_they_are_written() {
     assert_eq!(names, ["a", "c", "f", "h"]);
 }
 
-/// Places of `unsafe` code: lanes, packs that read whole vectors of their own storage, and the end of
-/// HDF5. `scripts/reliability/sanitizer.sh` runs them.
+/// Places of `unsafe` code: lanes, packs that read whole vectors of their own storage, and the end
+/// of HDF5. `scripts/reliability/sanitizer.sh` runs them.
 const UNSAFE: [&str; 3] = [
     "crates/sphecs-core/src/math/lanes/",
     "crates/sphecs-core/src/pass/pack/",
@@ -168,7 +169,8 @@ fn changes_structure(tokens: &[Token]) -> bool {
     }
 }
 
-/// Types that a system may keep in a `Local`: buffers that each step fills anew, which no checkpoint needs.
+/// Types that a system may keep in a `Local`: buffers that each step fills anew, which no
+/// checkpoint needs.
 const BUFFERS: [&str; 5] = ["OutletBuffers", "PointFlows", "Prescribed", "WaveFound", "DVec3"];
 
 #[test]

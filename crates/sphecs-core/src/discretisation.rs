@@ -29,7 +29,8 @@ pub struct Discretisation {
 }
 
 impl Discretisation {
-    /// Returns the discretisation of a fluid of a reference density (kg/m³) by particles of a spacing (m).
+    /// Returns the discretisation of a fluid of a reference density (kg/m³) by particles of a
+    /// spacing (m).
     pub fn new(
         kernel: Kernel,
         dimensions: usize,

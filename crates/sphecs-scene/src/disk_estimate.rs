@@ -15,7 +15,8 @@ const PROBE_COLUMNS: f64 = 8.0;
 /// Bytes of a particle in a checkpoint, of which two are kept and a third is written.
 const CHECKPOINT: f64 = 3.0 * 150.0;
 
-/// What a run writes at most, before compression, which saves little: the last digits of positions are noise.
+/// What a run writes at most, before compression, which saves little: the last digits of positions
+/// are noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demand {
     /// Frames.
@@ -53,7 +54,8 @@ impl Demand {
         2.0 * (self.frame_bytes + self.row_bytes) + self.checkpoint_bytes
     }
 
-    /// The interval of the frames with which a run would fit into so many bytes, s; None where the rows alone are too much.
+    /// The interval of the frames with which a run would fit into so many bytes, s; None where the
+    /// rows alone are too much.
     pub fn fitting_interval(&self, every: f64, room: f64) -> Option<f64> {
         let left = room - 2.0 * self.row_bytes - self.checkpoint_bytes;
         (left > 0.0).then(|| every * (2.0 * self.frame_bytes / left).max(1.0))

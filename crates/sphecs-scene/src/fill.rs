@@ -1,9 +1,10 @@
 //! Which points of the lattice (or of wall-fitted rows) are fluid, wall, inflow or outflow.
 //!
-//! A point is inside when it and all points Δ/4 around it are: a wall that misses the middle between two
-//! rows by less than Δ/4 still has one row on each side. Inside points beyond a patch's plane belong to its
-//! zone, up to its depth; points outside, up to the support and half a spacing away, are wall, except
-//! behind the far end of a zone. With `jitter` fluid points then leave the lattice; zones and walls stay even.
+//! A point is inside when it and all points Δ/4 around it are: a wall that misses the middle
+//! between two rows by less than Δ/4 still has one row on each side. Inside points beyond a patch's
+//! plane belong to its zone, up to its depth; points outside, up to the support and half a spacing
+//! away, are wall, except behind the far end of a zone. With `jitter` fluid points then leave the
+//! lattice; zones and walls stay even.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
@@ -15,7 +16,8 @@ use super::model::{Fill, Patch, Scene, Scheme};
 use super::rings;
 use sphecs_core::particles::zone::Zone;
 
-/// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane count as fluid.
+/// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane
+/// count as fluid.
 const HAIR: f64 = 1e-9;
 
 /// A place for a particle.
@@ -110,8 +112,8 @@ impl<'a> Filler<'a> {
             std::array::from_fn(|axis| ranges[axis].start + along[axis] as i64)
         };
         let point = |index: usize| lattice.point(cell(index), dimensions);
-        // What each point is, in one piece of memory, then the places in another: many small ones would stay with the
-        // allocator when the flow has long begun.
+        // What each point is, in one piece of memory, then the places in another: many small ones
+        // would stay with the allocator when the flow has long begun.
         let mut roles = vec![None; counts.iter().product()];
         let axis = dimensions - 1;
         roles.par_chunks_mut(counts[axis].max(1)).enumerate().for_each(|(row, roles)| {
@@ -131,8 +133,9 @@ impl<'a> Filler<'a> {
         places
     }
 
-    /// Finds what points along a line at equal distances are; `roles` has None for all of them. A distance changes by no more than the way
-    /// between two points, so that far outside and deep inside the one before decides.
+    /// Finds what points along a line at equal distances are; `roles` has None for all of them. A
+    /// distance changes by no more than the way between two points, so that far outside and deep
+    /// inside the one before decides.
     fn row(&self, roles: &mut [Option<Role>], point: impl Fn(usize) -> DVec3, spacing: f64) {
         let hair = HAIR * self.scene.spacing;
         // The most that the distance can be, by that of the last point where it was found.
@@ -174,7 +177,8 @@ impl<'a> Filler<'a> {
         self.role(point, confined_distance(self.scene, point))
     }
 
-    /// What a point at a distance from the confines is. Beyond the walls and deeper than the margin any such distance will do.
+    /// What a point at a distance from the confines is. Beyond the walls and deeper than the margin
+    /// any such distance will do.
     fn role(&self, point: DVec3, distance: f64) -> Option<Place> {
         // A layer exactly at the thickness is out of every fluid particle's reach.
         if distance > self.reach - HAIR * self.scene.spacing {
@@ -241,7 +245,8 @@ pub fn confined_distance(scene: &Scene, point: DVec3) -> f64 {
     periodic_distance(&scene.layout.confines, &scene.periodic, point)
 }
 
-/// Signed distance to a shape and its periodic images, m. A point of a seam counts as inside by rounding.
+/// Signed distance to a shape and its periodic images, m. A point of a seam counts as inside by
+/// rounding.
 pub fn periodic_distance(shape: &Shape, periodic: &[Option<(f64, f64)>; 3], point: DVec3) -> f64 {
     if periodic.iter().all(Option::is_none) {
         return shape.signed_distance(point);

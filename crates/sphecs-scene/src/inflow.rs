@@ -8,8 +8,8 @@ use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 impl Inlet {
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
     ///
-    /// A point of the zone has the velocity of the plane in front of it: one that varied along the zone would bring the
-    /// particles of a row together.
+    /// A point of the zone has the velocity of the plane in front of it: one that varied along the
+    /// zone would bring the particles of a row together.
     pub fn velocity_at(&self, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
         let towards = self.patch.towards;
         let point = point - towards * (point - self.patch.at).dot(towards);
@@ -38,11 +38,13 @@ impl Inlet {
         }
     }
 
-    /// What the prescribed motion needs of gravity and pressure, dv/dt − ν ∇²v, m/s², at a point (m) and time (s).
+    /// What the prescribed motion needs of gravity and pressure, dv/dt − ν ∇²v, m/s², at a point
+    /// (m) and time (s).
     ///
-    /// `spacing` (m) and `moment` (s) are the steps of the differences in the expressions: shorter than anything that
-    /// an inlet resolves. The profile does not change along the flow; the second differences are taken across it. A
-    /// table has none: between its rows it is straight, at them it has no second derivative.
+    /// `spacing` (m) and `moment` (s) are the steps of the differences in the expressions: shorter
+    /// than anything that an inlet resolves. The profile does not change along the flow; the second
+    /// differences are taken across it. A table has none: between its rows it is straight, at them
+    /// it has no second derivative.
     pub fn inertia(&self, viscosity: f64, point: DVec3, time: f64, spacing: f64, moment: f64) -> DVec3 {
         let velocity = |point, time| self.velocity_at(viscosity, point, time);
         if let InletVelocity::PoiseuilleStartup { body_force, .. } = self.velocity {

@@ -1,17 +1,18 @@
 //! The lattice on which particles are laid, and how well it fits the walls.
 //!
-//! One lattice with the same spacing along all axes runs through domain, zones and walls: its sums are
-//! the same everywhere, so a fluid at rest is exactly uniform. Walls should lie midway between two rows
-//! (Δ/2 from fluid and from wall particles). Along each axis the lattice is therefore shifted to the
-//! circular mean of the phases of all plane walls across that axis, weighted by their areas:
+//! One lattice with the same spacing along all axes runs through domain, zones and walls: its sums
+//! are the same everywhere, so a fluid at rest is exactly uniform. Walls should lie midway between
+//! two rows (Δ/2 from fluid and from wall particles). Along each axis the lattice is therefore
+//! shifted to the circular mean of the phases of all plane walls across that axis, weighted by
+//! their areas:
 //!
 //! ```text
 //! φ = (Δ/2π) arg Σ A_k exp(2πi c_k/Δ),   c_k: coordinate of wall k, A_k: its area
 //! ```
 //!
 //! A width that is no multiple of Δ cannot be met on both sides: the geometry stays as it is, its
-//! particles stand up to Δ/4 nearer to or farther from the wall, and `sphecs check` names the misfit. A periodic
-//! axis takes the lattice that divides its period.
+//! particles stand up to Δ/4 nearer to or farther from the wall, and `sphecs check` names the
+//! misfit. A periodic axis takes the lattice that divides its period.
 
 use std::f64::consts::TAU;
 
@@ -56,7 +57,8 @@ impl Lattice {
         point
     }
 
-    /// Where the particle of a cell is jittered to, m from its centre: even random numbers that depend on the cell alone.
+    /// Where the particle of a cell is jittered to, m from its centre: even random numbers that
+    /// depend on the cell alone.
     pub fn offset(&self, cell: [i64; 3], dimensions: usize) -> DVec3 {
         let mut offset = DVec3::ZERO;
         let mut state = cell.into_iter().fold(0, |state, index| mixed(state ^ index as u64));
@@ -124,7 +126,8 @@ fn mixed(number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The shift at which walls lie between cells as well as they can, m; None without walls or if they cancel out.
+/// The shift at which walls lie between cells as well as they can, m; None without walls or if they
+/// cancel out.
 fn phase<'a>(walls: impl Iterator<Item = &'a WallFit>, spacing: f64) -> Option<f64> {
     let (mut cosine, mut sine, mut weight) = (0.0, 0.0, 0.0);
     let mut first = None;

@@ -14,8 +14,8 @@ use super::schema::SceneFile;
 
 /// A value of a scene, as RON text.
 ///
-/// Numbers and booleans are converted; text is taken as RON: `"Mirror()"` is a condition, `"\"x^2\""` an
-/// expression.
+/// Numbers and booleans are converted; text is taken as RON: `"Mirror()"` is a condition,
+/// `"\"x^2\""` an expression.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneValue(String);
 
@@ -84,7 +84,8 @@ impl Scene {
         SceneLoader::new(Input::File(path.into()))
     }
 
-    /// Begins to load a scene from RON text under a name; its tables are looked for in the present folder.
+    /// Begins to load a scene from RON text under a name; its tables are looked for in the present
+    /// folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>) -> SceneLoader {
         SceneLoader::new(Input::Text { name: name.into(), text: text.into() })
     }
@@ -95,7 +96,8 @@ impl SceneLoader {
         Self { input, sets: Vec::new(), smoke: false, memory: None, tables: Vec::new() }
     }
 
-    /// Changes the value at a path of the scene: `spacing`, `fluid.sound_speed`, `outlets.0.condition`.
+    /// Changes the value at a path of the scene: `spacing`, `fluid.sound_speed`,
+    /// `outlets.0.condition`.
     pub fn set(mut self, path: impl AsRef<str>, value: impl Into<SceneValue>) -> Self {
         self.sets.push((path.as_ref().to_owned(), value.into().0));
         self
@@ -123,7 +125,8 @@ impl SceneLoader {
         self
     }
 
-    /// Refuses a scene whose particles need more memory than this, B; None for no bound, the default.
+    /// Refuses a scene whose particles need more memory than this, B; None for no bound, the
+    /// default.
     pub fn memory(mut self, limit: impl Into<Option<f64>>) -> Self {
         self.memory = limit.into();
         self
@@ -185,8 +188,8 @@ fn smoke_spacing(text: &str, sets: &[(String, String)]) -> Option<f64> {
     (spacing.is_finite() && spacing > 0.0 && smoke.is_finite() && smoke > 0.0).then_some(smoke)
 }
 
-/// Returns constants and sections of a text with their faults, or the faults alone of a text that cannot be
-/// read at all.
+/// Returns constants and sections of a text with their faults, or the faults alone of a text that
+/// cannot be read at all.
 fn sections(text: &str) -> Result<(Constants, Option<SceneFile>, Vec<Fault>), Vec<Fault>> {
     let Reading { root, mut faults, lost } = reader::read(text);
     if lost {

@@ -1,5 +1,5 @@
-//! The validated scene: what a simulation is built from. Made only by [`load`](super::load); a value
-//! of these types obeys the rules that their doc lines state.
+//! The validated scene: what a simulation is built from. Made only by [`load`](super::load); a
+//! value of these types obeys the rules that their doc lines state.
 //!
 //! Vectors are `DVec3` in 2D too, with z = 0 everywhere.
 
@@ -70,9 +70,11 @@ pub struct Scene {
     pub time: TimeSettings,
     /// What is written and when.
     pub output: OutputSettings,
-    /// Velocity for Reynolds and Mach numbers, m/s: given in the scene or estimated from inlets and initial fields.
+    /// Velocity for Reynolds and Mach numbers, m/s: given in the scene or estimated from inlets and
+    /// initial fields.
     pub reference_velocity: f64,
-    /// Length for the Reynolds number, m: given in the scene or the narrowest patch or domain width.
+    /// Length for the Reynolds number, m: given in the scene or the narrowest patch or domain
+    /// width.
     pub reference_length: f64,
 }
 
@@ -131,17 +133,19 @@ pub enum BodyForce {
 pub struct Walls {
     /// How they enter the sums.
     pub model: WallModel,
-    /// Parts, in the order of the scene; a wall particle's `patch` is an index into this. The first part is the rest.
+    /// Parts, in the order of the scene; a wall particle's `patch` is an index into this. The first
+    /// part is the rest.
     pub parts: Vec<WallPart>,
 }
 
-/// How particles are laid into domain, zones and walls: what [`seeds`](super::spawn::seeds) goes by.
+/// How particles are laid into domain, zones and walls: what [`seeds`](super::spawn::seeds) goes
+/// by.
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// Arrangement of the particles.
     pub fill: Fill,
-    /// Domain ∪ zones, each zone drawn out beyond its far end by more than the support, so that the far end
-    /// is no wall.
+    /// Domain ∪ zones, each zone drawn out beyond its far end by more than the support, so that the
+    /// far end is no wall.
     pub confines: Shape,
     /// The zones so drawn out: inlets, then outlets.
     pub zones: Vec<Shape>,
@@ -202,8 +206,9 @@ pub enum InletVelocity {
     Components([Expression; 3]),
     /// Speed along `towards` from a table in time: (s, m/s), linear between rows, held at the ends.
     TimeTable(Vec<(f64, f64)>),
-    /// Speed along `towards` from a table over time and the coordinate along `across[0]` from the section's middle
-    /// (times in s, positions in m, `speeds[time][position]` in m/s), bilinear, held at the ends.
+    /// Speed along `towards` from a table over time and the coordinate along `across[0]` from the
+    /// section's middle (times in s, positions in m, `speeds[time][position]` in m/s), bilinear,
+    /// held at the ends.
     ProfileTable {
         /// Times, s, rising.
         times: Vec<f64>,
@@ -221,8 +226,8 @@ pub enum InletVelocity {
         /// Speed over rate and profile: see [`mass_flow`](super::check::mass_flow).
         scale: f64,
     },
-    /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about `at`,
-    /// driven by `body_force` (m/s²), with the fluid's viscosity.
+    /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about
+    /// `at`, driven by `body_force` (m/s²), with the fluid's viscosity.
     PoiseuilleStartup {
         /// Half the gap, m.
         half_width: f64,
@@ -256,7 +261,8 @@ pub struct Initial {
 pub struct Reservoir {
     /// Particles at the start.
     pub initial: usize,
-    /// Whether what leaves is stored for what enters; else it is deleted, and what enters is created.
+    /// Whether what leaves is stored for what enters; else it is deleted, and what enters is
+    /// created.
     pub recycle: bool,
     /// What happens when an inlet needs a particle and there is none.
     pub when_empty: WhenEmpty,

@@ -4,8 +4,9 @@
 //! ∮ g dS = ∫ g(nearest point) δ(φ) dV,   δ(φ) = (1 + cos(π φ/Δ))/2Δ for |φ| < Δ
 //! ```
 //!
-//! The signed distance φ is sampled four times a spacing Δ along each axis; what falls into one cell of the spacing is one point.
-//! A band that reaches as far to either side of the surface has its area to second order in Δ/R.
+//! The signed distance φ is sampled four times a spacing Δ along each axis; what falls into one
+//! cell of the spacing is one point. A band that reaches as far to either side of the surface has
+//! its area to second order in Δ/R.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -27,7 +28,8 @@ pub struct OutlinePoint {
     pub area: f64,
 }
 
-/// The surface of a wall part in pieces of about a spacing, in an order that depends on the scene alone.
+/// The surface of a wall part in pieces of about a spacing, in an order that depends on the scene
+/// alone.
 pub fn outline(scene: &Scene, part: u16) -> Vec<OutlinePoint> {
     let spacing = scene.spacing;
     let (low, high) = band(scene, part);
@@ -97,7 +99,8 @@ mod tests {
 
     use super::outline;
 
-    /// A drum of ten spacings in a box, in 2D and as a ball in 3D: the area of each, normals that point away from its middle and cancel.
+    /// A drum of ten spacings in a box, in 2D and as a ball in 3D: the area of each, normals that
+    /// point away from its middle and cancel.
     #[test]
     fn the_surface_of_a_body_has_its_area_and_is_closed() {
         for (dimensions, ball, area) in [

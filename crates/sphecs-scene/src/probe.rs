@@ -51,7 +51,8 @@ pub enum ProbeKind {
         /// Number of points.
         count: usize,
     },
-    /// Mass flow (kg/s, per metre of depth in 2D) and mean pressure through a plane section of the domain.
+    /// Mass flow (kg/s, per metre of depth in 2D) and mean pressure through a plane section of the
+    /// domain.
     Section {
         /// A point of the section, m.
         at: DVec3,

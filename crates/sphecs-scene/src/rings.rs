@@ -4,10 +4,11 @@
 //! r_k = R − (k + ½) Δ,   n_k = 2π r_k/Δ, rounded,   k = 0, 1, … as far as the fluid feels
 //! ```
 //!
-//! Negi et al. (2020), section 4.6, put the first ring on the circumference itself and the others Δ apart, “such that the volume is
-//! consistent”; that is [`FirstRing::Circumference`], r_k = R − k Δ. By default the rings stand in the middle of the shells that they are to fill, half a
-//! spacing behind the surface as on a lattice, which makes their volume that of the cylinder (with a ring at R it is that of a radius Δ/2 larger).
-//! In 2D.
+//! Negi et al. (2020), section 4.6, put the first ring on the circumference itself and the others Δ
+//! apart, “such that the volume is consistent”; that is [`FirstRing::Circumference`], r_k = R − k
+//! Δ. By default the rings stand in the middle of the shells that they are to fill, half a spacing
+//! behind the surface as on a lattice, which makes their volume that of the cylinder (with a ring
+//! at R it is that of a radius Δ/2 larger). In 2D.
 
 use glam::DVec3;
 use serde::Deserialize;
@@ -47,7 +48,8 @@ pub struct Rings {
     pub first: FirstRing,
 }
 
-/// Puts the rings of a scene in the places of the wall particles that the lattice has in their cylinders.
+/// Puts the rings of a scene in the places of the wall particles that the lattice has in their
+/// cylinders.
 pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
     let spacing = scene.spacing;
     // A lattice may have a wall particle up to a quarter of a spacing in front of its surface.

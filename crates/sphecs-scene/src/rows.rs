@@ -1,15 +1,15 @@
 //! Wall-fitted rows for a channel along x in 2D whose walls slant or curve.
 //!
-//! Row j stands at the fraction (j + ½)/n of the width w(x) at every x; the columns are as far apart
-//! as gives every particle the same area, n Δ² between two columns:
+//! Row j stands at the fraction (j + ½)/n of the width w(x) at every x; the columns are as far
+//! apart as gives every particle the same area, n Δ² between two columns:
 //!
 //! ```text
 //! y_j(x) = lower + (j + ½)/n · w,   ∫ w dx from column k to column k + 1 = n Δ²
 //! ```
 //!
-//! Rows outside 0 … n − 1 continue into the walls. Where w differs much from n Δ the cells are no squares, and
-//! the density sum of such an arrangement is not that of the lattice: `WallFitted` is for channels
-//! whose width varies little.
+//! Rows outside 0 … n − 1 continue into the walls. Where w differs much from n Δ the cells are no
+//! squares, and the density sum of such an arrangement is not that of the lattice: `WallFitted` is
+//! for channels whose width varies little.
 
 use glam::DVec3;
 

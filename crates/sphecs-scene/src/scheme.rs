@@ -63,8 +63,8 @@ impl Scheme {
         }
     }
 
-    /// Returns the reach of inlets, outlets and their zones for particles of a spacing, m: the support, as
-    /// (κ h/Δ) Δ.
+    /// Returns the reach of inlets, outlets and their zones for particles of a spacing, m: the
+    /// support, as (κ h/Δ) Δ.
     ///
     /// `Discretisation::support` is κ (h/Δ Δ), which may differ in its last bit.
     pub fn support(&self, spacing: f64) -> f64 {

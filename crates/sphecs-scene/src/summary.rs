@@ -7,11 +7,12 @@ use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::particles::zone::Zone;
 
-/// Memory of a particle in components, arrays, cell list and output, B: a generous round figure (docs/performance.md).
+/// Memory of a particle in components, arrays, cell list and output, B: a generous round figure
+/// (docs/performance.md).
 pub const BYTES_PER_PARTICLE: f64 = 500.0;
 
-/// Bytes of a particle in a frame before compression: its position in f64, velocity, density, pressure and tag in f32, its zone and its
-/// passages.
+/// Bytes of a particle in a frame before compression: its position in f64, velocity, density,
+/// pressure and tag in f32, its zone and its passages.
 pub fn frame_bytes(dimensions: usize) -> f64 {
     (12 * dimensions + 3 * 4 + 1 + 4) as f64
 }
@@ -37,7 +38,8 @@ pub struct Summary {
     pub memory: f64,
     /// Output before compression, B.
     pub output: f64,
-    /// The straight wall that lies worst in the lattice: axis, coordinate (m) and misfit in spacings.
+    /// The straight wall that lies worst in the lattice: axis, coordinate (m) and misfit in
+    /// spacings.
     pub worst_fit: Option<(char, f64, f64)>,
     /// What a reader should know: low sound speed, misfit, no free surface.
     pub notes: Vec<String>,
@@ -72,7 +74,8 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
     }
 }
 
-/// The step that sound allows, s, with the signal speed of Alvarado-Rodríguez et al. (2017), Eq. 18: c plus the approach of neighbours.
+/// The step that sound allows, s, with the signal speed of Alvarado-Rodríguez et al. (2017), Eq.
+/// 18: c plus the approach of neighbours.
 fn courant_step(scene: &Scene) -> f64 {
     scene.time.cfl * scene.discretisation.smoothing_length
         / (scene.fluid.sound_speed + scene.reference_velocity)
@@ -216,12 +219,13 @@ fn initial_speed(scene: &Scene) -> f64 {
     largest
 }
 
-/// Volume (area in 2D) within `reach` of a domain, m³ (m²), from samples: right to a per cent or two.
+/// Volume (area in 2D) within `reach` of a domain, m³ (m²), from samples: right to a per cent or
+/// two.
 pub fn estimated_volume(domain: &Shape, reach: f64, dimensions: usize) -> f64 {
     let (low, high) = domain.bounds();
     let (low, high) = (low - DVec3::splat(reach), high + DVec3::splat(reach));
-    // Samples by an additive recurrence with powers of the root of x^(d+1) = x + 1: even in all directions, where those of a grid would
-    // run beside a thin duct or along it.
+    // Samples by an additive recurrence with powers of the root of x^(d+1) = x + 1: even in all
+    // directions, where those of a grid would run beside a thin duct or along it.
     const SAMPLES: u32 = 1 << 14;
     let root: f64 = if dimensions == 2 { 1.324_717_957_244_746 } else { 1.220_744_084_605_759_6 };
     let mut hits = 0;

@@ -16,8 +16,9 @@ impl WallPart {
         DVec3::from(self.velocity.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
     }
 
-    /// Acceleration v·∇v of what moves with the surface at a point of it (m) and time (s), m/s², by a central difference over a thousandth of `length` (m)
-    /// to either side: that of a cylinder that turns is ω² R to its axis.
+    /// Acceleration v·∇v of what moves with the surface at a point of it (m) and time (s), m/s², by
+    /// a central difference over a thousandth of `length` (m) to either side: that of a cylinder
+    /// that turns is ω² R to its axis.
     pub fn turning_at(&self, point: DVec3, time: f64, length: f64) -> DVec3 {
         let velocity = self.velocity_at(point, time);
         let speed = velocity.length();
@@ -54,7 +55,8 @@ pub fn surface(scene: &Scene, point: DVec3) -> Surface {
     Surface { distance, normal: snapped(direction), part: part(scene, nearest) }
 }
 
-/// The nearest surface point of a point on either side of it, m, with the unit normal there, into the fluid, and the wall part.
+/// The nearest surface point of a point on either side of it, m, with the unit normal there, into
+/// the fluid, and the wall part.
 pub fn surface_at(scene: &Scene, point: DVec3) -> (DVec3, DVec3, u16) {
     let nearest = nearest_point(scene, point);
     (nearest, snapped(-gradient(scene, nearest, probing_step(scene))), part(scene, nearest))
@@ -111,7 +113,8 @@ mod tests {
     use crate::model::Scene;
     use glam::DVec3;
 
-    /// A drum that turns with 2/s and, later, faster: ω² R to its axis whatever it does along itself.
+    /// A drum that turns with 2/s and, later, faster: ω² R to its axis whatever it does along
+    /// itself.
     #[test]
     fn what_turns_is_accelerated_to_its_axis() {
         let text = r#"Scene(

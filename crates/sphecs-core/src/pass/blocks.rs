@@ -12,7 +12,8 @@ const ROWS: usize = 1024;
 /// Rows of a part: a part costs little, so it has more of them than a block.
 const PART: usize = 4096;
 
-/// Rows that are looked at together: a loop over all of them without branches becomes one over vectors.
+/// Rows that are looked at together: a loop over all of them without branches becomes one over
+/// vectors.
 pub const GROUP: usize = 64;
 
 /// Output columns that can be cut into the rows before and after a row.
@@ -70,8 +71,9 @@ tuples!(A a_low a_high, B b_low b_high);
 tuples!(A a_low a_high, B b_low b_high, C c_low c_high);
 tuples!(A a_low a_high, B b_low b_high, C c_low c_high, E e_low e_high);
 
-/// Runs `work` over all cells in blocks, in parallel. It gets the cells of the block and the block's part of the
-/// output columns, whose first row is the first row of its first cell. `join` must not care for order.
+/// Runs `work` over all cells in blocks, in parallel. It gets the cells of the block and the
+/// block's part of the output columns, whose first row is the first row of its first cell. `join`
+/// must not care for order.
 pub fn for_each_block<C: Columns, S: Send, const D: usize>(
     grid: &CellGrid<D>,
     columns: C,
@@ -81,8 +83,8 @@ pub fn for_each_block<C: Columns, S: Send, const D: usize>(
     split(grid.starts(), 0..grid.len(), columns, work, join)
 }
 
-/// Runs `work` over the rows in parts, in parallel: for what looks at a row alone. It gets the rows of the part and the
-/// part's share of the columns.
+/// Runs `work` over the rows in parts, in parallel: for what looks at a row alone. It gets the rows
+/// of the part and the part's share of the columns.
 pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn(Range<usize>, C) + Sync)) {
     if rows.len() <= PART {
         return work(rows, columns);
@@ -99,8 +101,8 @@ pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn
 /// Rows of a part that is looked through for a list: those near openings are few.
 const LISTED: usize = 1024;
 
-/// Runs `work` over the rows in parts, in parallel. Each part has a list of its own, which is kept from call to call and is as
-/// `work` left it; returns those of these rows, in their order.
+/// Runs `work` over the rows in parts, in parallel. Each part has a list of its own, which is kept
+/// from call to call and is as `work` left it; returns those of these rows, in their order.
 pub fn with_lists<'a, T: Default + Send>(
     rows: usize,
     lists: &'a mut Vec<T>,
@@ -118,7 +120,8 @@ pub fn with_lists<'a, T: Default + Send>(
     lists
 }
 
-/// Runs `work` over the rows in parts, in parallel, and joins what it found in the order of the rows.
+/// Runs `work` over the rows in parts, in parallel, and joins what it found in the order of the
+/// rows.
 pub fn join_parts<S: Send>(
     rows: Range<usize>,
     work: &(impl Fn(Range<usize>) -> S + Sync),

@@ -11,7 +11,8 @@ use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::wall::WallModel;
 
-/// Settings of the pair passes. Made by [`PairSettings::new`] with the defaults of a scene; set the rest by field.
+/// Settings of the pair passes. Made by [`PairSettings::new`] with the defaults of a scene; set the
+/// rest by field.
 #[derive(Clone, Debug)]
 pub struct PairSettings {
     /// Smoothing kernel.
@@ -42,7 +43,8 @@ pub struct PairSettings {
     pub tensile_control: bool,
     /// How walls enter the sums.
     pub wall_model: WallModel,
-    /// Body force per mass, m/s², where it is the same everywhere: the hydrostatic part of a mirrored wall's pressure.
+    /// Body force per mass, m/s², where it is the same everywhere: the hydrostatic part of a
+    /// mirrored wall's pressure.
     pub body_force: [f64; 3],
     /// Wall parts, by the patch index of their rows.
     pub wall_parts: Vec<WallPartSettings>,
@@ -60,7 +62,8 @@ pub enum PressureLaw {
     Evolved(Edac),
 }
 
-/// A wall part as the pair passes see it. Rows of a part that is not listed are no-slip and at rest.
+/// A wall part as the pair passes see it. Rows of a part that is not listed are no-slip and at
+/// rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallPartSettings {
     /// Pairs with the part exert no viscous force.
@@ -70,8 +73,8 @@ pub struct WallPartSettings {
 }
 
 impl PairSettings {
-    /// Inviscid fluid, defaults for everything else: Fickian shifting, tensile control, image walls without a cap,
-    /// no body force.
+    /// Inviscid fluid, defaults for everything else: Fickian shifting, tensile control, image walls
+    /// without a cap, no body force.
     pub fn new(discretisation: &Discretisation, tait: Tait) -> Self {
         let Discretisation { kernel, dimensions, smoothing_ratio, spacing, smoothing_length, mass, .. } =
             *discretisation;
@@ -101,8 +104,9 @@ impl PairSettings {
         self.kernel.support_ratio() * self.smoothing_length
     }
 
-    /// Edge of the grid's cells with which the passes are fastest, m: the whole support in 2D, where a cell should
-    /// hold enough rows to pay for its pack, and half of it in 3D, where the pack is culled.
+    /// Edge of the grid's cells with which the passes are fastest, m: the whole support in 2D,
+    /// where a cell should hold enough rows to pay for its pack, and half of it in 3D, where the
+    /// pack is culled.
     pub fn cell_size(&self) -> f64 {
         if self.dimensions == 2 { self.support() } else { 0.5 * self.support() }
     }
@@ -129,7 +133,8 @@ impl PairSettings {
         self.kernel.slope(self.dimensions, self.smoothing_length, r)
     }
 
-    /// ν as it enters the Lo–Shao sum: divided by the lattice coefficient where the scene says so, m²/s.
+    /// ν as it enters the Lo–Shao sum: divided by the lattice coefficient where the scene says so,
+    /// m²/s.
     pub fn pair_viscosity(&self) -> f64 {
         if let PressureLaw::Evolved(edac) = self.pressure {
             return self.viscosity / self.edac_coefficient(&edac);
@@ -146,8 +151,8 @@ impl PairSettings {
         }
     }
 
-    /// Density of a wall, inflow or outflow particle of a given pressure, kg/m³; None where it does not follow from
-    /// the pressure.
+    /// Density of a wall, inflow or outflow particle of a given pressure, kg/m³; None where it does
+    /// not follow from the pressure.
     pub fn density_at(&self, pressure: f64) -> Option<f64> {
         match self.pressure {
             PressureLaw::Tait => Some(self.tait.density(pressure)),

@@ -35,8 +35,8 @@ impl Tait {
         self.pressure_scale() * (cube * cube * ratio - 1.0)
     }
 
-    /// Density at a pressure, kg/m³: the inverse of [`Self::pressure`]. Pressures below −p0 have none
-    /// and are treated as 0.99 p0 of tension.
+    /// Density at a pressure, kg/m³: the inverse of [`Self::pressure`]. Pressures below −p0 have
+    /// none and are treated as 0.99 p0 of tension.
     pub fn density(&self, pressure: f64) -> f64 {
         let argument = (1.0 + pressure / self.pressure_scale()).max(0.01);
         self.reference_density * argument.powf(1.0 / GAMMA)
@@ -49,8 +49,8 @@ impl Tait {
     }
 }
 
-/// (c_a + c_b)/(ρ_a + ρ_b) over c0/ρ0³, kg²/m⁶: (ρ_a³ + ρ_b³)/(ρ_a + ρ_b) = ρ_a² + ρ_b (ρ_b − ρ_a), which takes no division.
-/// `square_a` is ρ_a².
+/// (c_a + c_b)/(ρ_a + ρ_b) over c0/ρ0³, kg²/m⁶: (ρ_a³ + ρ_b³)/(ρ_a + ρ_b) = ρ_a² + ρ_b (ρ_b − ρ_a),
+/// which takes no division. `square_a` is ρ_a².
 #[inline(always)]
 pub fn stiffness<L: Lanes>(rho_a: L, square_a: L, rho_b: L) -> L {
     rho_b.mul_add(rho_b - rho_a, square_a)

@@ -4,19 +4,21 @@
 //! dv_a/dt = −(1/ρ_a) Σ_b V_b (p_a + p_b) ∇W
 //! ```
 //!
-//! Colagrossi & Landrini (2003), as in Alvarado-Rodríguez et al. (2017), Eq. 10. Conserves linear and angular
-//! momentum exactly.
+//! Colagrossi & Landrini (2003), as in Alvarado-Rodríguez et al. (2017), Eq. 10. Conserves linear
+//! and angular momentum exactly.
 //!
-//! Tensile control, Sun et al. (2018): where p_a < 0 and the support is full, p_b − p_a takes the place of p_a + p_b.
-//! The two differ by 2 p_a Σ V_b ∇W, which vanishes for an even distribution, but in tension draws an uneven one
-//! into clumps. Conserves momentum only as far as the distribution is even.
+//! Tensile control, Sun et al. (2018): where p_a < 0 and the support is full, p_b − p_a takes the
+//! place of p_a + p_b. The two differ by 2 p_a Σ V_b ∇W, which vanishes for an even distribution,
+//! but in tension draws an uneven one into clumps. Conserves momentum only as far as the
+//! distribution is even.
 
 use crate::math::lanes::Lanes;
 
 /// Density over ρ0 above which the support of a particle counts as full.
 const FULL_SUPPORT: f64 = 0.95;
 
-/// The pressure that a particle adds to each of its neighbours', Pa: p_a, or −p_a under tensile control.
+/// The pressure that a particle adds to each of its neighbours', Pa: p_a, or −p_a under tensile
+/// control.
 #[inline(always)]
 pub fn own_pressure(pressure: f64, density: f64, reference_density: f64, tensile_control: bool) -> f64 {
     if tensile_control && pressure < 0.0 && density >= FULL_SUPPORT * reference_density {

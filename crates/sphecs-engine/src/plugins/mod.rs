@@ -39,7 +39,8 @@ impl PluginContext<'_> {
 
     /// Adds an outlet condition that a scene names as `condition: Custom("name")`.
     ///
-    /// Its memory is part of the state that checkpoints contain. A resumed run needs the same plugin.
+    /// Its memory is part of the state that checkpoints contain. A resumed run needs the same
+    /// plugin.
     ///
     /// # Panics
     /// If another condition has the name.

@@ -46,8 +46,8 @@ impl SavedResources {
         self.add_with::<T>(name, save_record::<T>, restore_record::<T>);
     }
 
-    /// Adds a resource to the saved state, under a unique name, with functions of its own that encode
-    /// and decode it.
+    /// Adds a resource to the saved state, under a unique name, with functions of its own that
+    /// encode and decode it.
     pub(crate) fn add_with<T: Resource>(
         &mut self,
         name: &'static str,

@@ -99,8 +99,8 @@ impl SimulationBuilder {
     /// Builds the simulation, ready for its first step.
     ///
     /// # Errors
-    /// [`BuildError`] if a state does not fit the scene, if no plugin adds an outlet condition of the
-    /// scene, or if plugins contradict each other.
+    /// [`BuildError`] if a state does not fit the scene, if no plugin adds an outlet condition of
+    /// the scene, or if plugins contradict each other.
     pub fn build(self) -> Result<Simulation, BuildError> {
         match (self.scene.precision, self.scene.dimensions) {
             (Precision::F64, 2) => self.build_typed::<f64, 2>(),

@@ -208,8 +208,8 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
 }
 
 impl<R: Real, const D: usize> DriftPart<'_, R, D> {
-    /// Advances fluid rows, which are `part` of the written columns and either all to be restarted or all
-    /// not.
+    /// Advances fluid rows, which are `part` of the written columns and either all to be restarted
+    /// or all not.
     #[inline(always)]
     fn advance(&mut self, rows: Range<usize>, part: Range<usize>, needs_restart: bool) {
         let scheme = self.scheme;

@@ -7,8 +7,8 @@ use crate::summary;
 use sphecs_core::boundary::outlet::method::References;
 use sphecs_core::physics::edac::Edac;
 
-/// Adds the faults of streams as fast as sound, of pressures that would double the density and of a background pressure that the time step cannot
-/// follow.
+/// Adds the faults of streams as fast as sound, of pressures that would double the density and of a
+/// background pressure that the time step cannot follow.
 pub fn against(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     let sound_speed = scene.fluid.sound_speed;
     let most = scene.fluid.density * sound_speed * sound_speed;

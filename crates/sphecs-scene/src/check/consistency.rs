@@ -1,4 +1,5 @@
-//! What only the parts of a scene together show: memory, overlaps, openings, fields on the particles.
+//! What only the parts of a scene together show: memory, overlaps, openings, fields on the
+//! particles.
 
 use glam::DVec3;
 
@@ -17,7 +18,8 @@ use sphecs_core::physics::wall::Slip;
 /// More than any machine has, B: what `--allow-oversize` does not reach.
 const MOST_MEMORY: f64 = 1e15;
 
-/// Adds the faults of a scene whose parts are sound; `stands` when no value stands in for a faulty one.
+/// Adds the faults of a scene whose parts are sound; `stands` when no value stands in for a faulty
+/// one.
 pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fault>) {
     let others = faults.len();
     overlaps(scene, file, faults);

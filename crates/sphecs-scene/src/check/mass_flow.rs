@@ -5,11 +5,11 @@
 //! v(x, t) = k q(t) f(x),   k = A/(ρ0 Σ_r f(x_r) A_r)    for a flux, kg/(s m²)
 //! ```
 //!
-//! The sum runs over the rows of particles that the inlet feeds, A_r the section of a row: particles of mass ρ0 Δ^D at the
-//! pitch A_r = Δ^D/pitch, so that what the particles carry over the plane is the given mass, and not what a
-//! profile would carry that is known between the rows too: of a parabola over 20 rows these differ by 0.13 %. The
-//! density is the reference density whatever the pressure, since a row moves as one and its particles keep
-//! their pitch.
+//! The sum runs over the rows of particles that the inlet feeds, A_r the section of a row:
+//! particles of mass ρ0 Δ^D at the pitch A_r = Δ^D/pitch, so that what the particles carry over the
+//! plane is the given mass, and not what a profile would carry that is known between the rows too:
+//! of a parabola over 20 rows these differ by 0.13 %. The density is the reference density whatever
+//! the pressure, since a row moves as one and its particles keep their pitch.
 
 use glam::DVec3;
 
@@ -67,7 +67,8 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
     if patch.is_oblique() {
         rows_along(patch, scene, &mut add);
     } else {
-        // Rows of the fill: each particle has the share of its row's section that it has of the row's length.
+        // Rows of the fill: each particle has the share of its row's section that it has of the
+        // row's length.
         let share = scene.discretisation.cell_volume() / patch.depth;
         for place in fill::places(scene) {
             if place.zone == Zone::Inflow && usize::from(place.patch) == index {

@@ -1,8 +1,10 @@
 //! Scene file → scene: every check of values, all faults in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
-//! 3. [`mass_flow`]: speeds of the inlets that are given by the mass they bring, of the rows that the fill gives them
+//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`section`], [`tables`], [`layout`],
+//!    [`walls`], [`scheme`], [`settings`]: one section of the file each
+//! 3. [`mass_flow`]: speeds of the inlets that are given by the mass they bring, of the rows that
+//!    the fill gives them
 //! 4. [`consistency`]: what only the parts together show, once each of them is sound
 
 use std::path::Path;
@@ -48,8 +50,8 @@ pub struct SceneSource<'a> {
     pub memory: Option<f64>,
 }
 
-/// Builds a scene, with every fault found. With faults there may be a scene too, with harmless values in
-/// their places: it is good for further checks only.
+/// Builds a scene, with every fault found. With faults there may be a scene too, with harmless
+/// values in their places: it is good for further checks only.
 pub fn check(
     file: &SceneFile,
     constants: &Constants,

@@ -50,7 +50,8 @@ pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSe
     }
 }
 
-/// Wall time between checkpoints where a scene gives none, s: what a kill may cost, against a second for a million particles.
+/// Wall time between checkpoints where a scene gives none, s: what a kill may cost, against a
+/// second for a million particles.
 const CHECKPOINT_EVERY: f64 = 600.0;
 
 /// Output and probes.

@@ -1,4 +1,5 @@
-//! Tables of inlet velocities in CSV files beside the scene; faults carry the table's own line and column.
+//! Tables of inlet velocities in CSV files beside the scene; faults carry the table's own line and
+//! column.
 
 use std::path::Path;
 

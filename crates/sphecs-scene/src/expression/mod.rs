@@ -1,8 +1,9 @@
-//! Expressions of scene files: numbers that may depend on named constants, and fields of x, y, z, t.
+//! Expressions of scene files: numbers that may depend on named constants, and fields of x, y, z,
+//! t.
 //!
-//! Text → [`parser`] → [`syntax`] (a tree, every fault with its column) → parts without variables computed
-//! → [`program`] (the tree in postfix order). The functions and operators are in [`operators`], named
-//! numbers in [`constants`].
+//! Text → [`parser`] → [`syntax`] (a tree, every fault with its column) → parts without variables
+//! computed → [`program`] (the tree in postfix order). The functions and operators are in
+//! [`operators`], named numbers in [`constants`].
 
 pub mod constants;
 pub mod operators;
@@ -46,7 +47,8 @@ impl Expression {
         }
     }
 
-    /// Returns whether it depends on any of these variables, given by their places among x, y, z, t.
+    /// Returns whether it depends on any of these variables, given by their places among x, y, z,
+    /// t.
     pub fn depends_on(&self, places: &[usize]) -> bool {
         match self {
             Expression::Constant(_) => false,

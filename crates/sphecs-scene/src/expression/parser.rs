@@ -1,6 +1,7 @@
 //! Expression text → tree, every fault with its column.
 //!
-//! Precedence, loosest first: `||`, `&&`, comparisons, `+ -`, `* /`, unary `-`, `^` (from the right).
+//! Precedence, loosest first: `||`, `&&`, comparisons, `+ -`, `* /`, unary `-`, `^` (from the
+//! right).
 
 use super::constants::Constants;
 use super::operators::{FUNCTIONS, OPERATORS, PAIR_FUNCTIONS, binary, unary};
@@ -36,7 +37,8 @@ struct Reader<'a> {
     constants: &'a Constants,
 }
 
-/// Strength with which an operator binds its left side; the right side is read one stronger, `^` excepted.
+/// Strength with which an operator binds its left side; the right side is read one stronger, `^`
+/// excepted.
 fn strength(operator: &str) -> usize {
     match operator {
         "||" => 1,

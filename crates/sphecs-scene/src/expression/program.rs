@@ -1,7 +1,7 @@
 //! A formula as a program for a small stack machine.
 //!
-//! The tree of an expression is written in postfix order: `x*(y + 2)` becomes `x y 2 + *`. Operands are
-//! evaluated from the left, each operator and function once per node of the tree.
+//! The tree of an expression is written in postfix order: `x*(y + 2)` becomes `x y 2 + *`. Operands
+//! are evaluated from the left, each operator and function once per node of the tree.
 
 use super::operators::{binary, unary};
 use super::syntax::{Syntax, VARIABLES};
@@ -63,7 +63,8 @@ impl Program {
         stack[0]
     }
 
-    /// Returns whether the value depends on any of these variables, given by their places among x, y, z, t.
+    /// Returns whether the value depends on any of these variables, given by their places among x,
+    /// y, z, t.
     pub fn depends_on(&self, places: &[usize]) -> bool {
         let is_one_of = |instruction: &Instruction| matches!(instruction, Instruction::Variable(place) if places.contains(place));
         self.instructions.iter().any(is_one_of)

@@ -36,8 +36,8 @@ impl SyntaxFault {
 
     /// Returns the fault at its place in the scene.
     ///
-    /// `span` is the place of the quoted text, `inner` the first byte of the text in the quotes; None
-    /// where the text has escapes: then all of it is marked.
+    /// `span` is the place of the quoted text, `inner` the first byte of the text in the quotes;
+    /// None where the text has escapes: then all of it is marked.
     pub fn into_fault(self, span: Span, inner: Option<usize>) -> Fault {
         let place = match inner {
             Some(inner) => Span::new(inner + self.start, inner + self.end),

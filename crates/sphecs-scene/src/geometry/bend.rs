@@ -1,8 +1,8 @@
 //! A section swept along an arc: the elbow of a pipe.
 //!
-//! In the arc's own coordinates (distance ρ from its axis, height ζ along it, angle θ) the section is a
-//! circle or rectangle about ρ = R, ζ = 0. Between the ends the nearest point has the same θ, beyond them it
-//! lies on the nearer end: exact outside for arcs of up to 180°.
+//! In the arc's own coordinates (distance ρ from its axis, height ζ along it, angle θ) the section
+//! is a circle or rectangle about ρ = R, ζ = 0. Between the ends the nearest point has the same θ,
+//! beyond them it lies on the nearer end: exact outside for arcs of up to 180°.
 
 use glam::DVec3;
 

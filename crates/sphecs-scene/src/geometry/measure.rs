@@ -47,7 +47,8 @@ impl Shape {
                         if corner >> axis & 1 == 0 { min[axis] } else { max[axis] }
                     };
                     let local = DVec3::new(pick(0), pick(1), pick(2));
-                    // An infinite z stays infinite and does not touch the others: 2D turns about z only.
+                    // An infinite z stays infinite and does not touch the others: 2D turns about z
+                    // only.
                     let placed = if local.z.is_finite() {
                         *rotation * local * *scale + *origin
                     } else {
@@ -93,7 +94,8 @@ impl Shape {
 }
 
 impl Shape {
-    /// Coordinates of planes across an axis (0, 1, 2) that touch the shape's surface: where straight walls may be.
+    /// Coordinates of planes across an axis (0, 1, 2) that touch the shape's surface: where
+    /// straight walls may be.
     pub fn planes(&self, found: &mut Vec<(usize, f64)>) {
         match self {
             Shape::Box { .. } | Shape::Ball { .. } | Shape::Cylinder { .. } => {

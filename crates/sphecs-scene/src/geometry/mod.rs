@@ -5,9 +5,9 @@
 //! * [`bend`]: a section swept along an arc
 //! * [`measure`]: nearest surface point, bounds, a plane's section
 //!
-//! Outside, the distance to a primitive and to a union is exact. Inside a union and on either side of an
-//! intersection or difference it is a lower bound in size; its sign is right everywhere. To add a shape:
-//! a room with its distance, a variant and an arm here, a variant in the schema.
+//! Outside, the distance to a primitive and to a union is exact. Inside a union and on either side
+//! of an intersection or difference it is a lower bound in size; its sign is right everywhere. To
+//! add a shape: a room with its distance, a variant and an arm here, a variant in the schema.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -61,7 +61,8 @@ pub enum Shape {
     Intersection(Vec<Shape>),
     /// What is in the first and not in the second.
     Difference(std::boxed::Box<Shape>, std::boxed::Box<Shape>),
-    /// Turned, enlarged and moved: a point of the shape goes to `rotation · point · scale + origin`.
+    /// Turned, enlarged and moved: a point of the shape goes to
+    /// `rotation · point · scale + origin`.
     Placed {
         /// What is placed.
         shape: std::boxed::Box<Shape>,
@@ -116,8 +117,9 @@ impl Shape {
         }
     }
 
-    /// Whether a point is inside or within `tolerance` (m) of the surface. On the seam between parts
-    /// of a union that touch, the distance is 0 give or take rounding: with a tolerance it is inside.
+    /// Whether a point is inside or within `tolerance` (m) of the surface. On the seam between
+    /// parts of a union that touch, the distance is 0 give or take rounding: with a tolerance it is
+    /// inside.
     pub fn contains(&self, point: DVec3, tolerance: f64) -> bool {
         self.signed_distance(point) <= tolerance
     }
@@ -139,8 +141,8 @@ fn union(shapes: &[Shape], point: DVec3) -> f64 {
     if surrounded { -reach } else { distance }
 }
 
-/// Directions in which the surroundings of a seam are looked at: the 26 neighbours of a cube's cell.
-/// A face, edge or corner of the union leaves at least one of them outside.
+/// Directions in which the surroundings of a seam are looked at: the 26 neighbours of a cube's
+/// cell. A face, edge or corner of the union leaves at least one of them outside.
 const SURROUNDINGS: [[f64; 3]; 26] = {
     let mut directions = [[0.0; 3]; 26];
     let steps = [-1.0, 0.0, 1.0];

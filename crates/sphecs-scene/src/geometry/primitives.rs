@@ -18,7 +18,8 @@ pub fn cylinder(point: DVec3, from: DVec3, to: DVec3, radius: f64) -> f64 {
     corner(radial, (-along).max(along - length))
 }
 
-/// Signed distance to the intersection of two regions with perpendicular surfaces, m: exact where both are.
+/// Signed distance to the intersection of two regions with perpendicular surfaces, m: exact where
+/// both are.
 pub fn corner(a: f64, b: f64) -> f64 {
     a.max(0.0).hypot(b.max(0.0)) + a.max(b).min(0.0)
 }

@@ -135,7 +135,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Text in quotes, the opening one next; with it the byte at which the text begins if it has no escapes.
+    /// Text in quotes, the opening one next; with it the byte at which the text begins if it has no
+    /// escapes.
     ///
     /// # Errors
     /// Text that never ends, or an escape that RON does not know.
@@ -159,7 +160,8 @@ impl<'a> Cursor<'a> {
                     escaped = true;
                     match self.escape(here) {
                         Ok(character) => text.push(character),
-                        // The text is read to its end first, so that its closing quote opens nothing.
+                        // The text is read to its end first, so that its closing quote opens
+                        // nothing.
                         Err(wrong) => fault = fault.or(Some(wrong)),
                     }
                 }

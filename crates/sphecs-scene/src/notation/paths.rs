@@ -1,8 +1,8 @@
 //! `--set path=value`: a value put into the scene's text, comments kept.
 //!
 //! A path names fields, entries of maps and, from 0, items of lists: `fluid.sound_speed`,
-//! `constants.v0`, `outlets.0.condition`. A last name that the text lacks is written into its bracket;
-//! whether the schema knows it is for the typed reading to say.
+//! `constants.v0`, `outlets.0.condition`. A last name that the text lacks is written into its
+//! bracket; whether the schema knows it is for the typed reading to say.
 
 use super::reader;
 use super::tree::{Node, Span, Value};
@@ -13,7 +13,8 @@ use crate::faults::{Fault, nearest};
 pub struct Edited {
     /// The text as run.
     pub text: String,
-    /// What was put in: where it stands, fields written anew with their names, and by which path it came.
+    /// What was put in: where it stands, fields written anew with their names, and by which path it
+    /// came.
     put: Vec<(Span, String)>,
 }
 

@@ -1,7 +1,7 @@
 //! Text → tree, with all syntax faults.
 //!
-//! After a fault the reader goes on behind the next comma of the same bracket, so that one run names
-//! every fault. When brackets do not match it stops: what follows would be guesses.
+//! After a fault the reader goes on behind the next comma of the same bracket, so that one run
+//! names every fault. When brackets do not match it stops: what follows would be guesses.
 
 use super::lexer::Cursor;
 use super::tree::{Field, Name, Node, Span, Value};

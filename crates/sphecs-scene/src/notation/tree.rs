@@ -10,7 +10,8 @@ pub struct Span {
 }
 
 impl Span {
-    /// The place of a value that stands in for a faulty one: faults there are consequences, not causes.
+    /// The place of a value that stands in for a faulty one: faults there are consequences, not
+    /// causes.
     pub const PLACEHOLDER: Span = Span { start: usize::MAX, end: usize::MAX };
 
     /// Bytes `start..end`.

@@ -17,16 +17,19 @@ pub struct BodyFile {
     /// Velocity u∞ of the coefficients, m/s; without velocity and area there are none.
     #[serde(default)]
     pub velocity: Option<Number>,
-    /// Area A of the coefficients, m²; in 2D the length, m, that it has per metre of depth, such as the diameter.
+    /// Area A of the coefficients, m²; in 2D the length, m, that it has per metre of depth, such as
+    /// the diameter.
     #[serde(default)]
     pub area: Option<Number>,
     /// Length of the Strouhal number, m, default in 2D `area`.
     #[serde(default)]
     pub length: Option<Number>,
-    /// Interval of the time mean of the coefficients and of the lift's spectrum, s, default the second half of the run.
+    /// Interval of the time mean of the coefficients and of the lift's spectrum, s, default the
+    /// second half of the run.
     #[serde(default)]
     pub mean: Option<Spanned<(Number, Number)>>,
-    /// Whether means, amplitudes and spectrum are of the coefficients' running mean over five rows, default false.
+    /// Whether means, amplitudes and spectrum are of the coefficients' running mean over five rows,
+    /// default false.
     #[serde(default)]
     pub five_point_mean: bool,
 }

@@ -41,7 +41,8 @@ impl WallsFile {
 pub struct WallPartFile {
     /// Name for outputs and messages.
     pub name: Text,
-    /// The wall's surface within this region belongs to the part; the first part that claims it has it.
+    /// The wall's surface within this region belongs to the part; the first part that claims it has
+    /// it.
     pub region: Spanned<ShapeFile>,
     /// Slip condition, default that of the walls.
     #[serde(default)]
@@ -111,18 +112,19 @@ pub enum InletVelocityFile {
         #[serde(default)]
         file: Option<Text>,
     },
-    /// Speed along `towards` over time and the position across: a CSV file whose first row holds the
-    /// positions from the section's middle (m) and whose first column holds the times (s).
+    /// Speed along `towards` over time and the position across: a CSV file whose first row holds
+    /// the positions from the section's middle (m) and whose first column holds the times (s).
     ProfileTable {
         /// CSV file beside the scene.
         file: Text,
     },
-    /// Mass that flows in, kg/s, in 2D kg/s per metre of depth; the speed along `towards` is the profile, scaled so that all rows of
-    /// particles together carry it.
+    /// Mass that flows in, kg/s, in 2D kg/s per metre of depth; the speed along `towards` is the
+    /// profile, scaled so that all rows of particles together carry it.
     MassFlow {
         /// Rate, kg/s: a number or an expression of t.
         rate: Formula,
-        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the
+        /// same everywhere.
         #[serde(default)]
         profile: Option<Formula>,
     },
@@ -130,7 +132,8 @@ pub enum InletVelocityFile {
     MassFlux {
         /// Flux, kg/(s m²): a number or an expression of t.
         flux: Formula,
-        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the same everywhere.
+        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the
+        /// same everywhere.
         #[serde(default)]
         profile: Option<Formula>,
     },

@@ -1,7 +1,7 @@
 //! What may stand in a scene file: the types that RON is read into, before any check of values.
 //!
-//! Numbers may be literals or expressions of the constants in quotes; a [`Formula`] may also depend on
-//! x, y, z (m) and t (s). Vectors have as many components as the scene has dimensions.
+//! Numbers may be literals or expressions of the constants in quotes; a [`Formula`] may also depend
+//! on x, y, z (m) and t (s). Vectors have as many components as the scene has dimensions.
 
 use serde::Deserialize;
 use serde::de::{self, Deserializer, IgnoredAny, Visitor};
@@ -93,7 +93,8 @@ pub struct SceneFile {
     /// How it is filled, default `Lattice()`.
     #[serde(default)]
     pub fill: Option<Spanned<FillFile>>,
-    /// Everything at the domain's surface that is neither patch nor periodic, default no-slip images; `None` for no wall.
+    /// Everything at the domain's surface that is neither patch nor periodic, default no-slip
+    /// images; `None` for no wall.
     #[serde(default = "WallsFile::standard")]
     pub walls: Option<Spanned<WallsFile>>,
     /// Parts of the walls whose force and torque are written.
@@ -186,7 +187,8 @@ pub enum SchemeFile {
         /// Divide ν and ν_edac by their lattice coefficient, default true.
         #[serde(default)]
         lattice_normalised: Option<bool>,
-        /// Rate at which the pressure goes to that of the summed density, over c0/h, default 0, as published.
+        /// Rate at which the pressure goes to that of the summed density, over c0/h, default 0, as
+        /// published.
         #[serde(default)]
         relaxation: Option<Number>,
         /// Use the published η² = 0.01 h² in the denominator of the viscous sums, default false.
@@ -215,12 +217,13 @@ impl Default for SchemeFile {
 pub enum FillFile {
     /// A square or cubic lattice.
     Lattice {
-        /// A corner at which cells of the lattice meet, m; default chosen so that walls lie between cells.
+        /// A corner at which cells of the lattice meet, m; default chosen so that walls lie between
+        /// cells.
         #[serde(default)]
         anchor: Option<Vector>,
-        /// How far fluid particles stand off the lattice at the start, as a share of the spacing: each by an even random
-        /// number from −jitter to jitter along each axis, always the same for the same place of the lattice. Default 0,
-        /// at most 0.2.
+        /// How far fluid particles stand off the lattice at the start, as a share of the spacing:
+        /// each by an even random number from −jitter to jitter along each axis, always the same
+        /// for the same place of the lattice. Default 0, at most 0.2.
         #[serde(default)]
         jitter: Option<Number>,
     },
@@ -240,8 +243,8 @@ pub struct InitialFile {
     /// Velocity, m/s.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// Pressure, Pa. That of the fluid has no effect: its density is summed before the first step, and its pressure
-    /// follows from it. Outflow particles begin with it.
+    /// Pressure, Pa. That of the fluid has no effect: its density is summed before the first step,
+    /// and its pressure follows from it. Outflow particles begin with it.
     #[serde(default)]
     pub pressure: Option<Formula>,
     /// Passive tag.
@@ -259,8 +262,8 @@ pub struct ReservoirFile {
     /// What happens when there are none.
     #[serde(default)]
     pub when_empty: WhenEmpty,
-    /// Whether what leaves is stored for what enters, default true; with false it is deleted, what enters is created, and numbers of
-    /// deleted particles are given anew.
+    /// Whether what leaves is stored for what enters, default true; with false it is deleted, what
+    /// enters is created, and numbers of deleted particles are given anew.
     #[serde(default)]
     pub recycle: Option<Spanned<bool>>,
 }

@@ -29,7 +29,8 @@ fn channel(extra: &str) -> Scene {
 const OPENINGS: &str = "inlets: [(at: (0.0, 0.2), towards: (1.0, 0.0), velocity: Normal(1.0))],
     outlets: [(at: (1.0, 0.2), towards: (1.0, 0.0), condition: WaveEquation())],";
 
-/// Neighbour distances below the support, sorted, to 1e-9 of a spacing: the same for all in a uniform fill.
+/// Neighbour distances below the support, sorted, to 1e-9 of a spacing: the same for all in a
+/// uniform fill.
 fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f64) -> Vec<i64> {
     let here = seeds[index].position;
     let mut found = Vec::new();
@@ -50,8 +51,8 @@ fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f
     found
 }
 
-/// Every fluid particle has the same neighbours as every other: then a fluid at rest has the same density everywhere. Rings in a wall are
-/// no lattice: what sees them is left out.
+/// Every fluid particle has the same neighbours as every other: then a fluid at rest has the same
+/// density everywhere. Rings in a wall are no lattice: what sees them is left out.
 fn check_uniform(scene: &Scene) {
     let seeds = seeds(scene);
     let scheme = &scene.scheme;
@@ -90,7 +91,8 @@ fn a_fluid_at_rest_is_uniform_in_every_shipped_scene() {
 fn a_channel_holds_as_many_particles_as_cells() {
     let scene = channel(OPENINGS);
     let seeds = seeds(&scene);
-    // 20 × 8 cells; five and eight columns of eight in the zones; the reservoir holds an inflow zone.
+    // 20 × 8 cells; five and eight columns of eight in the zones; the reservoir holds an inflow
+    // zone.
     let counts = Zone::ALL.map(|zone| of(&seeds, zone).len());
     assert_eq!(counts, [160, counts[1], 40, 64, 40]);
     let walls = of(&seeds, Zone::Wall);

@@ -108,7 +108,8 @@ fn texts() -> Vec<String> {
     shipped().iter().map(coarse).collect()
 }
 
-/// Texts tried: as many as `PROPTEST_CASES` says; the long version in docs/RELIABILITY.md has a million.
+/// Texts tried: as many as `PROPTEST_CASES` says; the long version in docs/RELIABILITY.md has a
+/// million.
 fn cases() -> u32 {
     if is_long() { ProptestConfig::default().cases } else { 600 }
 }
@@ -117,8 +118,8 @@ fn is_long() -> bool {
     std::env::var_os("PROPTEST_CASES").is_some()
 }
 
-/// Longest that a text may take where time is looked at, in the long version, which runs this test alone: s of the processor, since a wall
-/// clock knows of other work too.
+/// Longest that a text may take where time is looked at, in the long version, which runs this test
+/// alone: s of the processor, since a wall clock knows of other work too.
 const LONGEST: f64 = 1.0;
 
 /// Time that all threads of the process have had of the processors, s.

@@ -82,7 +82,8 @@ fn a_value_of_the_wrong_kind_is_a_fault() {
     assert!(advice(&[("fluid.viscosity", "(")]).contains("never closed"));
 }
 
-/// What stands in no file is said to come from the command line, whatever was put in before and behind it.
+/// What stands in no file is said to come from the command line, whatever was put in before and
+/// behind it.
 #[test]
 fn a_fault_in_a_value_says_by_which_set_it_came() {
     let sets = [

@@ -97,7 +97,8 @@ proptest! {
             let distance = shape.signed_distance(start);
             let surface = shape.nearest_surface(start, 1e-6, 3);
             let off = shape.signed_distance(surface).abs();
-            // Where two surface points are equally near the gradient points between them: more walks, longer way.
+            // Where two surface points are equally near the gradient points between them: more
+            // walks, longer way.
             let walked = start.distance(surface);
             assert!(off < 1e-6, "{name}: ends {off} off the surface from {start}");
             assert!(walked > distance - 1e-6, "{name}: {walked} is nearer than {distance}");
@@ -105,7 +106,8 @@ proptest! {
     }
 }
 
-/// Distance to the nearest change of sign on rays in many directions: never less than the true distance.
+/// Distance to the nearest change of sign on rays in many directions: never less than the true
+/// distance.
 fn brute_force(shape: &Shape, point: DVec3) -> f64 {
     let inside = shape.contains(point, 0.0);
     let mut nearest = f64::INFINITY;
@@ -138,7 +140,8 @@ fn exact_distances_agree_with_brute_force() {
                 continue;
             }
             let found = brute_force(&shape, point);
-            // Steps of 2e-3 and 4000 directions miss the nearest point by a few per cent of the way at most.
+            // Steps of 2e-3 and 4000 directions miss the nearest point by a few per cent of the way
+            // at most.
             assert!(
                 found >= distance.abs() - 1e-9 && found <= distance.abs() * 1.03 + 6e-3,
                 "{name} at {point}: {distance}, by rays {found}"

@@ -90,7 +90,8 @@ fn every_shipped_scene_says_what_it_is() {
 #[test]
 fn the_inclined_plates_are_driven_by_the_published_force() {
     let scene = scene("inclined_plates.ron");
-    // Eqs. 34 and 35 of the paper that the scene names: 8.0022e-4 m/s² at the inlet, 1.0302e-4 m/s² at the outlet.
+    // Eqs. 34 and 35 of the paper that the scene names: 8.0022e-4 m/s² at the inlet, 1.0302e-4 m/s²
+    // at the outlet.
     let BodyForce::Expression(force) = &scene.body_force else {
         panic!("the force depends on x");
     };

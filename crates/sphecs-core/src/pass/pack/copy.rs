@@ -33,8 +33,8 @@ impl<R: Real> Pack<R> {
         len
     }
 
-    /// Copies the wanted particles of the runs that are in reach of a box of this `size`, m, about the
-    /// centre; returns their number.
+    /// Copies the wanted particles of the runs that are in reach of a box of this `size`, m, about
+    /// the centre; returns their number.
     #[inline(always)]
     pub(super) fn copy_near<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -76,7 +76,8 @@ impl<R: Real> Pack<R> {
                     for column in 0..D + columns {
                         let values =
                             if column < D { x[column] } else { L::read(&source.columns[column - D][row..]) };
-                        // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
+                        // SAFETY: `reserve` made room for all candidates, each run rounded up to
+                        // whole vectors.
                         unsafe { values.compress(near, base.add(column * self.stride + len)) };
                     }
                 }
@@ -103,9 +104,8 @@ unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
 ) {
     for (vector, row) in rows.step_by(L::COUNT).enumerate() {
         let scale = source.inverse_h;
-        // The columns are the inner loop: their number is the same each time, so that only the end of
-        // a run is mispredicted.
-        // SAFETY: the caller guarantees it.
+        // The columns are the inner loop: their number is the same each time, so that only the end
+        // of a run is mispredicted. SAFETY: the caller guarantees it.
         unsafe {
             let mut to = to.add(vector * L::COUNT);
             for d in 0..D {

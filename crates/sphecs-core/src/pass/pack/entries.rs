@@ -39,8 +39,8 @@ impl<'a, L: Lanes> Entries<'a, L> {
         self.left
     }
 
-    /// Returns the vector that starts at a lane of those that are left. One may start at any lane: the
-    /// columns have room for one more vector behind the last.
+    /// Returns the vector that starts at a lane of those that are left. One may start at any lane:
+    /// the columns have room for one more vector behind the last.
     #[inline(always)]
     pub(super) fn at(&self, lane: usize) -> Entry<'a, L> {
         debug_assert!(lane < self.left * L::COUNT);
@@ -79,7 +79,8 @@ impl<L: Lanes> Entry<'_, L> {
     #[inline(always)]
     pub fn column(&self, column: usize) -> L {
         assert!(column < self.columns);
-        // SAFETY: the pack has that many columns (checked when the iteration began), each of whole vectors.
+        // SAFETY: the pack has that many columns (checked when the iteration began), each of whole
+        // vectors.
         unsafe { L::load(self.base.add(column * self.stride)) }
     }
 

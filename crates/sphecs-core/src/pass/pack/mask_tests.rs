@@ -30,8 +30,8 @@ impl Vectorised<f64> for Line {
         };
         let mut pack = Pack::default();
         assert!(pack.fill::<L, 2>(&source, 0, |_| true));
-        // A support of 0.0005 reaches the particle alone, one of 0.0305 some before and behind it. By
-        // tiles every vector is read once and all neighbours are found, however many there are.
+        // A support of 0.0005 reaches the particle alone, one of 0.0305 some before and behind it.
+        // By tiles every vector is read once and all neighbours are found, however many there are.
         for (row, reach) in [0, count / 2, count - 1].into_iter().flat_map(|row| [(row, 0), (row, 30)]) {
             let point = pack.relative(&source, row).map(L::splat);
             let support = 0.001 * reach as f64 + 0.0005;

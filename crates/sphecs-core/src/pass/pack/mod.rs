@@ -47,8 +47,8 @@ const FAR: f64 = 1e6;
 /// Numbers in a cache line, for f32: columns begin on one.
 const LINE: usize = 16;
 
-/// Least number of dimensions in which packs are culled: in 3D four tenths of the candidates are out
-/// of reach of all rows that sum.
+/// Least number of dimensions in which packs are culled: in 3D four tenths of the candidates are
+/// out of reach of all rows that sum.
 pub const CULLED_DIMENSIONS: usize = 3;
 
 /// A neighbourhood, column by column.
@@ -131,8 +131,8 @@ impl<R: Real> Pack<R> {
         self.copy::<L, D>(source, source.grid.cell_size(), candidates);
     }
 
-    /// Copies the particles of the runs, of which there are `candidates`, that are in reach of a box
-    /// of this `size`, m, about the centre.
+    /// Copies the particles of the runs, of which there are `candidates`, that are in reach of a
+    /// box of this `size`, m, about the centre.
     #[inline(always)]
     fn copy<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -159,8 +159,8 @@ impl<R: Real> Pack<R> {
         };
         let base = self.storage[self.begin..].as_mut_ptr();
         for column in 0..D + columns {
-            // SAFETY: `reserve` left room for one more vector after all candidates. The other columns of
-            // the padding must be finite, so they repeat the first particle.
+            // SAFETY: `reserve` left room for one more vector after all candidates. The other
+            // columns of the padding must be finite, so they repeat the first particle.
             unsafe {
                 let first = base.add(column * self.stride);
                 let filler = if column < D { R::from_f64(FAR) } else { *first };
@@ -207,8 +207,8 @@ impl<R: Real> Pack<R> {
         candidates
     }
 
-    /// Adds a run if it has rows that are packed; returns the number of its rows, rounded up to whole
-    /// vectors.
+    /// Adds a run if it has rows that are packed; returns the number of its rows, rounded up to
+    /// whole vectors.
     #[inline(always)]
     fn add_run<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -229,8 +229,8 @@ impl<R: Real> Pack<R> {
     fn reserve(&mut self, rows: usize, columns: usize) {
         let needed = rows.next_multiple_of(LINE) + LINE;
         if needed > self.stride {
-            // An odd number of lines between columns: with an even one all columns would compete for
-            // the same cache sets.
+            // An odd number of lines between columns: with an even one all columns would compete
+            // for the same cache sets.
             self.stride = ((needed / LINE) | 1) * LINE;
         }
         // The stride may be longer than needed: it may come from a pass with fewer columns and more
@@ -258,8 +258,8 @@ impl<R: Real> PackPool<R> {
         }
     }
 
-    /// Returns the pack of this thread. Never contended: a thread holds it for one block, in which it
-    /// starts no other work.
+    /// Returns the pack of this thread. Never contended: a thread holds it for one block, in which
+    /// it starts no other work.
     pub fn of_this_thread(&self) -> MutexGuard<'_, Pack<R>> {
         let thread = rayon::current_thread_index().unwrap_or(0) % self.0.len();
         self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)

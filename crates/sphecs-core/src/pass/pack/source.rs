@@ -26,8 +26,8 @@ pub struct Source<'a, R, const D: usize> {
 pub enum Only<'a, R> {
     /// All rows.
     All,
-    /// Rows with a positive number in the first column. The second has the number of such rows before
-    /// each row, and of all at the end; it may be empty.
+    /// Rows with a positive number in the first column. The second has the number of such rows
+    /// before each row, and of all at the end; it may be empty.
     Positive(&'a [R], &'a [u32]),
     /// Rows without a positive number in the first column; the second as above.
     NotPositive(&'a [R], &'a [u32]),

@@ -165,8 +165,8 @@ impl ShiftStep {
     }
 }
 
-/// Adds the change of a velocity component along one axis of the displacements, m/s: δx_j ∂v_i/∂x_j,
-/// with displacements in m and slopes in 1/s.
+/// Adds the change of a velocity component along one axis of the displacements, m/s: δx_j
+/// ∂v_i/∂x_j, with displacements in m and slopes in 1/s.
 #[inline(always)]
 pub fn add_carried<R: Real>(changes: &mut [f64], displacements: &[f64], slopes: &[R]) {
     for (change, (displacement, slope)) in changes.iter_mut().zip(displacements.iter().zip(slopes)) {
@@ -224,8 +224,8 @@ mod tests {
         assert!(local(1.0).carries_velocity() && !Shifting::default().carries_velocity());
     }
 
-    /// Largest eigenvalue over the waves of a square lattice of −h² ∂(δ∇C)/∂(δx): what a displacement of the particles
-    /// does to the gradient of their concentration.
+    /// Largest eigenvalue over the waves of a square lattice of −h² ∂(δ∇C)/∂(δx): what a
+    /// displacement of the particles does to the gradient of their concentration.
     fn stiffness(kernel: Kernel, ratio: f64) -> f64 {
         let spacing = 1.0 / ratio;
         let reach = (kernel.support_ratio() * ratio).ceil() as i32;

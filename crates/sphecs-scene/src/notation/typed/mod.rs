@@ -83,8 +83,8 @@ impl de::Error for Abort {
     }
 }
 
-/// Reads a type from a tree, with placeholders where faults are. Numbers may be expressions of the constants.
-/// None only if no placeholder could be found, with a fault that says so.
+/// Reads a type from a tree, with placeholders where faults are. Numbers may be expressions of the
+/// constants. None only if no placeholder could be found, with a fault that says so.
 pub fn read<T: DeserializeOwned>(root: &Node, constants: &Constants) -> (Option<T>, Vec<Fault>) {
     let context = Context {
         constants,
@@ -92,7 +92,8 @@ pub fn read<T: DeserializeOwned>(root: &Node, constants: &Constants) -> (Option<
         refused: RefCell::new(HashSet::new()),
         missing: RefCell::new(HashMap::new()),
     };
-    // Each failed pass adds a place: a bound only guards against a visitor that refuses placeholders.
+    // Each failed pass adds a place: a bound only guards against a visitor that refuses
+    // placeholders.
     for _ in 0..1000 {
         let abort = match T::deserialize(Typed::new(Some(root), &context, "the scene")) {
             Ok(value) => return (Some(value), context.faults.into_inner()),

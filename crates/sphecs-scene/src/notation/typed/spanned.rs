@@ -79,7 +79,8 @@ impl<'de> Content<'de> for Typed<'de> {
     }
 }
 
-/// The value itself, then start, end and end of the head: a value that was refused while it was read has no place.
+/// The value itself, then start, end and end of the head: a value that was refused while it was
+/// read has no place.
 pub(super) struct Access<'a, C> {
     node: Option<&'a Node>,
     context: &'a Context<'a>,

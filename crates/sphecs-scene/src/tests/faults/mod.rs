@@ -35,7 +35,8 @@ fn faults_of(text: &str) -> SceneErrors {
     }
 }
 
-/// Puts `wrong` in place of `right`; there must be one fault with this title, and it must mark this token.
+/// Puts `wrong` in place of `right`; there must be one fault with this title, and it must mark this
+/// token.
 #[track_caller]
 fn check(right: &str, wrong: &str, title: &str, token: &str) -> String {
     assert_eq!(SOUND.matches(right).count(), 1, "`{right}` must occur once");

@@ -84,7 +84,8 @@ fn a_body_of_one_particle_gets_what_its_neighbour_loses() {
             found.pressure_force.cross(along).length()
                 < 1e-13 * found.pressure_force.length() * along.length()
         );
-        // The velocity stands across x_ab in z and nearly so in y; F = −m · 4 ν m v/(ρ_a + ρ_b) · F_ab.
+        // The velocity stands across x_ab in z and nearly so in y; F = −m · 4 ν m v/(ρ_a + ρ_b) ·
+        // F_ab.
         assert!(
             found.viscous_force.length() > 0.0 && found.viscous_force.x == 0.0,
             "{}",
@@ -228,7 +229,8 @@ fn instruction_sets_agree() {
 
 #[test]
 fn single_precision_agrees_with_double() {
-    // Pressures come from ρ − ρ0: 6e-8 of ρ in a density that varies by some percent, seven times over by Tait.
+    // Pressures come from ρ − ρ0: 6e-8 of ρ in a density that varies by some percent, seven times
+    // over by Tait.
     let tolerance = 2e-5;
     for set in InstructionSet::available() {
         let single = stirred::<f32, 2>(set, Kernel::WendlandC2, [23, 17]);
