@@ -1,7 +1,7 @@
 //! Pair passes on one thread: ordered pairs inside the support per second.
 //!
 //! `cargo bench --bench passes`. 2D: 160 000 particles at h = 1.33 Δ (20 neighbours). 3D: 262 144
-//! at h = 2.02 Δ (250 neighbours). Stirred periodic boxes of Wendland's kernel with laminar
+//! at h = 2.02 Δ (250 neighbours). Disordered periodic boxes of Wendland's kernel with laminar
 //! viscosity and Fickian shifting. The scalar baseline is the same density and pressure sums,
 //! neighbour by neighbour over the same cells; the peak of fused multiply-adds is measured in the
 //! same run, since a shared machine is never as fast as its data sheet.

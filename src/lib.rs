@@ -67,7 +67,7 @@ pub mod outlet {
     pub use sphecs_core::boundary::outlet::method::{
         Advanced, Needs, OutflowMotion, OutflowState, OutletMethod, OutletParameters, References,
     };
-    pub use sphecs_core::boundary::outlet::zone::OutflowZone;
+    pub use sphecs_core::boundary::outlet::outflow_zone::OutflowZone;
     pub use sphecs_core::math::real::Real;
     pub use sphecs_core::pass::fits::{PointFit, PointFlow};
 }

@@ -99,7 +99,7 @@ fn what_is_too_large_is_begun_when_it_is_asked_for() {
     let (code, message, left) = run("quickstart", &sets, &["--steps", "2", "--allow-oversize"]);
     assert_eq!(code, Some(0), "{message}");
     assert!(left);
-    // Two steps of the same need no room to speak of.
+    // Two steps of the same need hardly any space.
     let (code, message, _) = run("quickstart", &sets, &["--steps", "2"]);
     assert_eq!(code, Some(0), "{message}");
 }

@@ -11,7 +11,7 @@ use sphecs::Scene;
 
 const SCENE: &str = include_str!("../scenes/quickstart.ron");
 
-/// What stands in the scene, what a user wrote in its place, and what the message must suggest;
+/// Text of the scene, text that a user wrote in its place, and text that the message must suggest;
 /// empty where nothing can be.
 const MISTAKES: [(&str, &str, &str); 62] = [
     // Names of fields.
@@ -84,7 +84,7 @@ const MISTAKES: [(&str, &str, &str); 62] = [
     ("from: (0.0, 0.0), to: (\"L\", 0.0)", "from: (0.0, 1.0), to: (\"L\", 1.0)", ""),
 ];
 
-/// A line with what stands between two pieces of it left out, if both are in it.
+/// A line with the text between two pieces of it left out, if both are in it.
 fn masked(line: &str, before: &str, behind: &str) -> String {
     let line = line.trim_end();
     let place = line.find(behind).and_then(|end| Some((line[..end].rfind(before)? + before.len(), end)));

@@ -117,7 +117,7 @@ CYLINDER = "scenes/cylinder_re20.ron"
 # Settings of the scheme `Wcsph`, one by one.
 WCSPH = {
     "kernel/quintic": "kernel: QuinticSpline",
-    "viscosity/printed": "viscosity: Laminar(printed: true)",
+    "viscosity/printed": "viscosity: Laminar(as_published: true)",
     "viscosity/not_normalised": "viscosity: Laminar(lattice_normalised: false)",
     "viscosity/artificial": "viscosity: Artificial(alpha: 0.05)",
     "viscosity/sps": "viscosity: Sps()",
@@ -125,13 +125,13 @@ WCSPH = {
     "noise_damping_and_sps": "noise_damping: Reconstructed(), viscosity: Sps(), shifting: Local()",
     "shifting/off": "shifting: Off",
     "shifting/fickian": "shifting: Fickian(coefficient: 6.0)",
-    "shifting/fickian_removed": "shifting: Fickian(drift: Removed)",
+    "shifting/fickian_removed": "shifting: Fickian(drift_correction: On)",
     "shifting/local": "shifting: Local()",
-    "shifting/local_removed": "shifting: Local(coefficient: 20.0, drift: Removed)",
+    "shifting/local_removed": "shifting: Local(coefficient: 20.0, drift_correction: On)",
     "shifting/vacondio": "shifting: Vacondio(beta: 0.01)",
     "shifting/vacondio_diverges": "shifting: Vacondio()",
     "tensile_control_off": "tensile_control: false",
-    "integrator/verlet": "integrator: Verlet(plain_step_every: 7)",
+    "integrator/verlet": "integrator: Verlet(corrective_step_every: 7)",
     "integrator/verlet_sps": "integrator: Verlet(), viscosity: Sps()",
 }
 
@@ -144,7 +144,7 @@ EDAC = {
     "average_pressure_off": "average_pressure: false",
     "not_normalised": "lattice_normalised: false",
     "relaxation": "relaxation: 0.01",
-    "printed": "printed: true",
+    "printed": "as_published: true",
 }
 
 # Walls of quickstart and duct3d. The upper half of the walls moves along x.
@@ -170,7 +170,7 @@ OUTLETS = {
     "wave_frozen": "WaveEquation(pressure: Frozen)",
     "wave_reference": "WaveEquation(pressure: Reference(5.0))",
     "wave_relaxed": "WaveEquation(pressure: Relaxed(target: 5.0, time: 0.1))",
-    "wave_nonreflecting_plane": "WaveEquation(pressure: Absorbing(target: 2.0, time: 0.05, waves: Plane))",
+    "wave_nonreflecting_plane": "WaveEquation(pressure: NonReflecting(target: 2.0, time: 0.05, waves: Plane))",
     "orlanski": "Orlanski()",
     "orlanski_fixed": "Orlanski(frame: Fixed, pressure: Frozen)",
     "do_nothing": "DoNothing",

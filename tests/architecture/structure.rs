@@ -84,7 +84,7 @@ fn imports_are_found_however_they_are_written() {
 const UNSAFE: [&str; 3] = [
     "crates/sphecs-core/src/math/lanes/",
     "crates/sphecs-core/src/pass/pack/",
-    "crates/sphecs-output/src/netcdf/mod.rs",
+    "crates/sphecs-output/src/netcdf/file.rs",
 ];
 
 #[test]
@@ -256,6 +256,9 @@ fn files_are_short() {
 fn functions_are_short() {
     let mut faults = Vec::new();
     for source in sources(&SOURCES) {
+        if source.path.contains("/tests/") || source.path.ends_with("tests.rs") {
+            continue;
+        }
         for (name, first, lines) in functions(source.tokens_without_tests()) {
             if lines > MOST_LINES_OF_A_FUNCTION {
                 faults.push(format!(
@@ -384,7 +387,7 @@ fn scenes_have_a_head() {
     expect_none(&faults);
 }
 
-/// Names that several folders have for good reason: the module file, and the halves of one pattern.
+/// Names that several folders have for good reason.
 const SHARED_NAMES: [&str; 6] = ["mod.rs", "lib.rs", "main.rs", "tests.rs", "error.rs", "build.rs"];
 
 #[test]
@@ -392,8 +395,10 @@ fn neighbouring_folders_share_no_file_names() {
     let mut places: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
     for source in sources(&SOURCES) {
         let mut parts: Vec<&str> = source.path.split('/').collect();
-        let (Some(name), Some(_folder)) = (parts.pop(), parts.pop()) else { continue };
-        if !SHARED_NAMES.contains(&name) && !parts.contains(&"tests") {
+        let (Some(name), Some(folder)) = (parts.pop(), parts.pop()) else { continue };
+        // A file of `check` has the checks of the file of that name in `schema`, and `tests` their tests.
+        let is_counterpart = matches!(folder, "check" | "tests") || parts.contains(&"tests");
+        if !SHARED_NAMES.contains(&name) && !is_counterpart {
             places.entry((parts.join("/"), name.to_owned())).or_default().push(source.path.clone());
         }
     }

@@ -24,7 +24,7 @@ use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-use crate::physics::density;
+use crate::physics::summed_density;
 
 /// Least r²/h² under a root: a particle is its own neighbour, and 1/√0 would spoil its own share of
 /// the sum.
@@ -107,7 +107,7 @@ pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut 
     for ((density, pressure), &zone) in density.iter_mut().zip(pressure).zip(zone) {
         let is_summed = pair.sums_density(zone);
         let sum = density.to_f64() * scale;
-        let rho = density::from_kernel_sum(sum, pair.mass, pair.lattice.density);
+        let rho = summed_density::from_kernel_sum(sum, pair.mass, pair.lattice.density);
         let unsummed = if (zone == Zone::Wall) & !by_tait { of_walls } else { *density };
         *density = if is_summed { R::from_f64(rho) } else { unsummed };
         let found = R::from_f64(pair.tait.pressure(rho));

@@ -1,6 +1,6 @@
 //! Physics, one method per file, as pure functions of a particle or of a vector of particle pairs.
 //!
-//! - [`density`], [`momentum`]: the pair terms of `Wcsph`
+//! - [`summed_density`], [`momentum`]: the pair terms of `Wcsph`
 //! - [`edac`]: the pair terms of `EdacTvf`
 //! - [`eos`]: the equation of state
 //! - [`integrator`], [`timestep`]: integration in time
@@ -11,7 +11,6 @@
 //! - [`wall`]: wall models
 //! - [`wave_sums`]: pair sums of the outgoing wave equation of an outlet
 
-pub mod density;
 pub mod edac;
 pub mod eos;
 pub mod integrator;
@@ -19,6 +18,7 @@ pub mod momentum;
 pub mod pair;
 pub mod parameters;
 pub mod shifting;
+pub mod summed_density;
 pub mod timestep;
 pub mod viscosity;
 pub mod wall;

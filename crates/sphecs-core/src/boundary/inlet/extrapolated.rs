@@ -16,7 +16,7 @@
 //! and absorbs its energy: the flow stays within 0.1 % of the series.
 
 use super::InletMethod;
-use super::zone::InflowZone;
+use super::inflow_zone::InflowZone;
 use crate::math::real::Real;
 
 /// Time over which an extrapolated pressure is followed, in travel times of sound over Δ.

@@ -4,17 +4,17 @@
 //! - [`injection`]: positions at which particles enter an inflow zone
 //! - [`poiseuille`]: exact start-up profile between parallel plates
 //! - [`prescribed`]: given pressure
-//! - [`zone`]: the zone of inflow particles that a condition works on
+//! - [`inflow_zone`]: the zone of inflow particles that a condition works on
 //!
 //! The velocity of an inflow is an expression or table of the scene. To add a condition of the
 //! pressure: a file, a variant of [`InletPressure`] and its arms below, and the source in
 //! docs/REFERENCES.md.
 
 pub mod extrapolated;
+pub mod inflow_zone;
 pub mod injection;
 pub mod poiseuille;
 pub mod prescribed;
-pub mod zone;
 
 use serde::{Deserialize, Serialize};
 

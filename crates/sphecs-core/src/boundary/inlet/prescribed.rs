@@ -5,7 +5,7 @@
 //! ```
 
 use super::InletMethod;
-use super::zone::InflowZone;
+use super::inflow_zone::InflowZone;
 use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 

@@ -29,7 +29,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters, References};
-use super::zone::OutflowZone;
+use super::outflow_zone::OutflowZone;
 use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 use crate::pass::fits::PointFit;

@@ -21,7 +21,7 @@
 use glam::DVec3;
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters};
-use super::zone::OutflowZone;
+use super::outflow_zone::OutflowZone;
 use crate::math::real::Real;
 
 /// The condition; it has no parameters.

@@ -25,7 +25,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutletMethod, OutletParameters, References};
-use super::zone::OutflowZone;
+use super::outflow_zone::OutflowZone;
 use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;

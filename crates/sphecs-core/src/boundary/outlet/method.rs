@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::zone::OutflowZone;
+use super::outflow_zone::OutflowZone;
 use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 

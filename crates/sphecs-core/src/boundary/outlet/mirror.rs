@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use super::do_nothing::frozen;
 use super::method::{OutflowState, OutletMethod, OutletParameters};
-use super::zone::OutflowZone;
+use super::outflow_zone::OutflowZone;
 use crate::math::real::Real;
 use crate::pass::fits::{Image, PointFit};
 

@@ -11,7 +11,7 @@
 //! - [`orlanski`]: outgoing wave equation without diffusion
 //! - [`pressure`]: pressure under a wave equation
 //! - [`wave_equation`]: outgoing wave equation with transverse diffusion
-//! - [`zone`]: the zone of outflow particles that a condition works on
+//! - [`outflow_zone`]: the zone of outflow particles that a condition works on
 //!
 //! To add a condition: a file with a parameter type that implements [`OutletParameters`] and
 //! [`OutletMethod`], a variant of [`OutletCondition`] and an arm of its dispatch below, and the
@@ -27,9 +27,9 @@ pub mod mirror;
 pub mod modified_do_nothing;
 pub mod non_reflecting;
 pub mod orlanski;
+pub mod outflow_zone;
 pub mod pressure;
 pub mod wave_equation;
-pub mod zone;
 
 use serde::{Deserialize, Serialize};
 

@@ -26,7 +26,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters};
-use super::zone::OutflowZone;
+use super::outflow_zone::OutflowZone;
 use crate::math::real::Real;
 use crate::pass::fits::PointFit;
 

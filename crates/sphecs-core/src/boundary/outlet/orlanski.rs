@@ -10,9 +10,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, References};
+use super::outflow_zone::OutflowZone;
 use super::pressure::OutletPressure;
 use super::wave_equation::{WaveCondition, WaveMemory};
-use super::zone::OutflowZone;
 use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 use crate::physics::wave_sums::ReferenceFrame;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::zone::OutflowZone;
+use super::outflow_zone::OutflowZone;
 use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 

@@ -12,7 +12,7 @@ use crate::resources::pair::Pair;
 use crate::resources::pair_sums::Sums;
 use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
-use sphecs_core::boundary::inlet::zone::{InflowBuffers, InflowMotion, InflowZone};
+use sphecs_core::boundary::inlet::inflow_zone::{InflowBuffers, InflowMotion, InflowZone};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;

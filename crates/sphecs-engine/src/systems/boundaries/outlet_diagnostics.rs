@@ -12,7 +12,7 @@ use super::outlets::Outlets;
 use crate::resources::clock::Clock;
 use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::boundary::outlet::zone::settling_time;
+use sphecs_core::boundary::outlet::outflow_zone::settling_time;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::fits::PointFlow;

@@ -24,7 +24,7 @@ use crate::saved_state::{SavedResources, decode_record, encode_record};
 use sphecs_core::boundary::flow::FlowProperties;
 use sphecs_core::boundary::outlet::OutletVisitor;
 use sphecs_core::boundary::outlet::method::{Advanced, Needs, OutflowMotion, OutletMethod};
-use sphecs_core::boundary::outlet::zone::{OutflowZone, ZoneBuffers};
+use sphecs_core::boundary::outlet::outflow_zone::{OutflowZone, ZoneBuffers};
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{real_vector, set_real_vector};

@@ -15,8 +15,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::convection::convective_velocity;
+use super::outflow_zone::{OutflowZone, settling_time};
 use super::pressure::Waves;
-use super::zone::{OutflowZone, settling_time};
 use crate::boundary::flow::FlowProperties;
 use crate::boundary::patch::Patch;
 use crate::boundary::section_points::SectionPoints;
