@@ -1,5 +1,6 @@
 //! Numerical schemes of a checked scene.
 
+use sphecs_core::discretisation::Discretisation;
 use sphecs_core::math::kernel::Kernel;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::Integrator;
@@ -69,6 +70,11 @@ impl Scheme {
     /// `Discretisation::support` is κ (h/Δ Δ), which may differ in its last bit.
     pub fn support(&self, spacing: f64) -> f64 {
         self.kernel().support_ratio() * self.smoothing_ratio() * spacing
+    }
+
+    /// Returns the discretisation by particles of a spacing (m) of a fluid of a density (kg/m³).
+    pub fn discretisation(&self, dimensions: usize, spacing: f64, density: f64) -> Discretisation {
+        Discretisation::new(self.kernel(), dimensions, spacing, self.smoothing_ratio(), density)
     }
 
     /// The parameters of `Wcsph`, if it is the scheme.

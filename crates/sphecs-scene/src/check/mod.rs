@@ -14,9 +14,8 @@ use glam::DVec3;
 use super::expression::Constants;
 use super::faults::Fault;
 use super::geometry::Shape;
-use super::model::{BodyForce, Fill, FluidProperties, Initial, Layout, Scene};
+use super::model::{BodyForce, Fill, FluidProperties, Initial, Inlet, Layout, Outlet, Scene};
 use super::schema::SceneFile;
-use sphecs_core::discretisation::Discretisation;
 
 pub mod bodies;
 pub mod boundaries;
@@ -59,7 +58,7 @@ pub fn check(
 ) -> (Option<Scene>, Vec<Fault>) {
     let mut checker = Checker::new(constants, source.text);
     checker.tables = source.tables.to_vec();
-    let scene = parts(file, &mut checker, source);
+    let scene = check_sections(file, &mut checker, source);
     let stands = checker.blemishes() == 0;
     let mut faults = checker.faults;
     if let Some(scene) = &scene {
@@ -68,7 +67,8 @@ pub fn check(
     (scene, faults)
 }
 
-fn parts(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> Option<Scene> {
+/// Checks all sections of a scene file; no scene comes of one whose shapes have faults.
+fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> Option<Scene> {
     let before = check.blemishes();
     let dimensions = settings::dimensions(file, check);
     check.dimensions = dimensions;
@@ -87,20 +87,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> 
         sound = false;
     }
     let smoke_spacing = check.positive(&file.smoke, "m");
-    let fluid = FluidProperties {
-        density: check.positive(&file.fluid.density, "kg/m³"),
-        viscosity: check.not_negative(&file.fluid.viscosity, "m²/s"),
-        sound_speed: check.positive(&file.fluid.sound_speed, "m/s"),
-    };
-    let body_force = match &file.body_force {
-        None => BodyForce::Constant(DVec3::ZERO),
-        Some(components) => settings::body_force(check.components(components)),
-    };
-    let initial = Initial {
-        velocity: check.components_or_zero(file.initial.velocity.as_ref()),
-        pressure: check.formula_or_zero(file.initial.pressure.as_ref()),
-        tag: check.formula_or_zero(file.initial.tag.as_ref()),
-    };
+    let (fluid, body_force, initial) = fluid(file, check);
     let timeless = check.blemishes();
     let time = settings::time(&file.time, &scheme, check);
     let end = (check.blemishes() == timeless).then_some(time.end);
@@ -123,18 +110,7 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> 
     if !sound {
         return None;
     }
-    let (mut zones, mut container, mut confines) = (Vec::new(), vec![domain.clone()], vec![domain.clone()]);
-    let drawn_out = site.support + 3.0 * spacing;
-    for (patch, inwards) in inlets
-        .iter()
-        .map(|inlet| (&inlet.patch, inlet.patch.towards))
-        .chain(outlets.iter().map(|o| (&o.patch, -o.patch.towards)))
-    {
-        container.push(section::zone(&domain, patch, -inwards, patch.depth, spacing, dimensions));
-        let zone = section::zone(&domain, patch, -inwards, patch.depth + drawn_out, spacing, dimensions);
-        confines.push(zone.clone());
-        zones.push(zone);
-    }
+    let BoundaryZones { zones, container, confines } = boundary_zones(&inlets, &outlets, &site);
     let patches: Vec<_> =
         inlets.iter().map(|inlet| &inlet.patch).chain(outlets.iter().map(|outlet| &outlet.patch)).collect();
     let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
@@ -146,26 +122,13 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> 
         dimensions,
         precision: file.precision,
         spacing,
-        discretisation: Discretisation::new(
-            scheme.kernel(),
-            dimensions,
-            spacing,
-            scheme.smoothing_ratio(),
-            fluid.density,
-        ),
+        discretisation: scheme.discretisation(dimensions, spacing, fluid.density),
         smoke_spacing,
         fluid,
         scheme,
         body_force,
-        container: joined(container),
-        layout: Layout {
-            fill,
-            confines: joined(confines),
-            zones,
-            wall_regions,
-            rings,
-            walled: file.walls.is_some(),
-        },
+        container,
+        layout: Layout { fill, confines, zones, wall_regions, rings, walled: file.walls.is_some() },
         domain,
         walls,
         bodies,
@@ -184,6 +147,52 @@ fn parts(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> 
     }
     settings::derive(&mut scene, file);
     Some(scene)
+}
+
+/// Checks the fluid, the body force and the initial state.
+fn fluid(file: &SceneFile, check: &mut Checker<'_>) -> (FluidProperties, BodyForce, Initial) {
+    let fluid = FluidProperties {
+        density: check.positive(&file.fluid.density, "kg/m³"),
+        viscosity: check.not_negative(&file.fluid.viscosity, "m²/s"),
+        sound_speed: check.positive(&file.fluid.sound_speed, "m/s"),
+    };
+    let body_force = match &file.body_force {
+        None => BodyForce::Constant(DVec3::ZERO),
+        Some(components) => settings::body_force(check.components(components)),
+    };
+    let initial = Initial {
+        velocity: check.components_or_zero(file.initial.velocity.as_ref()),
+        pressure: check.formula_or_zero(file.initial.pressure.as_ref()),
+        tag: check.formula_or_zero(file.initial.tag.as_ref()),
+    };
+    (fluid, body_force, initial)
+}
+
+/// Regions of the inflow and outflow particles.
+struct BoundaryZones {
+    /// Zones, drawn out beyond their depth so that nothing is filled behind them.
+    zones: Vec<Shape>,
+    /// Domain and zones.
+    container: Shape,
+    /// Domain and drawn-out zones.
+    confines: Shape,
+}
+
+fn boundary_zones(inlets: &[Inlet], outlets: &[Outlet], site: &patches::Site<'_>) -> BoundaryZones {
+    let (domain, spacing, dimensions) = (site.domain, site.spacing, site.dimensions);
+    let (mut zones, mut container, mut confines) = (Vec::new(), vec![domain.clone()], vec![domain.clone()]);
+    let drawn_out = site.support + 3.0 * spacing;
+    for (patch, inwards) in inlets
+        .iter()
+        .map(|inlet| (&inlet.patch, inlet.patch.towards))
+        .chain(outlets.iter().map(|o| (&o.patch, -o.patch.towards)))
+    {
+        container.push(section::zone(domain, patch, -inwards, patch.depth, spacing, dimensions));
+        let zone = section::zone(domain, patch, -inwards, patch.depth + drawn_out, spacing, dimensions);
+        confines.push(zone.clone());
+        zones.push(zone);
+    }
+    BoundaryZones { zones, container: joined(container), confines: joined(confines) }
 }
 
 fn joined(mut shapes: Vec<Shape>) -> Shape {

@@ -74,23 +74,8 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
             placed(shape, DMat3::IDENTITY, 1.0, by, check)
         }
         ShapeFile::Rotated { angle, axis, about, shape } => {
-            let angle = check.finite(angle, "°").to_radians();
-            let axis = match axis {
-                Some(axis) if check.dimensions == 3 => check.direction(axis),
-                Some(axis) => {
-                    let label = "must be left out: in 2D everything turns about z";
-                    check.report(Fault::new("`axis` has no meaning in 2D", axis.span, label));
-                    DVec3::Z
-                }
-                None => DVec3::Z,
-            };
+            let rotation = rotation(angle, axis.as_ref(), check);
             let about = about.as_ref().map_or(DVec3::ZERO, |about| check.vector(about, "m"));
-            let rotation = DMat3::from_axis_angle(axis, angle);
-            // Quarter turns are meant exactly.
-            let clean = |c: f64| {
-                if (c - c.round()).abs() < 1e-15 { c.round() } else { c }
-            };
-            let rotation = DMat3::from_cols_array(&rotation.to_cols_array().map(clean));
             placed(shape, rotation, 1.0, about - rotation * about, check)
         }
         ShapeFile::Scaled { factor, shape } => {
@@ -98,6 +83,24 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
             placed(shape, DMat3::IDENTITY, factor, DVec3::ZERO, check)
         }
     }
+}
+
+/// Returns a rotation by an angle (°) about an axis, about z in 2D; quarter turns are exact.
+fn rotation(angle: &Number, axis: Option<&Vector>, check: &mut Checker<'_>) -> DMat3 {
+    let angle = check.finite(angle, "°").to_radians();
+    let axis = match axis {
+        Some(axis) if check.dimensions == 3 => check.direction(axis),
+        Some(axis) => {
+            let label = "must be left out: in 2D everything turns about z";
+            check.report(Fault::new("`axis` has no meaning in 2D", axis.span, label));
+            DVec3::Z
+        }
+        None => DVec3::Z,
+    };
+    let clean = |c: f64| {
+        if (c - c.round()).abs() < 1e-15 { c.round() } else { c }
+    };
+    DMat3::from_cols_array(&DMat3::from_axis_angle(axis, angle).to_cols_array().map(clean))
 }
 
 fn needs(dimensions: usize, name: &str, other: &str, place: Span, check: &mut Checker<'_>) -> Option<()> {
