@@ -21,8 +21,8 @@ use serde::{Deserialize, Serialize};
 use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 use extrapolated::Extrapolated;
+use inflow_zone::InflowZone;
 use prescribed::Prescribed;
-use zone::InflowZone;
 
 /// Supply of an inflow zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
