@@ -60,7 +60,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
     sums: &'a PairSums<R, D>,
     has_walls: bool,
 ) -> (EdacColumns, EdacColumnList<'a, R, D>) {
-    let mut list = EdacColumnList::new();
+    let mut list = EdacColumnList::empty();
     let has_dummies = has_walls && pair.wall_model.sees_kernel_mean();
     let places = EdacColumns {
         velocity: list.add_vector(&particles.velocity),

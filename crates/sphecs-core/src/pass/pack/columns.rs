@@ -29,7 +29,7 @@ pub struct ColumnList<'a, R, const D: usize, const MOST: usize> {
 
 impl<'a, R, const D: usize, const MOST: usize> ColumnList<'a, R, D, MOST> {
     /// Returns a list without columns.
-    pub fn new() -> Self {
+    pub fn empty() -> Self {
         Self { columns: [&[]; MOST], count: 0 }
     }
 

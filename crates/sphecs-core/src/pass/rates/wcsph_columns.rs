@@ -78,7 +78,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
     sums: &'a PairSums<R, D>,
     has_walls: bool,
 ) -> (WcsphColumns, WcsphColumnList<'a, R, D>) {
-    let mut list = WcsphColumnList::new();
+    let mut list = WcsphColumnList::empty();
     let sees_dummies = has_walls && pair.wall_model.sees_kernel_mean();
     let velocity = if sees_dummies { &sums.velocity_seen } else { level.columns(particles) };
     let places = WcsphColumns {

@@ -105,7 +105,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
             self.settings.gradient_scale
         };
         for component in &mut shift {
-            *component = scale * *component;
+            *component *= scale;
         }
         shift
     }
