@@ -1,4 +1,5 @@
-//! Blocks of cells, and parts of the rows, as parallel work with the rows that each may write.
+//! Parallel loops over blocks of cells and over parts of the rows, each with the rows that it may
+//! write.
 
 use std::ops::Range;
 
@@ -6,22 +7,22 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelI
 
 use crate::math::grid::CellGrid;
 
-/// Rows of a block: large enough to hide the cost of a task, small enough for threads to even out.
+/// Most rows of a block of several cells: enough to hide the cost of a task, few enough to balance
+/// the threads.
 const ROWS: usize = 1024;
 
-/// Rows of a part: a part costs little, so it has more of them than a block.
+/// Most rows of a part. A row of a part costs little, so there are more than in a block.
 const PART: usize = 4096;
 
-/// Rows that are looked at together: a loop over all of them without branches becomes one over
-/// vectors.
+/// Rows that are processed together: the compiler vectorises a loop over them without branches.
 pub const GROUP: usize = 64;
 
-/// Output columns that can be cut into the rows before and after a row.
+/// Output columns that can be split at a row.
 pub trait Columns: Send + Sized {
-    /// Columns without rows.
+    /// Returns columns without rows.
     fn none() -> Self;
 
-    /// The columns up to `row` and from `row` on.
+    /// Returns the columns up to `row` and from `row` on.
     fn cut(self, row: usize) -> (Self, Self);
 }
 
@@ -31,7 +32,7 @@ impl<T: Send> Columns for &mut [T] {
     }
 
     fn cut(self, row: usize) -> (Self, Self) {
-        // A column that is not in use is empty, and so are its parts.
+        // A column that is not in use is empty, and so are both parts of it.
         let row = row.min(self.len());
         self.split_at_mut(row)
     }
@@ -71,9 +72,10 @@ tuples!(A a_low a_high, B b_low b_high);
 tuples!(A a_low a_high, B b_low b_high, C c_low c_high);
 tuples!(A a_low a_high, B b_low b_high, C c_low c_high, E e_low e_high);
 
-/// Runs `work` over all cells in blocks, in parallel. It gets the cells of the block and the
-/// block's part of the output columns, whose first row is the first row of its first cell. `join`
-/// must not care for order.
+/// Runs `work` over all cells in blocks, in parallel, and joins the results.
+///
+/// `work` takes the cells of a block and the rows of the output columns that belong to them. The
+/// result must not depend on the order of the joins.
 pub fn for_each_block<C: Columns, S: Send, const D: usize>(
     grid: &CellGrid<D>,
     columns: C,
@@ -83,8 +85,9 @@ pub fn for_each_block<C: Columns, S: Send, const D: usize>(
     split(grid.starts(), 0..grid.len(), columns, work, join)
 }
 
-/// Runs `work` over the rows in parts, in parallel: for what looks at a row alone. It gets the rows
-/// of the part and the part's share of the columns.
+/// Runs `work` over the rows in parts, in parallel, for work that needs no neighbours.
+///
+/// `work` takes the rows of a part and the same rows of the columns.
 pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn(Range<usize>, C) + Sync)) {
     if rows.len() <= PART {
         return work(rows, columns);
@@ -98,11 +101,13 @@ pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn
     );
 }
 
-/// Rows of a part that is looked through for a list: those near openings are few.
+/// Rows of a part that is searched for a list, of which few rows are part.
 const LISTED: usize = 1024;
 
-/// Runs `work` over the rows in parts, in parallel. Each part has a list of its own, which is kept
-/// from call to call and is as `work` left it; returns those of these rows, in their order.
+/// Runs `work` over the rows in parts, in parallel, each with a list of its own.
+///
+/// The lists are kept from call to call as `work` left them. Returns those of these rows, in the
+/// order of the rows.
 pub fn with_lists<'a, T: Default + Send>(
     rows: usize,
     lists: &'a mut Vec<T>,
@@ -120,8 +125,7 @@ pub fn with_lists<'a, T: Default + Send>(
     lists
 }
 
-/// Runs `work` over the rows in parts, in parallel, and joins what it found in the order of the
-/// rows.
+/// Runs `work` over the rows in parts, in parallel, and joins the results in the order of the rows.
 pub fn join_parts<S: Send>(
     rows: Range<usize>,
     work: &(impl Fn(Range<usize>) -> S + Sync),
@@ -149,7 +153,7 @@ fn split<C: Columns, S: Send>(
     if rows <= ROWS || cells.len() == 1 {
         return work(cells, columns);
     }
-    // Halving the rows, not the cells: most cells of a bent domain's box may be empty.
+    // Half of the rows, not of the cells: most cells of a bent domain's box may be empty.
     let middle_row = starts[cells.start] + rows as u32 / 2;
     let inner = &starts[cells.start + 1..cells.end];
     let middle = cells.start + 1 + inner.partition_point(|&start| start < middle_row).min(inner.len() - 1);
@@ -166,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_row_is_met_once_in_its_own_place() {
+    fn every_row_is_processed_once() {
         for rows in [0, 1, PART, PART + 1, 5 * PART + 3] {
             let (mut first, mut second) = (vec![0; rows], vec![0.0; rows]);
             let columns = ([&mut first[..]], [&mut second[..]]);
@@ -186,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_come_in_the_order_of_the_rows_and_those_of_longer_ones_are_left_out() {
+    fn lists_are_in_the_order_of_the_rows() {
         let mut lists = Vec::<Vec<usize>>::new();
         for rows in [0, 5 * LISTED + 3, LISTED + 1, LISTED, 1] {
             let found = with_lists(rows, &mut lists, &|rows, list| {

@@ -1,4 +1,4 @@
-//! What the pair passes need to know of a scene, as plain values.
+//! Settings of the pair passes: the properties of a scene that they need, as plain values.
 
 use crate::discretisation::Discretisation;
 use crate::math::kernel::Kernel;
@@ -11,13 +11,13 @@ use crate::physics::shifting::Shifting;
 use crate::physics::viscosity::Viscosity;
 use crate::physics::wall::WallModel;
 
-/// Settings of the pair passes. Made by [`PairSettings::new`] with the defaults of a scene; set the
-/// rest by field.
+/// Settings of the pair passes. [`PairSettings::new`] returns the defaults of a scene; the rest is
+/// set by field.
 #[derive(Clone, Debug)]
 pub struct PairSettings {
     /// Smoothing kernel.
     pub kernel: Kernel,
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimensions: usize,
     /// Initial spacing Δ, m.
     pub spacing: f64,
@@ -29,22 +29,22 @@ pub struct PairSettings {
     pub lattice: LatticeSums,
     /// Equation of state.
     pub tait: Tait,
-    /// Where the pressure of the fluid comes from.
+    /// Origin of the pressure of the fluid.
     pub pressure: PressureLaw,
     /// Kinematic viscosity ν, m²/s.
     pub viscosity: f64,
     /// Viscous term.
     pub viscous_term: Viscosity,
-    /// α of the damping of noise; 0: none.
+    /// α of the noise damping, dimensionless; 0: none.
     pub noise_damping: f64,
-    /// Which shifting vector is summed.
+    /// Shifting method, which decides the vector that is summed.
     pub shifting: Shifting,
-    /// p_b − p_a in place of p_a + p_b where p_a < 0 and the support is full.
+    /// Whether p_b − p_a takes the place of p_a + p_b where p_a < 0 and the support is full.
     pub tensile_control: bool,
-    /// How walls enter the sums.
+    /// Treatment of walls in the sums.
     pub wall_model: WallModel,
-    /// Body force per mass, m/s², where it is the same everywhere: the hydrostatic part of a
-    /// mirrored wall's pressure.
+    /// Body force per mass, m/s², if it is uniform: for the hydrostatic part of a mirrored wall
+    /// pressure.
     pub body_force: [f64; 3],
     /// Wall parts, by the patch index of their rows.
     pub wall_parts: Vec<WallPartSettings>,
@@ -52,29 +52,28 @@ pub struct PairSettings {
     pub lanes: InstructionSet,
 }
 
-/// Where the pressure of the fluid comes from, and with it the scheme of the sums.
+/// Origin of the pressure of the fluid, and with it the scheme of the sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PressureLaw {
     /// From the summed density, by Tait's equation.
     #[default]
     Tait,
-    /// It evolves by an equation of its own.
+    /// From an evolution equation of its own.
     Evolved(Edac),
 }
 
-/// A wall part as the pair passes see it. Rows of a part that is not listed are no-slip and at
-/// rest.
+/// A wall part as the pair passes see it. Parts that are not listed are no-slip and at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallPartSettings {
-    /// Pairs with the part exert no viscous force.
+    /// Whether pairs with the part exert no viscous force.
     pub free_slip: bool,
-    /// The part takes the stress of the law of the wall.
+    /// Whether the part takes the stress of the law of the wall.
     pub wall_function: bool,
 }
 
 impl PairSettings {
-    /// Inviscid fluid, defaults for everything else: Fickian shifting, tensile control, image walls
-    /// without a cap, no body force.
+    /// Returns the settings of an inviscid fluid with Fickian shifting, tensile control, image
+    /// walls without a cap and no body force.
     pub fn new(discretisation: &Discretisation, tait: Tait) -> Self {
         let Discretisation { kernel, dimensions, smoothing_ratio, spacing, smoothing_length, mass, .. } =
             *discretisation;
@@ -99,42 +98,42 @@ impl PairSettings {
         }
     }
 
-    /// Radius of the kernel's support, m: the support of the grid.
+    /// Returns the radius of the kernel's support, m, which is that of the grid.
     pub fn support(&self) -> f64 {
         self.kernel.support_ratio() * self.smoothing_length
     }
 
-    /// Edge of the grid's cells with which the passes are fastest, m: the whole support in 2D,
-    /// where a cell should hold enough rows to pay for its pack, and half of it in 3D, where the
-    /// pack is culled.
+    /// Returns the edge of the grid's cells with which the passes are fastest, m: the support in
+    /// 2D, where a cell must hold enough rows to pay for its pack, and half of it in 3D, where
+    /// packs are culled.
     pub fn cell_size(&self) -> f64 {
         if self.dimensions == 2 { self.support() } else { 0.5 * self.support() }
     }
 
-    /// W(r) over its shape w(q): α_D/h^D, 1/m^D.
+    /// Returns W(r) over its shape w(q): α_D/h^D, 1/m^D.
     pub fn kernel_scale(&self) -> f64 {
         self.kernel.norm(self.dimensions) / self.smoothing_length.powi(self.dimensions as i32)
     }
 
-    /// F(r) over its shape f(q), times h²: β α_D/h^D, 1/m^D. ∇W is this · f(q) · (x_ab/h)/h.
+    /// Returns F(r) over its shape f(q), times h²: β α_D/h^D, 1/m^D. ∇W is this · f(q) ·
+    /// (x_ab/h)/h.
     pub fn slope_scale(&self) -> f64 {
         self.kernel.slope_norm() * self.kernel_scale()
     }
 
-    /// Kernel W(r), 1/m^D.
+    /// Returns the kernel W(r), 1/m^D.
     #[inline]
     pub fn w(&self, r: f64) -> f64 {
         self.kernel.value(self.dimensions, self.smoothing_length, r)
     }
 
-    /// F(r) = (dW/dr)/r, 1/m^(D+2).
+    /// Returns F(r) = (dW/dr)/r, 1/m^(D+2).
     #[inline]
     pub fn f(&self, r: f64) -> f64 {
         self.kernel.slope(self.dimensions, self.smoothing_length, r)
     }
 
-    /// ν as it enters the Lo–Shao sum: divided by the lattice coefficient where the scene says so,
-    /// m²/s.
+    /// Returns ν of the Lo–Shao sum, m²/s: divided by the lattice coefficient if the scene says so.
     pub fn pair_viscosity(&self) -> f64 {
         if let PressureLaw::Evolved(edac) = self.pressure {
             return self.viscosity / self.edac_coefficient(&edac);
@@ -142,7 +141,8 @@ impl PairSettings {
         self.viscous_term.pair_viscosity(self.viscosity, &self.lattice)
     }
 
-    /// What the viscous sums of an evolved pressure are divided by, dimensionless.
+    /// Returns the lattice coefficient by which the viscous sums of `EdacTvf` are divided,
+    /// dimensionless.
     pub fn edac_coefficient(&self, edac: &Edac) -> f64 {
         match (edac.lattice_normalised, edac.as_published) {
             (true, true) => self.lattice.viscosity_printed,
@@ -151,8 +151,8 @@ impl PairSettings {
         }
     }
 
-    /// Density of a wall, inflow or outflow particle of a given pressure, kg/m³; None where it does
-    /// not follow from the pressure.
+    /// Returns the density of a wall, inflow or outflow particle of a given pressure (Pa), kg/m³;
+    /// None if it does not follow from the pressure.
     pub fn density_at(&self, pressure: f64) -> Option<f64> {
         match self.pressure {
             PressureLaw::Tait => Some(self.tait.density(pressure)),
@@ -170,7 +170,7 @@ impl PairSettings {
         }
     }
 
-    /// A wall part by the patch index of its rows.
+    /// Returns a wall part by the patch index of its rows.
     pub fn wall_part(&self, patch: u16) -> WallPartSettings {
         self.wall_parts.get(usize::from(patch)).copied().unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! Pressure that evolves, and particles that move with a transport velocity: the terms of a pair.
+//! Pair terms of `EdacTvf`: an evolved pressure and a transport velocity.
 //!
 //! ```text
 //! V_a     = S0/Σ W,   ρ_a = m/V_a,   S_ab = V_a² + V_b²
@@ -10,27 +10,27 @@
 //! ```
 //!
 //! Negi et al. (2020), Eqs. 3, 4, 6–11; p̄_a is the mean pressure of all particles in the support,
-//! p_b the background pressure. What differs from the print:
+//! p_b the background pressure. Deviations from the paper:
 //!
-//! * The last term of the pressure's equation is ours, the option `relaxation`. Without it nothing
-//!   holds the volume: the pressure follows the divergence of v, the particles move with v + w, and
-//!   where a flow is strained they come to lie 3 % too wide (docs/edac.md). Sound keeps p = c_s² (ρ
-//!   − ρ0), so that the term leaves it alone; what differs goes at the rate r.
-//! * With p̄_a the same for all of a particle's pairs, Σ S p̃ ∇W = Σ S p_ab ∇W − p̄_a Σ S ∇W, and
-//!   the last sum is that of the transport velocity: the mean pressure needs no pass of its own.
-//!   The loop sums differences to p_a, which single precision keeps where the pressures themselves
-//!   would cancel. The half of the stress that is the particle's own, ρ_a v_a (w_a·Σ S ∇W)/2, comes
-//!   from the same sum.
-//! * The printed viscous factor F r²/(r² + η²), η² = 0.01 h², is the option `as_published`: F is
+//! * The last term of the pressure's equation is our own, the option `relaxation`. Without it the
+//!   volumes drift: the pressure follows the divergence of v, the particles move with v + w, and
+//!   where a flow is strained their distances grow by 3 % (docs/edac.md). An acoustic wave keeps
+//!   p = c_s² (ρ − ρ0), so the term does not act on it; the difference decays at the rate r.
+//! * With p̄_a the same for all pairs of a particle, Σ S p̃ ∇W = Σ S p_ab ∇W − p̄_a Σ S ∇W, and the
+//!   last sum is that of the transport velocity: the mean pressure needs no pass of its own. The
+//!   loop sums differences to p_a: in single precision the pressures themselves would cancel. The
+//!   particle's own half of the stress, ρ_a v_a (w_a·Σ S ∇W)/2, comes from the same sum.
+//! * The published viscous factor F r²/(r² + η²), η² = 0.01 h², is the option `as_published`: F is
 //!   finite at r = 0 without it.
-//! * ν and ν_edac are divided by what the viscous sum returns on the lattice (`math/lattice.rs`):
-//!   the quintic spline at h = 1.2 Δ returns 0.9994 ν in 2D, and 0.9917 ν with the printed factor.
-//! * The divergence sees a wall's own velocity, as that of Adami et al. (2012), not its image's:
-//!   the image's factor 1 + d_b/d_a is 30 for a particle that is 0.1 Δ from a wall, and the
-//!   divergence drives the pressure here. With the factor the fluid of `scenes/quickstart.ron`
-//!   thinned by 20 % within a second at its smoke spacing.
+//! * ν and ν_edac are divided by the lattice coefficient of the viscous sum (`math/lattice.rs`):
+//!   the quintic spline at h = 1.2 Δ returns 0.9994 ν in 2D, and 0.9917 ν with the published
+//!   factor.
+//! * The divergence takes a wall's own velocity, as Adami et al. (2012), not its image's: the image
+//!   factor 1 + d_b/d_a is 30 for a particle 0.1 Δ from a wall, and the divergence drives the
+//!   pressure here. With the factor the fluid of `scenes/quickstart.ron` thinned by 20 % within a
+//!   second at its smoke spacing.
 //! * The volumes are divided by the lattice sum S0, which Wendland's kernel needs: without it
-//!   forces at h = 1.3 Δ are 2 % off. For the quintic spline at 1.2 Δ it is a matter of 6e-5.
+//!   forces at h = 1.3 Δ are 2 % off. For the quintic spline at 1.2 Δ the difference is 6e-5.
 
 use serde::{Deserialize, Serialize};
 
@@ -48,8 +48,8 @@ pub struct Edac {
     pub average_pressure: bool,
     /// Whether ν and ν_edac are divided by their lattice coefficient.
     pub lattice_normalised: bool,
-    /// Rate r at which the pressure goes to that of the summed density, over c_s/h, dimensionless;
-    /// 0 as printed.
+    /// Rate r at which the pressure relaxes to that of the summed density, over c_s/h,
+    /// dimensionless; 0 as published.
     pub relaxation: f64,
     /// Whether the viscous sums have the published η² = 0.01 h² in the denominator.
     pub as_published: bool,
@@ -69,53 +69,54 @@ impl Default for Edac {
 }
 
 impl Edac {
-    /// Largest α that a scene may ask for: the pressure's diffusion then limits the step as much as
-    /// sound does.
+    /// Largest α of a scene: with it the diffusion of the pressure limits the time step as much as
+    /// the speed of sound.
     pub const LARGEST_ALPHA: f64 = 4.0;
 
-    /// Largest background pressure over ρ0 c_s² that a scene may ask for: a drift is a diffusion of
-    /// the particles, and with Δt = 0.25 h/c_s ten times ρ0 c_s² reach its limit of stability.
+    /// Largest background pressure of a scene over ρ0 c_s². The drift is a diffusion of the
+    /// particles: with Δt = 0.25 h/c_s it reaches its limit of stability at ten times ρ0 c_s².
     pub const LARGEST_BACKGROUND: f64 = 10.0;
 
     /// Largest background pressure over ρ0 c_s² times the Courant factor, by the same limit.
     pub const LARGEST_BACKGROUND_STEP: f64 = 0.25 * Self::LARGEST_BACKGROUND;
 
-    /// Largest rate of the relaxation over c_s/h that a scene may ask for: the pressure is then
-    /// that of `Wcsph` but for waves shorter than the support.
+    /// Largest rate of relaxation of a scene over c_s/h: with it the pressure is that of `Wcsph`,
+    /// except for waves shorter than the support.
     pub const LARGEST_RELAXATION: f64 = 1.0;
 
-    /// ν_edac, m²/s, for a smoothing length, m, and a sound speed, m/s.
+    /// Returns ν_edac, m²/s, for a smoothing length, m, and a sound speed, m/s.
     pub fn pressure_viscosity(&self, smoothing_length: f64, sound_speed: f64) -> f64 {
         self.alpha * smoothing_length * sound_speed / 8.0
     }
 
-    /// r [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s, the density less
-    /// ρ0, kg/m³, and the pressure, Pa.
+    /// Returns r [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s, the
+    /// density minus ρ0, kg/m³, and the pressure, Pa.
     pub fn relaxing(&self, smoothing_length: f64, sound_speed: f64, excess: f64, pressure: f64) -> f64 {
         self.relaxation * sound_speed / smoothing_length * (sound_speed * sound_speed * excess - pressure)
     }
 }
 
-/// (V_a² + V_b²)/m² times the slope of the kernel, of V_a²/m² and V_b/m.
+/// Returns (V_a² + V_b²)/m² times the slope of the kernel, from V_a²/m² and V_b/m.
 #[inline(always)]
 pub fn weight<L: Lanes>(own_square: L, volume: L, slope: L) -> L {
     volume.mul_add(volume, own_square) * slope
 }
 
-/// (p_ab − p_a)/ρ_a times the weight: (p_b − p_a)/(ρ_a + ρ_b), of a weight that is divided by ρ_a +
-/// ρ_b.
+/// Returns (p_ab − p_a)/ρ_a = (p_b − p_a)/(ρ_a + ρ_b) times the weight; `shared` is the weight over
+/// ρ_a + ρ_b.
 #[inline(always)]
 pub fn pressure_term<L: Lanes>(shared: L, difference: L) -> L {
     shared * difference
 }
 
-/// η̃_ab/(2 ν ρ_a) times the weight, of a weight that is divided by ρ_a + ρ_b.
+/// Returns η̃_ab/(2 ν ρ_a) times the weight; `shared` is the weight over ρ_a + ρ_b.
 #[inline(always)]
 pub fn viscous_term<L: Lanes>(shared: L, density: L) -> L {
     shared * density
 }
 
-/// ρ_b (w_b·x_ab) times the weight, to be multiplied by v_b: the neighbour's half of the stress.
+/// Returns ρ_b (w_b·x_ab) times the weight, to be multiplied by v_b: the neighbour's half of the
+/// stress.
 #[inline(always)]
 pub fn transport_term<L: Lanes>(weight: L, density: L, drift_along: L) -> L {
     weight * density * drift_along

@@ -1,4 +1,4 @@
-//! The rates of an evolved pressure against their formulas, conservation and rest.
+//! Rates of an evolved pressure compared with their formulas, conservation and rest.
 
 use glam::DVec3;
 
@@ -73,7 +73,7 @@ struct Reference<const D: usize> {
     damping: f64,
 }
 
-/// The rates of a row term by term as printed.
+/// Rates of a row, term by term as published.
 fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> {
     let (pair, particles) = (&sample.pair, &sample.particles);
     let edac = edac_of(pair);
@@ -195,7 +195,7 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
 }
 
 #[test]
-fn rates_are_the_printed_sums() {
+fn rates_are_the_published_sums() {
     let usual = Edac::default();
     for kernel in Kernel::ALL {
         check(evolved(kernel, 2, 1.3, usual), [13, 9]);
@@ -267,7 +267,7 @@ fn momentum_is_conserved_to_rounding_without_the_mean_pressure() {
 }
 
 #[test]
-fn a_body_gets_what_the_fluid_loses() {
+fn a_body_gains_the_momentum_that_the_fluid_loses() {
     for wall_model in [WallModel::default(), WallModel::Dummy, WallModel::Ghost] {
         let edac = Edac { average_pressure: false, ..Edac::default() };
         let pair = PairSettings { wall_model, ..evolved(Kernel::QuinticSpline, 2, 1.2, edac) };
@@ -317,7 +317,7 @@ fn dissipation_takes_energy_from_every_particle_that_moves_alone() {
 }
 
 #[test]
-fn an_even_lattice_has_the_reference_density_and_rests() {
+fn a_lattice_has_the_reference_density_and_stays_at_rest() {
     for (kernel, ratio) in [(Kernel::QuinticSpline, 1.2), (Kernel::WendlandC2, 1.5)] {
         for set in InstructionSet::available() {
             let mut pair = evolved(kernel, 2, ratio, Edac::default());
@@ -341,7 +341,7 @@ fn an_even_lattice_has_the_reference_density_and_rests() {
 }
 
 #[test]
-fn the_pressure_goes_to_that_of_the_density() {
+fn the_pressure_relaxes_to_that_of_the_density() {
     for pressure in [-4000.0, 0.0, 4000.0] {
         let edac = Edac { relaxation: 0.1, ..Edac::default() };
         let mut sample = sample::<f64, 2>(evolved(Kernel::QuinticSpline, 2, 1.2, edac), [13, 15], true);

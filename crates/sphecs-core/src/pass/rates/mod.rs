@@ -1,7 +1,8 @@
 //! Rates of the fluid under `Wcsph`.
 //!
 //! ```text
-//! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ noise damping) (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
+//! dv_a/dt = −(1/ρ_a) Σ V_b (p_a + p_b) ∇W + viscous term (+ noise damping)
+//!           (+ Σ m_b (T_a/ρ_a² + T_b/ρ_b²)·∇W)
 //! ∇C_a    = Σ V_b ∇W,   ∇·v_a = Σ V_b (v_b − v_a)·∇W,   signal_a = max_b |h x_ab·v_ab/(r² + η²)|
 //! or, with the drift corrected: s_a − Σ V_b W_ab s_b / Σ V_b W_ab,   b: fluid, a itself included
 //! ```

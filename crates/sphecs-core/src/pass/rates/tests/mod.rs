@@ -54,7 +54,7 @@ const WALLS: [WallModel; 3] = [
 ];
 
 #[test]
-fn a_body_of_one_particle_gets_what_its_neighbour_loses() {
+fn a_body_of_one_particle_gains_the_momentum_of_its_neighbour() {
     for wall_model in WALLS {
         let pair =
             PairSettings { wall_model, body_force: [0.0, -9.0, 0.0], ..viscous(Kernel::WendlandC2, 3, 1.3) };
@@ -95,7 +95,7 @@ fn a_body_of_one_particle_gets_what_its_neighbour_loses() {
 }
 
 #[test]
-fn bodies_get_what_the_fluid_loses() {
+fn bodies_gain_the_momentum_that_the_fluid_loses() {
     let viscous_terms = [
         Viscosity::default(),
         Viscosity::Artificial(Artificial { alpha: 0.1 }),
@@ -171,7 +171,7 @@ fn a_parabola_has_the_viscous_force_of_its_curvature() {
 }
 
 #[test]
-fn damping_of_noise_leaves_a_linear_flow_alone_and_slows_a_lonely_particle() {
+fn noise_damping_slows_a_single_particle_and_no_linear_flow() {
     let accelerations = |noise_damping: f64, kick: f64| {
         let pair = PairSettings { noise_damping, ..settings(Kernel::WendlandC2, 2, 1.5) };
         let mut sample = Sample::<f64, 2>::lattice(pair, [13, 13], false);
@@ -266,7 +266,7 @@ fn a_narrow_period_equals_its_replicas() {
 }
 
 #[test]
-fn any_number_of_threads_gives_the_same_bits() {
+fn any_number_of_threads_is_bitwise_identical() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| stirred::<f64, 2>(InstructionSet::best(), Kernel::WendlandC2, [90, 90]))
@@ -278,7 +278,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
-fn a_number_that_is_none_shows_in_the_summary() {
+fn a_nan_reaches_the_summary() {
     let mut sample = Sample::<f64, 2>::lattice(viscous(Kernel::WendlandC2, 2, 1.5), [8, 8], true);
     sample.particles.velocity[0][13] = f64::NAN;
     assert!(sample.rates().speed.is_nan());

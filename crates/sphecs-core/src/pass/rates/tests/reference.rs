@@ -209,7 +209,7 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
 }
 
 #[test]
-fn rates_are_the_printed_sums() {
+fn rates_are_the_published_sums() {
     for kernel in Kernel::ALL {
         check(viscous(kernel, 2, 1.3), [13, 9]);
         check(viscous(kernel, 3, 1.2), [7, 8, 5]);
