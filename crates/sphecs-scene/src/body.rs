@@ -11,11 +11,11 @@ pub struct Body {
     pub part: u16,
     /// Point that torques are about, m.
     pub about: DVec3,
-    /// What forces are made dimensionless by; None: there are no coefficients.
+    /// Reference that makes forces dimensionless; None: there are no coefficients.
     pub reference: Option<BodyReference>,
     /// Interval of the time mean and of the spectrum, s.
     pub mean: (f64, f64),
-    /// Whether means, amplitudes and spectrum are of the running mean over five rows.
+    /// True if means, amplitudes and spectrum are of the running mean over five rows.
     pub five_point_mean: bool,
 }
 
@@ -30,7 +30,7 @@ pub struct BodyReference {
     pub length: f64,
 }
 
-/// How often the forces on bodies are written.
+/// Interval at which the forces on bodies are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ForcesEvery {
     /// In every step.

@@ -1,4 +1,4 @@
-//! What a run will demand of the disk, from its scene alone.
+//! Disk space that a run will need, from its scene alone.
 
 use super::model::{ProbeKind, Scene};
 use super::summary::{estimated_volume, frame_bytes, steps_to};
@@ -15,7 +15,7 @@ const PROBE_COLUMNS: f64 = 8.0;
 /// Bytes of a particle in a checkpoint, of which two are kept and a third is written.
 const CHECKPOINT: f64 = 3.0 * 150.0;
 
-/// What a run writes at most, before compression, which saves little: the last digits of positions
+/// Largest output of a run, before compression, which saves little: the last digits of positions
 /// are noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demand {
@@ -30,7 +30,7 @@ pub struct Demand {
 }
 
 impl Demand {
-    /// What a scene demands up to a time (s), or the end of a number of steps.
+    /// Returns the demand of a scene up to a time (s), or the end of a number of steps.
     pub fn of(scene: &Scene, until: Option<f64>, most_steps: Option<u64>) -> Self {
         let until = until.unwrap_or(scene.time.end);
         let steps = steps_to(scene, until).min(most_steps.unwrap_or(u64::MAX) as f64);

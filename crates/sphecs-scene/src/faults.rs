@@ -10,13 +10,13 @@ use super::notation::tree::Span;
 /// One fault: where, what is, what must be, what to do.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// What is wrong, in a line.
+    /// Description of the fault, in one line.
     pub title: String,
     /// The marked text; None for faults without a place.
     pub span: Option<Span>,
-    /// What stands there and what may stand there.
+    /// Value found and values allowed.
     pub label: String,
-    /// What to do.
+    /// Advice on the cure.
     pub help: Option<String>,
     /// Another text than the scene's: a table, or the value of a `--set`.
     pub source: Option<Arc<NamedSource<String>>>,
@@ -33,14 +33,14 @@ impl Fault {
         Self { title: title.into(), span: None, label: String::new(), help: None, source: None }
     }
 
-    /// The same with advice.
+    /// Adds advice.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// The same in a text of its own.
+    /// Places the fault in a text of its own, such as a table.
     #[must_use]
     pub fn in_text(mut self, name: &str, text: &str) -> Self {
         self.source = Some(Arc::new(NamedSource::new(name, text.to_owned())));

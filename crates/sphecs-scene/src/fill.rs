@@ -1,4 +1,4 @@
-//! Which points of the lattice (or of wall-fitted rows) are fluid, wall, inflow or outflow.
+//! Roles of the points of the lattice (or of wall-fitted rows): fluid, wall, inflow or outflow.
 //!
 //! A point is inside when it and all points Δ/4 around it are: a wall that misses the middle
 //! between two rows by less than Δ/4 still has one row on each side. Inside points beyond a patch's
@@ -56,7 +56,7 @@ pub fn wall_thickness(scene: &Scene) -> f64 {
     layers(&scene.scheme) * scene.spacing
 }
 
-/// The same in spacings.
+/// Returns the above in spacings.
 pub fn layers(scheme: &Scheme) -> f64 {
     scheme.kernel().support_ratio() * scheme.smoothing_ratio() + 0.5
 }
@@ -177,8 +177,8 @@ impl<'a> Filler<'a> {
         self.role(point, confined_distance(self.scene, point))
     }
 
-    /// What a point at a distance from the confines is. Beyond the walls and deeper than the margin
-    /// any such distance will do.
+    /// Returns the role of a point at a distance from the confines. Beyond the walls and deeper
+    /// than the margin any such distance will do.
     fn role(&self, point: DVec3, distance: f64) -> Option<Place> {
         // A layer exactly at the thickness is out of every fluid particle's reach.
         if distance > self.reach - HAIR * self.scene.spacing {
@@ -217,7 +217,7 @@ impl<'a> Filler<'a> {
                     .all(|probe| confined_distance(self.scene, point + *probe) <= HAIR * self.scene.spacing))
     }
 
-    /// Whether a point lies behind the far end of a zone, where no wall must stand.
+    /// Returns true if a point lies behind the far end of a zone, where no wall must stand.
     fn behind_a_zone(&self, point: DVec3) -> bool {
         let margin = self.reach + self.scene.spacing;
         patches(self.scene).any(|(patch, is_inlet)| {
@@ -235,7 +235,7 @@ pub fn patches(scene: &Scene) -> impl Iterator<Item = (&Patch, bool)> {
     inlets.chain(scene.outlets.iter().map(|outlet| (&outlet.patch, false)))
 }
 
-/// How far a point is outside of a patch's plane, m; negative inside the domain.
+/// Returns the distance of a point outside of a patch's plane, m; negative inside the domain.
 pub fn beyond(patch: &Patch, is_inlet: bool, point: DVec3) -> f64 {
     if is_inlet { -patch.along(point) } else { patch.along(point) }
 }
@@ -271,7 +271,7 @@ mod tests {
 
     use super::*;
 
-    /// What a row skips is what each of its points by itself would be.
+    /// Compares rows that are skipped as a whole with the same points taken one by one.
     #[test]
     fn rows_are_filled_as_their_points_one_by_one() {
         for name in

@@ -38,8 +38,8 @@ impl Inlet {
         }
     }
 
-    /// What the prescribed motion needs of gravity and pressure, dv/dt − ν ∇²v, m/s², at a point
-    /// (m) and time (s).
+    /// Returns the acceleration that gravity and pressure must supply for the prescribed motion,
+    /// dv/dt − ν ∇²v, m/s², at a point (m) and time (s).
     ///
     /// `spacing` (m) and `moment` (s) are the steps of the differences in the expressions: shorter
     /// than anything that an inlet resolves. The profile does not change along the flow; the second

@@ -28,13 +28,13 @@ pub struct Lattice {
     pub origin: DVec3,
     /// Distance of neighbours along each axis, m: Δ, and on periodic axes what divides the period.
     pub spacing: DVec3,
-    /// How plane walls lie in it.
+    /// Fits of plane walls to the lattice.
     pub fits: Vec<WallFit>,
     /// Largest distance of fluid particles from their place along each axis, in spacings.
     pub jitter: f64,
 }
 
-/// How a plane wall lies in the lattice.
+/// Fit of a plane wall to the lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallFit {
     /// Axis across the wall: 0, 1, 2 for x, y, z.
@@ -57,7 +57,7 @@ impl Lattice {
         point
     }
 
-    /// Where the particle of a cell is jittered to, m from its centre: even random numbers that
+    /// Returns the jitter of the particle of a cell, m from its centre: uniform random numbers that
     /// depend on the cell alone.
     pub fn offset(&self, cell: [i64; 3], dimensions: usize) -> DVec3 {
         let mut offset = DVec3::ZERO;

@@ -50,7 +50,7 @@ pub struct Scene {
     pub domain: Shape,
     /// Domain ∪ extruded zones: a particle outside it by more than a hair went through a wall.
     pub container: Shape,
-    /// How particles are laid into domain, zones and walls.
+    /// Layout of particles in domain, zones and walls.
     pub layout: Layout,
     /// Walls.
     pub walls: Walls,
@@ -68,7 +68,7 @@ pub struct Scene {
     pub reservoir: Reservoir,
     /// End and time step.
     pub time: TimeSettings,
-    /// What is written and when.
+    /// Output of a run and its times.
     pub output: OutputSettings,
     /// Velocity for Reynolds and Mach numbers, m/s: given in the scene or estimated from inlets and
     /// initial fields.
@@ -122,7 +122,7 @@ impl FluidProperties {
 /// Force per mass on the fluid, m/s².
 #[derive(Clone, Debug)]
 pub enum BodyForce {
-    /// The same everywhere.
+    /// Uniform force.
     Constant(DVec3),
     /// Components as expressions of x, y, z, t.
     Expression([Expression; 3]),
@@ -131,15 +131,15 @@ pub enum BodyForce {
 /// The walls of a scene: everything at the domain's surface that is neither patch nor periodic.
 #[derive(Clone, Debug)]
 pub struct Walls {
-    /// How they enter the sums.
+    /// Treatment of walls in the sums.
     pub model: WallModel,
     /// Parts, in the order of the scene; a wall particle's `patch` is an index into this. The first
     /// part is the rest.
     pub parts: Vec<WallPart>,
 }
 
-/// How particles are laid into domain, zones and walls: what [`seeds`](super::spawn::seeds) goes
-/// by.
+/// Layout of particles in domain, zones and walls, from which [`seeds`](super::spawn::seeds) makes
+/// them.
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// Arrangement of the particles.
@@ -153,7 +153,7 @@ pub struct Layout {
     pub wall_regions: Vec<Shape>,
     /// Cylinders whose wall particles stand on rings.
     pub rings: Vec<Rings>,
-    /// Whether there are walls at all.
+    /// True if there are walls at all.
     pub walled: bool,
 }
 
@@ -193,7 +193,7 @@ pub struct Inlet {
     pub velocity: InletVelocity,
     /// Pressure of inflow particles.
     pub pressure: InletPressure,
-    /// What follows them.
+    /// Supply of particles behind the zone.
     pub feed: Feed,
 }
 
@@ -241,7 +241,7 @@ pub enum InletVelocity {
 pub struct Outlet {
     /// Its plane and zone.
     pub patch: Patch,
-    /// What its particles do.
+    /// Condition of its particles.
     pub condition: OutletCondition,
 }
 
@@ -261,14 +261,14 @@ pub struct Initial {
 pub struct Reservoir {
     /// Particles at the start.
     pub initial: usize,
-    /// Whether what leaves is stored for what enters; else it is deleted, and what enters is
-    /// created.
+    /// True if particles that leave are stored and injected again; else they are deleted and new
+    /// ones created.
     pub recycle: bool,
-    /// What happens when an inlet needs a particle and there is none.
+    /// Action when an inlet needs a particle and there is none.
     pub when_empty: WhenEmpty,
 }
 
-/// What happens when the reservoir is empty.
+/// Action when the reservoir is empty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum WhenEmpty {
     /// It grows; the ledger counts the grown particles.
@@ -289,7 +289,7 @@ pub struct TimeSettings {
     pub viscous: f64,
 }
 
-/// What is written and when.
+/// Output of a run and its times.
 #[derive(Clone, Debug)]
 pub struct OutputSettings {
     /// Interval between frames, s.
@@ -298,7 +298,7 @@ pub struct OutputSettings {
     pub monitor_every: f64,
     /// Interval between checkpoints, s of wall time.
     pub checkpoint_every: f64,
-    /// How often the forces on bodies are written.
+    /// Interval at which the forces on bodies are written.
     pub forces: ForcesEvery,
     /// Probes.
     pub probes: Vec<Probe>,

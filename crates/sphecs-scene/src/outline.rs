@@ -20,7 +20,7 @@ use super::wall_particles::surface_at;
 /// A piece of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlinePoint {
-    /// Where it is, m.
+    /// Position, m.
     pub point: DVec3,
     /// Unit normal, into the fluid.
     pub normal: DVec3,

@@ -10,12 +10,12 @@ pub enum ProbeSight {
     /// The fluid's: beyond the plane of an inlet or outlet there is nothing.
     #[default]
     Fluid,
-    /// Those of the zones behind inlets and outlets, too, as the fluid next to them does.
+    /// Fluid and the particles of the zones behind inlets and outlets.
     Flow,
 }
 
 impl ProbeSight {
-    /// Whether the particles of a zone are seen.
+    /// Returns true if the particles of a zone are seen.
     pub fn sees(self, zone: Zone) -> bool {
         match self {
             ProbeSight::Fluid => zone == Zone::Fluid,
@@ -29,7 +29,7 @@ impl ProbeSight {
 pub struct Probe {
     /// Name, unique in the scene.
     pub name: String,
-    /// What is measured.
+    /// Measured quantity.
     pub kind: ProbeKind,
     /// Interval of the time mean in the results, s; None: no mean.
     pub mean: Option<(f64, f64)>,
@@ -37,7 +37,7 @@ pub struct Probe {
     pub sees: ProbeSight,
 }
 
-/// Where and what a probe measures: velocity, pressure and density.
+/// Place and quantities of a probe: velocity, pressure and density.
 #[derive(Clone, Debug)]
 pub enum ProbeKind {
     /// At one point, m.

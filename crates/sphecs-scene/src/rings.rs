@@ -17,7 +17,7 @@ use super::fill::{Place, wall_thickness};
 use super::model::Scene;
 use sphecs_core::particles::zone::Zone;
 
-/// Where the first ring of a cylinder is.
+/// Place of the first ring of a cylinder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum FirstRing {
     /// Half a spacing behind the surface.
@@ -44,7 +44,7 @@ pub struct Rings {
     pub centre: DVec3,
     /// Radius, m, > 0.
     pub radius: f64,
-    /// Where its first ring is.
+    /// Place of the first ring.
     pub first: FirstRing,
 }
 

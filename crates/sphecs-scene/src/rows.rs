@@ -42,7 +42,7 @@ pub fn points(scene: &Scene, lower: &Expression, upper: &Expression, rows: usize
     points
 }
 
-/// Where the domain begins and ends along x, zones left out, m.
+/// Returns the extent of the domain along x without zones, m.
 fn ends(scene: &Scene, low: f64, high: f64) -> (f64, f64) {
     let (domain_low, domain_high) = scene.domain.bounds();
     (domain_low.x.max(low), domain_high.x.min(high))

@@ -32,7 +32,7 @@ pub struct Wcsph {
     pub shifting: Shifting,
     /// p_b − p_a in place of p_a + p_b where p_a < 0.
     pub tensile_control: bool,
-    /// How particles advance.
+    /// Time integrator.
     pub integrator: Integrator,
 }
 
@@ -85,12 +85,13 @@ impl Scheme {
         }
     }
 
-    /// Whether particles carry a sub-particle stress.
+    /// Returns true if particles carry a sub-particle stress.
     pub fn has_stress(&self) -> bool {
         self.wcsph().is_some_and(|scheme| scheme.viscosity.needs().stress)
     }
 
-    /// Whether the fluid's kinematic viscosity ν acts; an artificial viscosity takes its place.
+    /// Returns true if the fluid's kinematic viscosity ν acts; an artificial viscosity takes its
+    /// place.
     pub fn is_viscous(&self) -> bool {
         self.wcsph().is_none_or(|scheme| scheme.viscosity.needs().fluid_viscosity)
     }

@@ -1,4 +1,4 @@
-//! What a scene will be, without running it: the figures of `sphecs check`.
+//! Properties of a scene, found without running it: the figures of `sphecs check`.
 
 use glam::DVec3;
 
@@ -41,7 +41,7 @@ pub struct Summary {
     /// The straight wall that lies worst in the lattice: axis, coordinate (m) and misfit in
     /// spacings.
     pub worst_fit: Option<(char, f64, f64)>,
-    /// What a reader should know: low sound speed, misfit, no free surface.
+    /// Remarks for the user: low sound speed, misfit, no free surface.
     pub notes: Vec<String>,
 }
 

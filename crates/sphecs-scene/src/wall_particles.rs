@@ -1,4 +1,4 @@
-//! Where wall particles stand behind their surface, and to which part of the wall they belong.
+//! Places of wall particles behind their surface, and the wall parts that they belong to.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use super::fill::confined_distance;
 use super::model::{Scene, WallPart};
 
 impl WallPart {
-    /// Whether its surface ever moves.
+    /// Returns true if its surface ever moves.
     pub fn moves(&self) -> bool {
         self.velocity.iter().any(|component| component.constant() != Some(0.0))
     }

@@ -39,7 +39,7 @@ pub struct PairSettings {
     pub noise_damping: f64,
     /// Shifting method, which decides the vector that is summed.
     pub shifting: Shifting,
-    /// Whether p_b − p_a takes the place of p_a + p_b where p_a < 0 and the support is full.
+    /// True if p_b − p_a takes the place of p_a + p_b where p_a < 0 and the support is full.
     pub tensile_control: bool,
     /// Treatment of walls in the sums.
     pub wall_model: WallModel,
@@ -65,9 +65,9 @@ pub enum PressureLaw {
 /// A wall part as the pair passes see it. Parts that are not listed are no-slip and at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallPartSettings {
-    /// Whether pairs with the part exert no viscous force.
+    /// True if pairs with the part exert no viscous force.
     pub free_slip: bool,
-    /// Whether the part takes the stress of the law of the wall.
+    /// True if the part takes the stress of the law of the wall.
     pub wall_function: bool,
 }
 
@@ -160,7 +160,7 @@ impl PairSettings {
         }
     }
 
-    /// Whether the density of a zone's particles is summed.
+    /// Returns true if the density of a zone's particles is summed.
     #[inline(always)]
     pub fn sums_density(&self, zone: Zone) -> bool {
         match (self.pressure, zone) {
@@ -175,12 +175,12 @@ impl PairSettings {
         self.wall_parts.get(usize::from(patch)).copied().unwrap_or_default()
     }
 
-    /// Whether any part of the wall takes the stress of the law of the wall.
+    /// Returns true if any part of the wall takes the stress of the law of the wall.
     pub fn has_wall_function(&self) -> bool {
         self.wall_parts.iter().any(|part| part.wall_function)
     }
 
-    /// Whether any part of the wall is free-slip.
+    /// Returns true if any part of the wall is free-slip.
     pub fn has_free_slip(&self) -> bool {
         self.wall_parts.iter().any(|part| part.free_slip)
     }

@@ -44,14 +44,14 @@ pub struct Edac {
     pub alpha: f64,
     /// Background pressure p_b over ρ0 c_s², dimensionless.
     pub background: f64,
-    /// Whether the mean pressure of the neighbours is subtracted.
+    /// True if the mean pressure of the neighbours is subtracted.
     pub average_pressure: bool,
-    /// Whether ν and ν_edac are divided by their lattice coefficient.
+    /// True if ν and ν_edac are divided by their lattice coefficient.
     pub lattice_normalised: bool,
     /// Rate r at which the pressure relaxes to that of the summed density, over c_s/h,
     /// dimensionless; 0 as published.
     pub relaxation: f64,
-    /// Whether the viscous sums have the published η² = 0.01 h² in the denominator.
+    /// True if the viscous sums have the published η² = 0.01 h² in the denominator.
     pub as_published: bool,
 }
 

@@ -14,11 +14,11 @@ pub struct Checker<'a> {
     text: &'a str,
     /// 2 or 3.
     pub dimensions: usize,
-    /// What was found.
+    /// Faults found so far.
     pub faults: Vec<Fault>,
     /// Tables that are there already, and those read from files: the path as written, and the text.
     pub tables: Vec<(String, String)>,
-    /// How many values were met that stand in for faulty ones.
+    /// Number of placeholders met in place of faulty values.
     placeholders: usize,
 }
 

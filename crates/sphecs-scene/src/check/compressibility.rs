@@ -1,4 +1,4 @@
-//! What is out of reach of a fluid of little compressibility.
+//! Limits of a weakly compressible fluid.
 
 use crate::faults::Fault;
 use crate::model::{Scene, Scheme};

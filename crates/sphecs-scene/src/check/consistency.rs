@@ -1,5 +1,4 @@
-//! What only the parts of a scene together show: memory, overlaps, openings, fields on the
-//! particles.
+//! Checks of the scene as a whole: memory, overlaps, openings, fields on the particles.
 
 use glam::DVec3;
 

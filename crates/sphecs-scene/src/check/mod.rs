@@ -34,7 +34,7 @@ pub mod walls;
 
 use checker::Checker;
 
-/// Where a scene came from.
+/// Source of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneSource<'a> {
     /// File stem, used for the run folder.
@@ -202,7 +202,7 @@ fn joined(mut shapes: Vec<Shape>) -> Shape {
     }
 }
 
-/// Whether the fill is a lattice: then it can be measured against the walls.
+/// Returns true if the fill is a lattice: then it can be measured against the walls.
 pub fn lattice(fill: &Fill) -> Option<&super::lattice::Lattice> {
     match fill {
         Fill::Lattice(lattice) => Some(lattice),

@@ -12,7 +12,7 @@ use crate::schema::{Number, Text, Vector};
 /// Longer zones than any flow needs; it bounds the particles in them.
 const MOST_LAYERS: f64 = 1e4;
 
-/// What patches are cut into.
+/// Domain that patches are cut into.
 #[derive(Clone, Copy, Debug)]
 pub struct Site<'a> {
     /// The domain.
@@ -25,11 +25,11 @@ pub struct Site<'a> {
     pub support: f64,
     /// 2 or 3.
     pub dimensions: usize,
-    /// Whether domain, spacing and kernel are sound; otherwise nothing is measured.
+    /// True if domain, spacing and kernel are sound; otherwise nothing is measured.
     pub sound: bool,
 }
 
-/// What the file says of a patch.
+/// Fields of a patch in the file.
 pub struct PatchFile<'a> {
     /// Name, or None.
     pub name: Option<&'a Text>,
@@ -43,7 +43,7 @@ pub struct PatchFile<'a> {
     pub depth: Option<&'a Number>,
     /// Layers of the zone if no length is given.
     pub layers: f64,
-    /// Whether the flow comes in.
+    /// True if the flow comes in.
     pub is_inlet: bool,
 }
 

@@ -72,7 +72,7 @@ pub fn measure(patch: &mut Patch, inwards: DVec3, site: &Site<'_>) {
     };
 }
 
-/// What a section in 3D is.
+/// Outline of a section in 3D.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outline {
     Rectangle,

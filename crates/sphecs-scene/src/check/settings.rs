@@ -141,7 +141,8 @@ pub fn references(file: &SceneFile, check: &mut Checker<'_>) {
     }
 }
 
-/// What follows from the rest of a sound scene: reservoir and references.
+/// Derives the values that follow from the rest of a scene without faults: reservoir and
+/// references.
 pub fn derive(scene: &mut Scene, file: &SceneFile) {
     let cell = scene.spacing.powi(scene.dimensions as i32 - 1);
     // What is filled once takes nothing from the reservoir.

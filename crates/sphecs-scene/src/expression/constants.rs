@@ -53,7 +53,7 @@ impl Constants {
         Expression::read(text, self)
     }
 
-    /// Why a constant cannot have this name, if it cannot.
+    /// Returns the reason why a constant cannot have this name, if there is one.
     pub fn refuses(name: &str) -> Option<&'static str> {
         let mut characters = name.chars();
         let begins_well = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');

@@ -1,4 +1,4 @@
-//! What can be asked of any shape: bounds, gradient, nearest surface point.
+//! Measures of any shape: bounds, gradient, nearest surface point.
 
 use glam::DVec3;
 

@@ -57,20 +57,20 @@ pub enum Shape {
     Bend(Bend),
     /// All that is in any of them.
     Union(Vec<Shape>),
-    /// What is in all of them.
+    /// Intersection of all of them.
     Intersection(Vec<Shape>),
-    /// What is in the first and not in the second.
+    /// Points in the first shape and not in the second.
     Difference(std::boxed::Box<Shape>, std::boxed::Box<Shape>),
     /// Turned, enlarged and moved: a point of the shape goes to
     /// `rotation · point · scale + origin`.
     Placed {
-        /// What is placed.
+        /// Shape that is placed.
         shape: std::boxed::Box<Shape>,
         /// Rotation.
         rotation: DMat3,
         /// Factor of enlargement.
         scale: f64,
-        /// Where the shape's origin goes, m.
+        /// Position of the shape's origin, m.
         origin: DVec3,
     },
     /// The section of a shape by a plane, drawn out along the plane's normal.
@@ -81,9 +81,9 @@ pub enum Shape {
         at: DVec3,
         /// Unit normal of the plane, out of the shape.
         outwards: DVec3,
-        /// How far it is drawn out, m.
+        /// Length of the extension, m.
         length: f64,
-        /// How far inside the shape the section is taken, m.
+        /// Distance inside the shape at which the section is taken, m.
         inset: f64,
     },
 }
@@ -117,9 +117,9 @@ impl Shape {
         }
     }
 
-    /// Whether a point is inside or within `tolerance` (m) of the surface. On the seam between
-    /// parts of a union that touch, the distance is 0 give or take rounding: with a tolerance it is
-    /// inside.
+    /// Returns true if a point is inside or within `tolerance` (m) of the surface. On the seam
+    /// between parts of a union that touch, the distance is 0 give or take rounding: with a
+    /// tolerance it is inside.
     pub fn contains(&self, point: DVec3, tolerance: f64) -> bool {
         self.signed_distance(point) <= tolerance
     }

@@ -13,8 +13,7 @@ use crate::faults::{Fault, nearest};
 pub struct Edited {
     /// The text as run.
     pub text: String,
-    /// What was put in: where it stands, fields written anew with their names, and by which path it
-    /// came.
+    /// Values put in: their places, new fields with their names, and their paths.
     put: Vec<(Span, String)>,
 }
 
@@ -126,7 +125,7 @@ fn child<'a>(node: &'a Node, segment: &str) -> Option<&'a Node> {
     }
 }
 
-/// Where a new field goes: behind the opening bracket of a struct.
+/// Returns the place of a new field: behind the opening bracket of a struct.
 fn body(node: &Node, segment: &str) -> Option<usize> {
     let is_name = segment.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && segment.chars().all(|c| c.is_alphanumeric() || c == '_');

@@ -10,14 +10,14 @@ use crate::faults::Fault;
 /// Deeper nesting than any scene needs; it bounds the recursion.
 const DEEPEST: usize = 48;
 
-/// What was read of a text.
+/// Result of reading a text.
 #[derive(Clone, Debug)]
 pub struct Reading {
     /// The values, [`Value::Broken`] where nothing could be read.
     pub root: Node,
     /// Syntax faults.
     pub faults: Vec<Fault>,
-    /// Whether brackets do not match: then what is in the tree, and what is not, means nothing.
+    /// True if brackets do not match: then what is in the tree, and what is not, means nothing.
     pub lost: bool,
 }
 
@@ -220,7 +220,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether `name:` comes next.
+    /// Returns true if `name:` comes next.
     fn field_next(&self, mut ahead: Cursor<'_>) -> bool {
         if ahead.skip_blanks().is_err() || ahead.name().is_empty() {
             return false;

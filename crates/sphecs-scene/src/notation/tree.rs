@@ -19,12 +19,12 @@ impl Span {
         Self { start, end }
     }
 
-    /// Whether the value stands in for a faulty or missing one.
+    /// Returns true if the value stands in for a faulty or missing one.
     pub fn is_placeholder(self) -> bool {
         self == Self::PLACEHOLDER
     }
 
-    /// Whether `inner` lies within.
+    /// Returns true if `inner` lies within.
     pub fn contains(self, inner: Span) -> bool {
         self.start <= inner.start && inner.end <= self.end
     }
@@ -33,9 +33,9 @@ impl Span {
 /// A value and its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// What it is.
+    /// Value of the node.
     pub value: Value,
-    /// Where it is.
+    /// Place in the text.
     pub span: Span,
 }
 
@@ -44,7 +44,7 @@ pub struct Node {
 pub struct Name {
     /// The name.
     pub text: String,
-    /// Where it is.
+    /// Place in the text.
     pub span: Span,
 }
 
@@ -92,7 +92,7 @@ impl Node {
         }
     }
 
-    /// What it is, in words.
+    /// Returns the kind of the value in words.
     pub fn kind(&self) -> String {
         match &self.value {
             Value::Broken => "unreadable".to_owned(),

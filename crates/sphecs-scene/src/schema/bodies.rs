@@ -28,7 +28,7 @@ pub struct BodyFile {
     /// second half of the run.
     #[serde(default)]
     pub mean: Option<Spanned<(Number, Number)>>,
-    /// Whether means, amplitudes and spectrum are of the coefficients' running mean over five rows,
+    /// True if means, amplitudes and spectrum are of the coefficients' running mean over five rows,
     /// default false.
     #[serde(default)]
     pub five_point_mean: bool,

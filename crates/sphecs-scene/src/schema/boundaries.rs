@@ -14,7 +14,7 @@ use sphecs_core::physics::wall::{Slip, WallModel};
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(rename = "Walls", deny_unknown_fields)]
 pub struct WallsFile {
-    /// How walls enter the sums.
+    /// Treatment of walls in the sums.
     #[serde(default)]
     pub model: WallModel,
     /// Slip condition.
@@ -50,12 +50,12 @@ pub struct WallPartFile {
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// How its particles stand behind the surface, default on the lattice of the fluid.
+    /// Arrangement of its particles behind the surface, default on the lattice of the fluid.
     #[serde(default)]
     pub fill: Option<Spanned<WallFillFile>>,
 }
 
-/// How the particles of a part of the walls stand behind its surface.
+/// Arrangement of the particles of a wall part behind its surface.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WallFillFile {
@@ -65,7 +65,7 @@ pub enum WallFillFile {
         center: Vector,
         /// Its radius, m.
         radius: Number,
-        /// Where the first ring is, default half a spacing behind the surface.
+        /// Place of the first ring, default half a spacing behind the surface.
         #[serde(default)]
         first: FirstRing,
     },
@@ -90,7 +90,7 @@ pub struct InletFile {
     /// Pressure of the inflow.
     #[serde(default)]
     pub pressure: InletPressure,
-    /// What follows the particles of its zone, default `Fed`; `Once` wants a `depth`.
+    /// Supply of particles behind its zone, default `Fed`; `Once` requires a `depth`.
     #[serde(default)]
     pub feed: Feed,
 }
@@ -161,7 +161,7 @@ pub struct OutletFile {
     /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.
     #[serde(default)]
     pub depth: Option<Number>,
-    /// What its particles do, default `WaveEquation()`.
+    /// Condition of its particles, default `WaveEquation()`.
     #[serde(default)]
     pub condition: Option<Spanned<OutletCondition>>,
 }

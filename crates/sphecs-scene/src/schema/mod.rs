@@ -1,4 +1,4 @@
-//! What may stand in a scene file: the types that RON is read into, before any check of values.
+//! Fields of a scene file: the types that RON is read into, before any check of values.
 //!
 //! Numbers may be literals or expressions of the constants in quotes; a [`Formula`] may also depend
 //! on x, y, z (m) and t (s). Vectors have as many components as the scene has dimensions.
@@ -88,9 +88,9 @@ pub struct SceneFile {
     /// Numerical scheme, default `Wcsph()`.
     #[serde(default)]
     pub scheme: SchemeFile,
-    /// What the fluid fills, zones of inlets and outlets not included.
+    /// Shape that the fluid fills, zones of inlets and outlets not included.
     pub domain: Spanned<ShapeFile>,
-    /// How it is filled, default `Lattice()`.
+    /// Arrangement of the fluid particles, default `Lattice()`.
     #[serde(default)]
     pub fill: Option<Spanned<FillFile>>,
     /// Everything at the domain's surface that is neither patch nor periodic, default no-slip
@@ -120,7 +120,7 @@ pub struct SceneFile {
     pub reservoir: ReservoirFile,
     /// End and time step.
     pub time: TimeFile,
-    /// What is written and when.
+    /// Output of a run and its times.
     pub output: OutputFile,
     /// Velocity and length of the Reynolds number, default estimated.
     #[serde(default)]
@@ -163,7 +163,7 @@ pub enum SchemeFile {
         /// p_b − p_a in place of p_a + p_b where p_a < 0, default true.
         #[serde(default)]
         tensile_control: Option<bool>,
-        /// How particles advance, default `KickDrift`.
+        /// Time integrator, default `KickDrift`.
         #[serde(default)]
         integrator: Option<Spanned<Integrator>>,
     },
@@ -181,7 +181,7 @@ pub enum SchemeFile {
         /// Background pressure over ρ0 c0², default 1.
         #[serde(default)]
         background: Option<Number>,
-        /// Whether the mean pressure of the neighbours is subtracted, default true.
+        /// True if the mean pressure of the neighbours is subtracted, default true.
         #[serde(default)]
         average_pressure: Option<bool>,
         /// Divide ν and ν_edac by their lattice coefficient, default true.
@@ -211,7 +211,7 @@ impl Default for SchemeFile {
     }
 }
 
-/// How the domain is filled with particles.
+/// Arrangement of the particles that fill the domain.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum FillFile {
@@ -221,7 +221,7 @@ pub enum FillFile {
         /// cells.
         #[serde(default)]
         anchor: Option<Vector>,
-        /// How far fluid particles stand off the lattice at the start, as a share of the spacing:
+        /// Largest displacement of fluid particles from the lattice at the start, over the spacing:
         /// each by an even random number from −jitter to jitter along each axis, always the same
         /// for the same place of the lattice. Default 0, at most 0.2.
         #[serde(default)]
@@ -256,14 +256,14 @@ pub struct InitialFile {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(rename = "Reservoir", deny_unknown_fields)]
 pub struct ReservoirFile {
-    /// How many, default as many as the inflow zones hold.
+    /// Number of particles, default as many as the inflow zones hold.
     #[serde(default)]
     pub particles: Option<Spanned<u64>>,
-    /// What happens when there are none.
+    /// Action when there are none.
     #[serde(default)]
     pub when_empty: WhenEmpty,
-    /// Whether what leaves is stored for what enters, default true; with false it is deleted, what
-    /// enters is created, and numbers of deleted particles are given anew.
+    /// True if particles that leave are stored and injected again, default true; with false they
+    /// are deleted and new ones created, with the free numbers.
     #[serde(default)]
     pub recycle: Option<Spanned<bool>>,
 }

@@ -6,7 +6,7 @@ use super::{Number, Text, Vector};
 use crate::model::{ForcesEvery, ProbeSight};
 use crate::notation::typed::Spanned;
 
-/// What is written and when.
+/// Output of a run and its times.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Output", deny_unknown_fields)]
 pub struct OutputFile {
@@ -15,7 +15,7 @@ pub struct OutputFile {
     /// Interval between rows of the monitor and the probes, s, default a tenth of `every`.
     #[serde(default)]
     pub monitor_every: Option<Number>,
-    /// How often the forces on bodies are written, default `Step`.
+    /// Interval at which the forces on bodies are written, default `Step`.
     #[serde(default)]
     pub forces: ForcesEvery,
     /// Interval between checkpoints, s of wall time, default 600.
@@ -32,17 +32,17 @@ pub struct OutputFile {
 pub struct ProbeFile {
     /// Name, unique in the scene.
     pub name: Text,
-    /// Where and what.
+    /// Place and quantities.
     pub kind: Spanned<ProbeKindFile>,
     /// Interval of the time mean, s.
     #[serde(default)]
     pub mean: Option<Spanned<(Number, Number)>>,
-    /// What it sees, default `Fluid`.
+    /// Particles that it measures, default `Fluid`.
     #[serde(default)]
     pub sees: ProbeSight,
 }
 
-/// Where and what a probe measures.
+/// Place and quantities of a probe.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ProbeKindFile {
@@ -57,7 +57,7 @@ pub enum ProbeKindFile {
         from: Vector,
         /// Last point, m.
         to: Vector,
-        /// How many, at least 2.
+        /// Number of points, at least 2.
         count: Spanned<u64>,
     },
     /// Mass flow and mean pressure through a plane section of the domain: what its particles carry,

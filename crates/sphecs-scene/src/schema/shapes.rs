@@ -68,15 +68,15 @@ pub enum ShapeFile {
     },
     /// All that is in any of them.
     Union(Spanned<Vec<ShapeFile>>),
-    /// What is in all of them.
+    /// Intersection of all of them.
     Intersection(Spanned<Vec<ShapeFile>>),
-    /// What is in the first and in none of the others.
+    /// Points in the first shape and in none of the others.
     Difference(Spanned<Vec<ShapeFile>>),
     /// Moved by a vector.
     Translated {
         /// Displacement, m.
         by: Vector,
-        /// What is moved.
+        /// Shape that is moved.
         shape: std::boxed::Box<ShapeFile>,
     },
     /// Turned about a point, in 2D, or an axis, in 3D.
@@ -89,14 +89,14 @@ pub enum ShapeFile {
         /// A fixed point, m, default the origin.
         #[serde(default)]
         about: Option<Vector>,
-        /// What is turned.
+        /// Shape that is rotated.
         shape: std::boxed::Box<ShapeFile>,
     },
     /// Enlarged about the origin.
     Scaled {
         /// Factor.
         factor: Number,
-        /// What is enlarged.
+        /// Shape that is scaled.
         shape: std::boxed::Box<ShapeFile>,
     },
 }

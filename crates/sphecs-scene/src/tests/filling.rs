@@ -1,4 +1,4 @@
-//! Where particles are put.
+//! Places of the filled particles.
 
 use glam::DVec3;
 

@@ -82,8 +82,7 @@ fn a_value_of_the_wrong_kind_is_a_fault() {
     assert!(advice(&[("fluid.viscosity", "(")]).contains("never closed"));
 }
 
-/// What stands in no file is said to come from the command line, whatever was put in before and
-/// behind it.
+/// Expects a value that is in no file to be reported as coming from the command line.
 #[test]
 fn a_fault_in_a_value_says_by_which_set_it_came() {
     let sets = [

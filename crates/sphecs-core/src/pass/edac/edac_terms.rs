@@ -110,7 +110,7 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
         }
     }
 
-    /// Whether a fixed shape has all terms of the scene.
+    /// Returns true if a fixed shape has all terms of the scene.
     #[inline(always)]
     pub fn fit_fixed_shapes(&self) -> bool {
         self.choices == EdacChoices::default()

@@ -6,7 +6,7 @@
 
 /// Terms of a pair loop that are known when it is compiled.
 pub(in crate::pass) trait LoopShape {
-    /// Whether the terms and columns are those of the shape. Otherwise they are those of the scene,
+    /// True if the terms and columns are those of the shape. Otherwise they are those of the scene,
     /// and the other constants, except the moments, do not count.
     const FIXED: bool = true;
     /// Particle noise is damped.

@@ -45,13 +45,13 @@ impl<L: Lanes> WallImage<L> {
         Self { factor, distance, walls, normal }
     }
 
-    /// Whether a neighbour belongs to a free-slip wall.
+    /// Returns true if a neighbour belongs to a free-slip wall.
     #[inline(always)]
     fn slips(&self) -> L::Mask {
         self.distance.less(L::constant(0.0))
     }
 
-    /// Whether a neighbour is a wall particle.
+    /// Returns true if a neighbour is a wall particle.
     #[inline(always)]
     fn is_wall(&self) -> L::Mask {
         L::constant(0.0).less(self.distance.abs())

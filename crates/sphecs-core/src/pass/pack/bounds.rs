@@ -39,8 +39,8 @@ impl<R: Real> Pack<R> {
 }
 
 impl<const D: usize> Bounds<D> {
-    /// Whether everything in the box is out of reach of a point, in units of h from the centre;
-    /// `limit` is the square of the support over h.
+    /// Returns true if everything in the box is out of reach of a point, in units of h from the
+    /// centre; `limit` is the square of the support over h.
     #[inline(always)]
     pub fn out_of_reach<R: Real>(&self, point: [R; D], limit: f64) -> bool {
         let mut square = 0.0;

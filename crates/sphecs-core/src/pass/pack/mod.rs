@@ -171,7 +171,7 @@ impl<R: Real> Pack<R> {
         (self.used_bits, self.lanes_per_bit) = mask::used_bits::<L>(self.len / L::COUNT);
     }
 
-    /// Whether no particle was packed.
+    /// Returns true if no particle was packed.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

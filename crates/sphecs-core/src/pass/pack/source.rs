@@ -42,7 +42,8 @@ impl<'a, R> Only<'a, R> {
         }
     }
 
-    /// Whether any of the rows is packed; true where the numbers before each row are not given.
+    /// Returns true if any of the rows is packed; true where the numbers before each row are not
+    /// given.
     #[inline(always)]
     pub(super) fn any(self, rows: &Range<usize>) -> bool {
         let positive = |before: &[u32]| (before[rows.end] - before[rows.start]) as usize;

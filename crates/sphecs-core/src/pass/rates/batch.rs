@@ -42,7 +42,7 @@ pub(super) struct BatchedRow<R, const D: usize> {
     pub row: usize,
     /// Velocity as the pass takes it, m/s.
     pub velocity: [R; D],
-    /// Whether a wall is in its support.
+    /// True if a wall is in its support.
     pub at_wall: bool,
 }
 

@@ -234,7 +234,7 @@ struct WcsphBlock<'b, 'a, L: Lanes, S, const D: usize> {
 }
 
 impl<L: Lanes, S: LoopShape, const D: usize> WcsphBlock<'_, '_, L, S, D> {
-    /// Whether the rates of several rows are written at once.
+    /// True if the rates of several rows are written at once.
     const BATCHED: bool = S::FIXED && !S::CORRECTS_DRIFT;
 
     /// Sums over a pack for a row and adds it to the batch.

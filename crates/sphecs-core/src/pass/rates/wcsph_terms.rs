@@ -112,7 +112,7 @@ impl<'a, L: Lanes, const D: usize> WcsphSettings<'a, L, D> {
         }
     }
 
-    /// Whether a fixed shape has all terms of the scene.
+    /// Returns true if a fixed shape has all terms of the scene.
     #[inline(always)]
     pub fn fit_fixed_shapes(&self) -> bool {
         self.choices == WcsphChoices::default()
@@ -226,7 +226,7 @@ struct WcsphPair<L, const D: usize> {
     image: WallImage<L>,
     /// x_ab·v_ab/h, m/s.
     product: L,
-    /// The same product with the image velocity in walls, m/s.
+    /// Product of the above with the image velocity in walls, m/s.
     image_product: L,
 }
 

@@ -131,12 +131,13 @@ impl Shifting {
         strength.if_out_of_bounds().into_iter().collect()
     }
 
-    /// Whether the shift keeps the part that neighbours share. True where nothing is shifted.
+    /// Returns true if the shift keeps the part that neighbours share. True where nothing is
+    /// shifted.
     pub fn keeps_drift(&self) -> bool {
         !self.needs().concentration_gradient
     }
 
-    /// Whether a shifted particle takes the velocity of the place that it is moved to.
+    /// Returns true if a shifted particle takes the velocity of the place that it is moved to.
     pub fn carries_velocity(&self) -> bool {
         self.needs().velocity_gradient
     }

@@ -63,7 +63,7 @@ pub struct ViscosityNeeds {
 pub struct ViscousTerms {
     /// α of the artificial viscosity, dimensionless; 0: none.
     pub artificial_alpha: f64,
-    /// Whether the laminar term has the published denominator r² + η².
+    /// True if the laminar term has the published denominator r² + η².
     pub as_published: bool,
 }
 

@@ -43,7 +43,7 @@ impl Context<'_> {
     }
 }
 
-/// Why a pass ended early.
+/// Signal that reading ended early.
 #[derive(Debug)]
 pub struct Abort {
     message: String,

@@ -24,7 +24,7 @@ pub struct Spanned<T> {
 }
 
 impl<T> Spanned<T> {
-    /// Whether it stands in for a faulty value.
+    /// Returns true if it is a placeholder for a faulty value.
     pub fn is_placeholder(&self) -> bool {
         self.span.is_placeholder()
     }
