@@ -396,7 +396,7 @@ fn neighbouring_folders_share_no_file_names() {
     for source in sources(&SOURCES) {
         let mut parts: Vec<&str> = source.path.split('/').collect();
         let (Some(name), Some(folder)) = (parts.pop(), parts.pop()) else { continue };
-        // A file of `check` has the checks of the file of that name in `schema`, and `tests` their tests.
+        // `check` has the checks of the file of that name in `schema`, `tests` their tests.
         let is_counterpart = matches!(folder, "check" | "tests") || parts.contains(&"tests");
         if !SHARED_NAMES.contains(&name) && !is_counterpart {
             places.entry((parts.join("/"), name.to_owned())).or_default().push(source.path.clone());

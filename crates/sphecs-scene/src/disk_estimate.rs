@@ -56,8 +56,8 @@ impl Demand {
 
     /// The interval of the frames with which a run would fit into so many bytes, s; None where the
     /// rows alone are too much.
-    pub fn fitting_interval(&self, every: f64, room: f64) -> Option<f64> {
-        let left = room - 2.0 * self.row_bytes - self.checkpoint_bytes;
+    pub fn fitting_interval(&self, every: f64, space: f64) -> Option<f64> {
+        let left = space - 2.0 * self.row_bytes - self.checkpoint_bytes;
         (left > 0.0).then(|| every * (2.0 * self.frame_bytes / left).max(1.0))
     }
 }
@@ -94,12 +94,12 @@ mod tests {
         let rows = ("output.monitor_every", "0.01");
         let scene = quickstart(&[("output.every", "1e-3"), rows]);
         let demand = Demand::of(&scene, None, None);
-        let room = 0.3 * demand.bytes();
-        let every = demand.fitting_interval(1e-3, room).expect("an interval");
+        let space = 0.3 * demand.bytes();
+        let every = demand.fitting_interval(1e-3, space).expect("an interval");
         let scene = quickstart(&[("output.every", &format!("{every:e}")), rows]);
         let fitted = Demand::of(&scene, None, None);
         // Two frames more than intervals: the first and the last.
-        assert!((fitted.bytes() / room - 1.0).abs() < 0.02, "{fitted:?} for {room}");
+        assert!((fitted.bytes() / space - 1.0).abs() < 0.02, "{fitted:?} for {space}");
         assert_eq!(demand.fitting_interval(1e-3, 1.0), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Floor 4: from a RON file to a scene that cannot be wrong.
+//! Scenes: from a RON file to a checked description without faults.
 //!
 //! ```text
 //! text ─ notation ─▶ tree with places ─ schema ─▶ SceneFile ─ check ─▶ Scene ─ spawn ─▶ particles

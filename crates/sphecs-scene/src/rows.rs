@@ -20,7 +20,7 @@ use super::model::Scene;
 pub fn points(scene: &Scene, lower: &Expression, upper: &Expression, rows: usize, reach: f64) -> Vec<DVec3> {
     let (low, high) = scene.layout.confines.bounds();
     let (start, end) = ends(scene, low.x, high.x);
-    // Beyond the domain the walls go on straight, as the zones do.
+    // Beyond the domain the walls extend straight, as the zones do.
     let walls = |x: f64| {
         let x = x.clamp(start, end);
         (lower.value(x, 0.0, 0.0, 0.0), upper.value(x, 0.0, 0.0, 0.0))

@@ -1,7 +1,8 @@
 //! Validation: named cases are run, measured and compared with their references.
 //!
 //! ```text
-//! case file ─ case (checked) ─▶ runs of shipped scenes ─ measures ─▶ figures ─ verdict ─▶ console, pages, plots, report.json
+//! case file ─ case (checked) ─▶ runs of shipped scenes ─ measures ─▶ figures
+//!     ─ verdict ─▶ console, pages, plots, report.json
 //! ```
 //!
 //! - [`schema`]: notation of a case file

@@ -3,7 +3,7 @@
 //! ```text
 //! S0  = Σ_b Δ^D W(r_b)                          density, itself included:    1 in the limit h ≫ Δ
 //! C_g = −Σ_b Δ^D x_b² F(r_b)                    gradient of a linear field:   1
-//! C_ν = −2 Σ_b Δ^D (x_b²/2) F(r_b) R(r_b)       Lo–Shao sum over ν ∇²v:       1,   R = r²/(r² + η²)
+//! C_ν = −2 Σ_b Δ^D (x_b²/2) F(r_b) R(r_b)   Lo–Shao sum over ν ∇²v:       1,   R = r²/(r² + η²)
 //! ```
 //!
 //! The Lo–Shao sum of a field v is 2 ν Σ V_b (v_a − v_b) F; for v = y²/2, whose Laplacian is 1, it

@@ -1,7 +1,8 @@
 //! Force and torque of the fluid on a body, a part of the wall.
 //!
 //! ```text
-//! F = −Σ_a m Σ_b f_ab,   T = −Σ_a m Σ_b (x_b − c) × f_ab,   (x_b − c) × f_ab = (x_a − c) × f_ab − x_ab × f_ab
+//! F = −Σ_a m Σ_b f_ab,   T = −Σ_a m Σ_b (x_b − c) × f_ab,
+//! (x_b − c) × f_ab = (x_a − c) × f_ab − x_ab × f_ab
 //! ```
 //!
 //! Over fluid particles a and the body's particles b; m f_ab is the force of the pair in the

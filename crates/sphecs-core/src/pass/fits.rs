@@ -1,7 +1,8 @@
 //! Fits of the fluid's fields at a point, over the neighbours in a pack.
 //!
 //! ```text
-//! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i(x_b − x))²   →   f(x) = c_0,   φ_0 = 1, the others 0 at x
+//! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i(x_b − x))²
+//! →   f(x) = c_0,   φ_0 = 1, the others 0 at x
 //! ```
 //!
 //! Moving least squares; with φ_0 alone it is the kernel mean, Σ V W f/Σ V W, over the fluid.

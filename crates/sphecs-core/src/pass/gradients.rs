@@ -1,7 +1,8 @@
 //! Velocity gradient of the flow, exact for linear fields.
 //!
 //! ```text
-//! G_ij = Σ_b V_b (v_b − v_a)_i ∂W/∂x_j,   M_kj = −Σ_b V_b x_ab,k ∂W/∂x_j,   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj
+//! G_ij = Σ_b V_b (v_b − v_a)_i ∂W/∂x_j,   M_kj = −Σ_b V_b x_ab,k ∂W/∂x_j,
+//! ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj
 //! ```
 //!
 //! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok

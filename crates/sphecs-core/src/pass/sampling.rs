@@ -2,7 +2,8 @@
 //! linear one.
 //!
 //! ```text
-//! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i((x_b − x)/h))²   →   f(x) = c_0,   φ = 1, ξ, η, …, ξ², ξη, η², …
+//! minimise Σ_b V_b W_b (f_b − Σ_i c_i φ_i((x_b − x)/h))²
+//! →   f(x) = c_0,   φ = 1, ξ, η, …, ξ², ξη, η², …
 //! ```
 //!
 //! Moving least squares: Liu & Liu (2006), as Negi et al. (2020), Eq. 22, use it with a linear

@@ -1,7 +1,8 @@
 //! Velocities in the viscous term of the fluid where walls are dummy particles.
 //!
 //! ```text
-//! ṽ_w = Σ_b v_b W_wb / Σ_b W_wb   over fluid, inflow and outflow;   velocity of the dummy: physics/wall/dummy.rs
+//! ṽ_w = Σ_b v_b W_wb / Σ_b W_wb   over fluid, inflow and outflow;
+//! velocity of the dummy: physics/wall/dummy.rs
 //! ```
 //!
 //! Adami et al. (2012), Eqs. 22 and 23. All other particles enter with their own velocity. A wall

@@ -1,7 +1,8 @@
 //! Pressure and density of the wall particles, extrapolated from the flow.
 //!
 //! ```text
-//! p_w = Σ_b [p_b + ρ_b (g − a_wall)·x_wb] W_wb / Σ_b W_wb,   ρ_w by the inverse of Tait, where the pressure is Tait's
+//! p_w = Σ_b [p_b + ρ_b (g − a_wall)·x_wb] W_wb / Σ_b W_wb,
+//! ρ_w by the inverse of Tait, where the pressure is Tait's
 //! ```
 //!
 //! Adami et al. (2012), Eq. 27, over fluid, inflow and outflow. A wall particle without such a

@@ -3,8 +3,10 @@
 //! ```text
 //! V_a     = S0/Σ W,   ρ_a = m/V_a,   S_ab = V_a² + V_b²
 //! dv_a/dt = (1/m) Σ S_ab [−p̃_ab ∇W + ½ (A_a + A_b)·∇W + η̃_ab v_ab F]
-//! p̃_ab    = (ρ_b p_a + ρ_a p_b)/(ρ_a + ρ_b) − p̄_a,   A = ρ v ⊗ w,   η̃_ab = 2 ν ρ_a ρ_b/(ρ_a + ρ_b)
-//! dp_a/dt = ρ_a c_s² Σ V_b v_ab·∇W + (1/m) Σ S_ab η̃ᵉ_ab (p_a − p_b) F + r [c_s² (ρ_a − ρ0) − p_a],
+//! p̃_ab    = (ρ_b p_a + ρ_a p_b)/(ρ_a + ρ_b) − p̄_a,
+//! A = ρ v ⊗ w,   η̃_ab = 2 ν ρ_a ρ_b/(ρ_a + ρ_b)
+//! dp_a/dt = ρ_a c_s² Σ V_b v_ab·∇W + (1/m) Σ S_ab η̃ᵉ_ab (p_a − p_b) F
+//!           + r [c_s² (ρ_a − ρ0) − p_a],
 //!           ν_edac = α h c_s/8 in η̃ᵉ,   r = 0 by default
 //! dx_a/dt = v_a + w_a,   w_a = −Δt (p_b/m) Σ S_ab ∇W,   F = (dW/dr)/r ≤ 0
 //! ```

@@ -66,7 +66,7 @@ mod tests {
     fn density_inverts_pressure() {
         for density in [970.0, 999.999, 1000.0, 1012.5] {
             let back = WATER.density(WATER.pressure(density));
-            assert!((back - density).abs() < 1e-9, "{density} came back as {back}");
+            assert!((back - density).abs() < 1e-9, "{density} became {back}");
         }
     }
 

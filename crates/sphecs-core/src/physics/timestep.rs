@@ -1,7 +1,8 @@
 //! Size of a time step.
 //!
 //! ```text
-//! Δt = min( C min_a √(h/|dv_a/dt|),  C min_a h/(c_a + max_b |h x_ab·v_ab/(r² + η²)|),  C_ν h²/ν,  C_λ/max_a λ_a )
+//! Δt = min( C min_a √(h/|dv_a/dt|),  C min_a h/(c_a + max_b |h x_ab·v_ab/(r² + η²)|),
+//!          C_ν h²/ν,  C_λ/max_a λ_a )
 //! λ_a = Σ 4 ν m_b/(ρ_a + ρ_b) |F| (1 + d_b/d_a)
 //! ```
 //!

@@ -1,9 +1,11 @@
 //! Particles of a saved state: the arrays, and the values that only the components have.
 //!
 //! ```text
-//! arrays.*      rows in their order, or by number after a caller changed components: zone, patch, flags,
+//! arrays.*      rows in their order, or by number after a caller changed components:
+//!               zone, patch, flags,
 //!               positions, velocities at both time levels, density, pressure, walls
-//! particle.*    by number, free numbers included: tag, passages, whether it returned through an inlet
+//! particle.*    by number, free numbers included: tag, passages,
+//!               whether it returned through an inlet
 //! wall.*        distance and normal of the wall particles, in double precision
 //! stored.*      the reservoir in the order in which it is emptied, from its end
 //! grid.*        the box of the cell grid, which follows from the initial particles

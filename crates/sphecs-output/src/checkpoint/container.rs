@@ -5,7 +5,8 @@
 //! version    u32, of this layout
 //! facts      u32 length, MessagePack, u32 CRC-32
 //! count      u32, number of columns
-//! column     u16 length and UTF-8 of the name, u8 length and name of the type, u64 bytes, values, u32 CRC-32 of all that
+//! column     u16 length and UTF-8 of the name, u8 length and name of the type, u64 bytes,
+//!            values, u32 CRC-32 of all that
 //! digest     32 bytes, SHA-256 of all before it
 //! ```
 //!

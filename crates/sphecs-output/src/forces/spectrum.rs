@@ -1,7 +1,8 @@
 //! Frequency of an unevenly sampled lift coefficient by a least-squares periodogram.
 //!
 //! ```text
-//! P(f) = [Σ y cos ω(t − τ)]²/Σ cos² ω(t − τ) + [Σ y sin ω(t − τ)]²/Σ sin² ω(t − τ),   tan 2ωτ = Σ sin 2ωt/Σ cos 2ωt
+//! P(f) = [Σ y cos ω(t − τ)]²/Σ cos² ω(t − τ) + [Σ y sin ω(t − τ)]²/Σ sin² ω(t − τ),
+//! tan 2ωτ = Σ sin 2ωt/Σ cos 2ωt
 //! ```
 //!
 //! Lomb (1976), Scargle (1982), of y minus its mean. Time steps vary, so a Fourier transform would

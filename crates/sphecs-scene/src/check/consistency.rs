@@ -73,7 +73,7 @@ fn too_empty(
     )
 }
 
-/// More particles than memory or particle numbers allow, judged by the domain alone.
+/// More particles than memory or particle numbers allow, estimated from the domain alone.
 pub fn too_many(
     (domain, dimensions): (&Shape, usize),
     scheme: &Scheme,

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_flux_over_a_slantwise_inlet_is_a_speed() {
+    fn a_uniform_flux_over_an_oblique_inlet_is_a_speed() {
         let turned = CHANNEL
             .replace("Box(min: (0.0, 0.0), max: (0.4, 0.413))", "Rotated(angle: 20, shape: Box(min: (0.0, 0.0), max: (0.4, 0.413)))")
             .replace("(at: (0.0, 0.2), towards: (1.0, 0.0)", "(at: (\"-0.2*sin(pi/9)\", \"0.2*cos(pi/9)\"), towards: (\"cos(pi/9)\", \"sin(pi/9)\")")

@@ -183,7 +183,7 @@ fn outside_is_free(
                 Fault::new(
                     "the opening is not a plane end of the domain",
                     file.at.span,
-                    format!("at {} the domain goes on beyond it", printed(point, site.dimensions)),
+                    format!("at {} the domain extends beyond it", printed(point, site.dimensions)),
                 )
                 .help("an inlet or outlet must be where a straight piece of the domain ends"),
             );

@@ -118,7 +118,7 @@ pub fn reservoir(file: &ReservoirFile, check: &mut Checker<'_>) -> Reservoir {
             check.report(Fault::new(
                 format!("`{what}` of a reservoir that takes nothing"),
                 recycle.span,
-                format!("is `false`: what leaves is deleted, so that `{what}` must not be given"),
+                format!("is `false`: particles that leave are deleted, so that `{what}` must not be given"),
             ));
         };
         if file.particles.is_some() {

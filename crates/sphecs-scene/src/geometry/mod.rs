@@ -7,7 +7,7 @@
 //!
 //! Outside, the distance to a primitive and to a union is exact. Inside a union and on either side
 //! of an intersection or difference it is a lower bound in size; its sign is right everywhere. To
-//! add a shape: a room with its distance, a variant and an arm here, a variant in the schema.
+//! add a shape: a module with its distance, a variant and an arm here, a variant in the schema.
 
 use glam::{DMat3, DVec2, DVec3};
 

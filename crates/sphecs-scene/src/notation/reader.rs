@@ -1,6 +1,6 @@
 //! Text → tree, with all syntax faults.
 //!
-//! After a fault the reader goes on behind the next comma of the same bracket, so that one run
+//! After a fault the reader continues behind the next comma of the same bracket, so that one run
 //! names every fault. When brackets do not match it stops: what follows would be guesses.
 
 use super::lexer::Cursor;
@@ -197,7 +197,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `(…)`: named fields or a tuple, told apart by `name:` at the first item.
+    /// `(…)`: named fields or a tuple, distinguished by `name:` at the first item.
     fn brackets(&mut self, name: Option<Name>) -> Value {
         let open = self.cursor.here();
         let mut inside = self.cursor.clone();

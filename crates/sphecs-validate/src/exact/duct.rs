@@ -1,7 +1,8 @@
 //! Developed laminar flow in a rectangular duct, |y| ≤ a, |z| ≤ b.
 //!
 //! ```text
-//! u = (16 f a²/(ν π³)) Σ_i (−1)^((i−1)/2) [1 − cosh(i π z/2a)/cosh(i π b/2a)] cos(i π y/2a)/i³,   i = 1, 3, 5, …
+//! u = (16 f a²/(ν π³)) Σ_i (−1)^((i−1)/2) [1 − cosh(i π z/2a)/cosh(i π b/2a)]
+//!     cos(i π y/2a)/i³,   i = 1, 3, 5, …
 //! ```
 //!
 //! Shah & London (1978), chapter VII, with the force per mass f in place of the pressure gradient

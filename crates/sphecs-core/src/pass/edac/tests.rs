@@ -150,7 +150,7 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
     Reference { acceleration, background, pressure_rate, divergence, damping }
 }
 
-/// A stirred block of fluid on a wall, checked row by row against the reference.
+/// A disordered block of fluid on a wall, checked row by row against the reference.
 fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
     let mut sample = sample::<f64, D>(pair, counts, false);
     stir(&mut sample);

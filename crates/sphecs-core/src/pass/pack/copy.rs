@@ -18,7 +18,8 @@ impl<R: Real> Pack<R> {
             for d in 0..D {
                 origin[d] = self.centre[d] - shift[d];
             }
-            // SAFETY: `reserve` made room for all candidates, each run rounded up to whole vectors.
+            // SAFETY: `reserve` reserved space for all candidates, each run rounded up to whole
+            // vectors.
             unsafe {
                 let to = base.add(len);
                 // The last rows of the arrays are copied before they are read.
@@ -76,8 +77,8 @@ impl<R: Real> Pack<R> {
                     for column in 0..D + columns {
                         let values =
                             if column < D { x[column] } else { L::read(&source.columns[column - D][row..]) };
-                        // SAFETY: `reserve` made room for all candidates, each run rounded up to
-                        // whole vectors.
+                        // SAFETY: `reserve` reserved space for all candidates, each run rounded up
+                        // to whole vectors.
                         unsafe { values.compress(near, base.add(column * self.stride + len)) };
                     }
                 }
@@ -93,7 +94,7 @@ impl<R: Real> Pack<R> {
 /// from the first row on.
 ///
 /// # Safety
-/// If `WHOLE`, the columns must have so many rows. There must be room for whole vectors at `to`.
+/// If `WHOLE`, the columns must have so many rows. There must be space for whole vectors at `to`.
 #[inline(always)]
 unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
     source: &Source<L::Real, D>,

@@ -40,7 +40,7 @@ impl<'a, L: Lanes> Entries<'a, L> {
     }
 
     /// Returns the vector that starts at a lane of those that are left. One may start at any lane:
-    /// the columns have room for one more vector behind the last.
+    /// the columns have space for one more vector behind the last.
     #[inline(always)]
     pub(super) fn at(&self, lane: usize) -> Entry<'a, L> {
         debug_assert!(lane < self.left * L::COUNT);

@@ -159,7 +159,7 @@ impl<R: Real> Pack<R> {
         };
         let base = self.storage[self.begin..].as_mut_ptr();
         for column in 0..D + columns {
-            // SAFETY: `reserve` left room for one more vector after all candidates. The other
+            // SAFETY: `reserve` left space for one more vector after all candidates. The other
             // columns of the padding must be finite, so they repeat the first particle.
             unsafe {
                 let first = base.add(column * self.stride);
@@ -225,7 +225,7 @@ impl<R: Real> Pack<R> {
         rows.len().next_multiple_of(L::COUNT)
     }
 
-    /// Makes room for `rows` entries in each of `columns` columns.
+    /// Reserves space for `rows` entries in each of `columns` columns.
     fn reserve(&mut self, rows: usize, columns: usize) {
         let needed = rows.next_multiple_of(LINE) + LINE;
         if needed > self.stride {

@@ -4,7 +4,8 @@
 //! velocity of a shifted particle. The same loop sums ∇C for a shift without drift.
 //!
 //! ```text
-//! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,   w = −(1/r) dW/dr,   ‾ = Σ_b w_b …/Σ_b w_b, b ≠ a
+//! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,
+//! w = −(1/r) dW/dr,   ‾ = Σ_b w_b …/Σ_b w_b, b ≠ a
 //! G_ik = Σ_b w_b (v_b − v̄)_i (x_b − x̄)_k,   M_kj = Σ_b w_b (x_b − x̄)_k (x_b − x̄)_j
 //! s_a  = Σ_b V_b ∇W,   V_b = m/ρ_b of the step before
 //! ```

@@ -57,7 +57,7 @@ fn strain_of_a_linear_flow_is_exact_beside_walls_and_faces_and_density_is_the_sa
 }
 
 /// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along
-/// x by `drawn` Δ, and stirred by `noise` Δ.
+/// x by `drawn` Δ, and disordered by `noise` Δ.
 fn shifts(drift_correction: DriftCorrection, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
     let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction });
     let pair = PairSettings { shifting, ..settings(Kernel::WendlandC2, 2, 1.5) };

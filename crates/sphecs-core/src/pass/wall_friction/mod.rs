@@ -1,8 +1,10 @@
 //! Friction of walls whose boundary layer the spacing does not resolve.
 //!
 //! ```text
-//! ũ_w = Σ_b v_b w_wb / Σ_b w_wb − v_wall, its tangential part;   ỹ_w = Σ_b y_b w_wb / Σ_b w_wb,   y_b = (x_b − x_w)·n_w − d_w
-//! F_w = −ρ_w u_τ² Δ^(D−1) ũ_w/|ũ_w|   where d_w < Δ, else 0;   u_τ(|ũ_w|, ỹ_w): physics/wall/law.rs
+//! ũ_w = Σ_b v_b w_wb / Σ_b w_wb − v_wall, its tangential part;
+//! ỹ_w = Σ_b y_b w_wb / Σ_b w_wb,   y_b = (x_b − x_w)·n_w − d_w
+//! F_w = −ρ_w u_τ² Δ^(D−1) ũ_w/|ũ_w|   where d_w < Δ, else 0;
+//! u_τ(|ũ_w|, ỹ_w): physics/wall/law.rs
 //! dv_a/dt += (1/m) Σ_w F_w w_aw / Σ_b w_wb
 //! ```
 //!

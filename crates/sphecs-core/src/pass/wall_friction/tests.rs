@@ -1,3 +1,5 @@
+//! Tests of the wall friction: balance of momentum and the law of the wall.
+
 use glam::DVec3;
 
 use super::*;
@@ -154,7 +156,7 @@ fn a_resolved_shear_has_its_own_stress_wherever_the_lattice_is_cut() {
         let shear = 1e-2;
         for row in 0..sample.particles.len() {
             if sample.particles.zone[row] == Zone::Fluid {
-                // Periodic in y too: what stands above has the wall's other side beneath it, too
+                // Periodic in y too: a particle above has the wall's other side beneath it, too
                 // far off to be met.
                 let height = -sample.particles.wall_distance[row];
                 sample.particles.velocity[0][row] = 0.8 * shear * height;

@@ -169,11 +169,13 @@ mod tests {
     #[test]
     fn variants_are_named_in_no_other_file() {
         let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        for (enumeration, home) in [("Viscosity::", "viscosity/mod.rs"), ("Shifting::", "shifting/mod.rs")] {
+        for (enumeration, own_file) in
+            [("Viscosity::", "viscosity/mod.rs"), ("Shifting::", "shifting/mod.rs")]
+        {
             for variant in ["Laminar", "Artificial", "Sps", "Fickian", "Local", "Vacondio"] {
                 let mut found = Vec::new();
                 files_with(&crates, &format!("{enumeration}{variant}"), &mut found);
-                found.retain(|path| !path.ends_with(home) && !path.ends_with("tests.rs"));
+                found.retain(|path| !path.ends_with(own_file) && !path.ends_with("tests.rs"));
                 assert!(found.is_empty(), "{enumeration}{variant} is named in {found:?}");
             }
         }

@@ -68,7 +68,7 @@ impl<'de> Deserialize<'de> for IgnoredKey {
     }
 }
 
-/// Something that can be read before its place is told.
+/// Something that can be read before its place is known.
 pub(super) trait Content<'de> {
     fn read<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, Abort>;
 }

@@ -199,8 +199,8 @@ fn noise_damping_slows_a_single_particle_and_no_linear_flow() {
     assert!((0.5..1.2).contains(&(-slowed / rate)), "{} of the rate", -slowed / rate);
 }
 
-/// Results of a stirred periodic box.
-fn stirred<R: Real, const D: usize>(
+/// Results of a disordered periodic box.
+fn disordered<R: Real, const D: usize>(
     set: InstructionSet,
     kernel: Kernel,
     counts: [usize; D],
@@ -218,11 +218,11 @@ fn stirred<R: Real, const D: usize>(
 fn instruction_sets_agree() {
     let sets = InstructionSet::available();
     for kernel in Kernel::ALL {
-        let flat = stirred::<f64, 2>(InstructionSet::PORTABLE, kernel, [23, 17]);
-        let deep = stirred::<f64, 3>(InstructionSet::PORTABLE, kernel, [9, 8, 11]);
+        let flat = disordered::<f64, 2>(InstructionSet::PORTABLE, kernel, [23, 17]);
+        let deep = disordered::<f64, 3>(InstructionSet::PORTABLE, kernel, [9, 8, 11]);
         for &set in &sets {
-            assert_close(&stirred::<f64, 2>(set, kernel, [23, 17]), &flat, 1e-12, set.name());
-            assert_close(&stirred::<f64, 3>(set, kernel, [9, 8, 11]), &deep, 1e-12, set.name());
+            assert_close(&disordered::<f64, 2>(set, kernel, [23, 17]), &flat, 1e-12, set.name());
+            assert_close(&disordered::<f64, 3>(set, kernel, [9, 8, 11]), &deep, 1e-12, set.name());
         }
     }
 }
@@ -233,10 +233,20 @@ fn single_precision_agrees_with_double() {
     // over by Tait.
     let tolerance = 2e-5;
     for set in InstructionSet::available() {
-        let single = stirred::<f32, 2>(set, Kernel::WendlandC2, [23, 17]);
-        assert_close(&single, &stirred::<f64, 2>(set, Kernel::WendlandC2, [23, 17]), tolerance, set.name());
-        let single = stirred::<f32, 3>(set, Kernel::WendlandC2, [9, 8, 11]);
-        assert_close(&single, &stirred::<f64, 3>(set, Kernel::WendlandC2, [9, 8, 11]), tolerance, set.name());
+        let single = disordered::<f32, 2>(set, Kernel::WendlandC2, [23, 17]);
+        assert_close(
+            &single,
+            &disordered::<f64, 2>(set, Kernel::WendlandC2, [23, 17]),
+            tolerance,
+            set.name(),
+        );
+        let single = disordered::<f32, 3>(set, Kernel::WendlandC2, [9, 8, 11]);
+        assert_close(
+            &single,
+            &disordered::<f64, 3>(set, Kernel::WendlandC2, [9, 8, 11]),
+            tolerance,
+            set.name(),
+        );
     }
 }
 
@@ -269,7 +279,7 @@ fn a_narrow_period_equals_its_replicas() {
 fn any_number_of_threads_is_bitwise_identical() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| stirred::<f64, 2>(InstructionSet::best(), Kernel::WendlandC2, [90, 90]))
+        pool.install(|| disordered::<f64, 2>(InstructionSet::best(), Kernel::WendlandC2, [90, 90]))
     };
     let alone = run(1);
     for threads in [2, 3] {

@@ -137,7 +137,8 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
     Reference { acceleration, shift, divergence, signal: WATER.sound_speed_at(rho_a) + signal, damping }
 }
 
-/// A stirred block of fluid on a wall, with a moving lid, checked row by row against the reference.
+/// A disordered block of fluid on a wall, with a moving lid, checked row by row against the
+/// reference.
 fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
     let mut sample = Sample::<f64, D>::lattice(pair, counts, false);
     sample.stir(0.3, 1.0);
