@@ -221,7 +221,7 @@ fn every_file_is_a_module_and_every_module_has_a_head() {
         };
         let parents = [format!("{folder}/mod.rs"), format!("{folder}/lib.rs"), format!("{folder}.rs")];
         let parent = all.iter().find(|other| parents.contains(&other.path));
-        if !parent.is_some_and(|parent| find(&parent.tokens, &["mod", name, ";"]).next().is_some()) {
+        if parent.is_none_or(|parent| find(&parent.tokens, &["mod", name, ";"]).next().is_none()) {
             faults.push(format!(
                 "{}:1: no module declares it: add `mod {name};` to {}",
                 source.path, parents[0]

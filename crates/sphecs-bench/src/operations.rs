@@ -174,7 +174,7 @@ mod tests {
     struct Counted(f64);
 
     impl Counted {
-        fn counted(value: f64) -> Self {
+        fn of_operation(value: f64) -> Self {
             OPERATIONS.set(OPERATIONS.get() + 1);
             Self(value)
         }
@@ -185,7 +185,7 @@ mod tests {
             impl $operator for Counted {
                 type Output = Self;
                 fn $function(self, other: Self) -> Self {
-                    Self::counted(self.0 $sign other.0)
+                    Self::of_operation(self.0 $sign other.0)
                 }
             }
         )* };
@@ -238,7 +238,7 @@ mod tests {
             Self(self.0.abs())
         }
         fn sqrt(self) -> Self {
-            Self::counted(self.0.sqrt())
+            Self::of_operation(self.0.sqrt())
         }
         fn dispatch<T: Vectorised<Self>>(_: InstructionSet, task: T) -> T::Output {
             task.run::<Array<Self, 1>>()

@@ -6,7 +6,7 @@ use crate::model::Scene;
 use sphecs_core::boundary::outlet::OutletCondition;
 
 fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneErrors> {
-    Scene::from_file(&path("constricted_r2.ron")).sets(sets).load()
+    Scene::from_file(path("constricted_r2.ron")).sets(sets).load()
 }
 
 fn sound(sets: &[(&str, &str)]) -> Scene {

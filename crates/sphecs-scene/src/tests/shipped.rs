@@ -42,12 +42,12 @@ fn sound(scene: Result<Scene, SceneErrors>) -> Scene {
 
 /// A shipped scene.
 pub fn scene(name: &str) -> Scene {
-    sound(Scene::from_file(&path(name)).load())
+    sound(Scene::from_file(path(name)).load())
 }
 
 /// A shipped scene at its smoke spacing.
 pub fn smoke(name: &str) -> Scene {
-    sound(Scene::from_file(&path(name)).smoke().load())
+    sound(Scene::from_file(path(name)).smoke().load())
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn what_is_as_fast_as_sound_is_a_fault() {
     let text = SOUND.replace(wcsph, "EdacTvf(background: 10)");
     let faults = faults_of(&text);
     assert_eq!(faults.faults()[0].title, "the time step is too long for the background pressure");
-    if let Err(faults) = Scene::from_text("t", &text.replace("cfl: 0.3", "cfl: 0.25")).load() {
+    if let Err(faults) = Scene::from_text("t", text.replace("cfl: 0.3", "cfl: 0.25")).load() {
         panic!("at the limit it is allowed: {faults:?}");
     }
 }
