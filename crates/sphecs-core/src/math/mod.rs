@@ -1,6 +1,6 @@
 //! Mathematics below the physics: it knows particles only as rows of numbers.
 //!
-//! - [`column`]: named columns of numbers, the form in which a state is saved
+//! - [`mod@column`]: named columns of numbers, the form in which a state is saved
 //! - [`grid`]: the cell grid, its counting sort and the search for neighbours
 //! - [`kernel`]: smoothing kernels
 //! - [`lanes`]: SIMD vectors of every instruction set behind one trait

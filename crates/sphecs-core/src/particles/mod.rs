@@ -5,7 +5,7 @@
 //! - [`rows`]: one particle of the arrays as vectors
 //! - [`sample`]: the fluid's fields at a point
 //! - [`saved`]: the columns in a checkpoint
-//! - [`table`]: the macro behind the table of columns
+//! - `table`: the macro behind the table of columns
 //! - [`zone`]: the five zones
 
 pub mod arrays;

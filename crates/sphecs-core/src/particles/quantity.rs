@@ -1,6 +1,6 @@
 //! Columns of one quantity of the particles: one column for a scalar, one per axis for a vector.
 //!
-//! Everything that the table of columns ([`table`](super::table)) generates goes through these two
+//! Everything that the table of columns (`table`) generates goes through these two
 //! traits: reading and writing a particle, and the form that a checkpoint keeps.
 
 use glam::DVec3;

@@ -7,7 +7,7 @@
 //!
 //! Over fluid particles a and the body's particles b; m f_ab is the force of the pair in the
 //! momentum sum of the scheme, so that the body gains what the fluid loses: Negi et al. (2020),
-//! Eqs. 37 and 38, from the fluid's side. The loop is the fused one ([`fused`](super::fused)) over
+//! Eqs. 37 and 38, from the fluid's side. The loop is the fused one (`fused`) over
 //! a pack that holds the body alone. The part along x_ab due to pressure is the pressure part; all
 //! other terms, viscous and turbulent stress and that of the transport velocity, are the viscous
 //! part.

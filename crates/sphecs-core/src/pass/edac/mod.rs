@@ -1,7 +1,7 @@
 //! Rates of the fluid under `EdacTvf`, where the pressure evolves.
 //!
 //! The equations are in `physics/edac.rs`: Negi et al. (2020), Eqs. 6–11. The integrator adds the
-//! body force. The pair loop is that of [`fused`](super::fused); `edac_terms.rs` calls the terms.
+//! body force. The pair loop is that of `fused`; `edac_terms.rs` calls the terms.
 //! Volumes in the loop are in units of that of the lattice.
 
 mod edac_columns;

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Alvarado-Rodríguez et al. (2017), Eqs. 10 and 18. The integrator adds the body force. The pair
-//! loop is that of [`fused`](super::fused); `wcsph_terms.rs` calls the terms, which are in
+//! loop is that of `fused`; `wcsph_terms.rs` calls the terms, which are in
 //! `physics/`. Loops of a fixed shape finish several rows at once (`batch.rs`).
 
 mod batch;
