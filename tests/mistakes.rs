@@ -93,7 +93,7 @@ fn masked(line: &str, before: &str, behind: &str) -> String {
 
 /// The message for a scene, without colours.
 fn message(text: &str) -> String {
-    let faults = match Scene::from_text("scene.ron", text).load() {
+    let faults = match Scene::from_text("scene.ron", text).memory(16.0e9).load() {
         Ok(_) => return "none".to_owned(),
         Err(faults) => faults,
     };
@@ -102,7 +102,7 @@ fn message(text: &str) -> String {
         .with_width(120)
         .render_report(&mut report, &faults)
         .expect("a text takes all");
-    // What is free on this machine, and what would fit into it, are other figures on the next.
+    // Figures of memory change with the bytes that a particle takes.
     let cut =
         report.lines().map(|line| masked(&masked(line, "; ", " GB are free"), "at least `", "`, or begin"));
     cut.collect::<Vec<_>>().join("\n")
