@@ -70,7 +70,10 @@ mod tests {
     fn values_in_their_range_have_no_fault() {
         assert_eq!(ConditionFault::unless_finite("pressure", -3.0, "Pa"), None);
         assert_eq!(ConditionFault::unless_positive("time", 3.0, "s"), None);
-        assert!(ConditionFault::unless_finite("pressure", f64::NAN, "Pa").is_some());
-        assert!(ConditionFault::unless_positive("time", f64::INFINITY, "s").is_some());
+        let text = |fault: Option<ConditionFault>| fault.expect("a fault").to_string();
+        let unbounded = ConditionFault::unless_finite("pressure", f64::NAN, "Pa");
+        assert_eq!(text(unbounded), "`pressure` is NaN Pa, must be finite");
+        let endless = ConditionFault::unless_positive("time", f64::INFINITY, "s");
+        assert_eq!(text(endless), "`time` is inf s, must be finite and greater than 0");
     }
 }

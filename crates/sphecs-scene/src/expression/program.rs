@@ -153,13 +153,17 @@ mod tests {
     }
 
     #[test]
-    fn the_deepest_expression_that_is_read_has_a_program() {
-        let mut text = "x".to_owned();
-        for _ in 0..20 {
-            text = format!("min(x, 1 + ({text}))");
-        }
+    fn every_depth_that_is_read_has_a_program() {
         let constants = super::super::Constants::default();
-        let read = super::super::parser::read(&text, &constants);
-        assert!(read.is_err() || Program::new(&read.expect("a tree")).is_some());
+        let mut text = "x".to_owned();
+        let mut depths = 0;
+        for depth in 1..200 {
+            text = format!("min(x, 1 + ({text}))");
+            let Ok(tree) = super::super::parser::read(&text, &constants) else { break };
+            let program = Program::new(&tree).unwrap_or_else(|| panic!("no program at depth {depth}"));
+            assert_eq!(program.value([1.0, 0.0, 0.0, 0.0]), 1.0, "at depth {depth}");
+            depths = depth;
+        }
+        assert!(depths > 0, "not even one call is read");
     }
 }
