@@ -1,5 +1,7 @@
-//! The validated scene: what a simulation is built from. Made only by [`SceneLoader::load`](super::SceneLoader::load); a
-//! value of these types obeys the rules that their doc lines state.
+//! The validated scene: what a simulation is built from.
+//!
+//! Made only by [`SceneLoader::load`](super::SceneLoader::load); a value of these types obeys the
+//! rules that their doc lines state.
 //!
 //! Vectors are `DVec3` in 2D too, with z = 0 everywhere.
 

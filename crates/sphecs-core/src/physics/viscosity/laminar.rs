@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Lo & Shao (2002), as in Alvarado-Rodríguez et al. (2017), Eq. 10. Published there with
-//! F r²/(r² + η²), η² = 0.01 h²: that is the option `as_published`, which loses 1 to 1.5 % of ν; F is finite
-//! at r = 0 without it. Conserves linear momentum exactly, angular momentum not.
+//! F r²/(r² + η²), η² = 0.01 h²: that is the option `as_published`, which loses 1 to 1.5 % of ν; F
+//! is finite at r = 0 without it. Conserves linear momentum exactly, angular momentum not.
 
 use serde::{Deserialize, Serialize};
 
