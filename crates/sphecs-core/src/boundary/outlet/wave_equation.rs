@@ -234,10 +234,12 @@ impl WaveCondition {
             set_real_vector(&mut zone.arrays.acceleration, row, wave.sums.rate(&setting));
             let mut concentration = wave.concentration;
             // The support is empty beyond the far end: the normal part would empty the zone.
-            if zone.patch.along(zone.arrays.position_of(row)) > zone.patch.depth - zone.pair.support() {
+            if zone.patch.along(zone.arrays.position_of(row))
+                > zone.patch.depth - zone.pair.discretisation.support
+            {
                 concentration -= setting.normal * concentration.dot(setting.normal);
             }
-            set_real_vector(&mut zone.sums.shift, row, concentration);
+            zone.sums.set_outflow_shift(row, concentration);
         }
     }
 
