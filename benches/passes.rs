@@ -63,7 +63,13 @@ impl<R: Real, const D: usize> Flow<R, D> {
             Discretisation::new(Kernel::WendlandC2, D, SPACING, ratio, tait.reference_density);
         let pair = PairSettings { viscosity: 1e-6, ..PairSettings::new(&discretisation, tait) };
         let upper = [count as f64 * SPACING; D];
-        let grid = CellGrid::new([0.0; D], upper, [true; D], pair.discretisation.support, pair.discretisation.cell_size());
+        let grid = CellGrid::new(
+            [0.0; D],
+            upper,
+            [true; D],
+            pair.discretisation.support,
+            pair.discretisation.cell_size(),
+        );
         let mut particles = ParticleArrays::default();
         for index in 0..count.pow(D as u32) {
             let mut rest = index;

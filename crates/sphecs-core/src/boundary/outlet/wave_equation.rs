@@ -31,12 +31,12 @@ use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, Ref
 use super::non_reflecting::NonReflecting;
 use super::outflow_zone::OutflowZone;
 use super::pressure::OutletPressure;
-use crate::boundary::condition_fault::ConditionFault;
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::particles::rows::set_real_vector;
 use crate::pass::fits::PointFit;
 use crate::pass::waves::{WaveFound, sum_waves};
+use crate::physics::parameter_fault::ParameterFault;
 use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator, WaveSetting};
 
 /// Smallest number of outflow particles per thread.
@@ -112,7 +112,7 @@ impl OutletParameters for WaveEquation {
         self.wave().references()
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         self.pressure.faults()
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn shift<R: Real, const D: usize>(
     sums: Res<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| scheme.shifting != Shifting::Off) else {
+    let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| !scheme.shifting.is_off()) else {
         return;
     };
     let shifting = scheme.shifting;
