@@ -8,7 +8,7 @@ use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::particles::zone::Zone;
 
 /// Memory of a particle in components, arrays, cell list and output, B: a generous round figure
-/// (docs/performance.md).
+/// (docs/book/src/guides/speed.md).
 pub const BYTES_PER_PARTICLE: f64 = 500.0;
 
 /// Bytes of a particle in a frame before compression: its position in f64, velocity, density,
