@@ -86,7 +86,8 @@ fn words(line: &str) -> Vec<String> {
     found
 }
 
-fn texts() -> Vec<String> {
+/// Returns the paths of all checked texts.
+pub fn texts() -> Vec<String> {
     let mut paths: Vec<PathBuf> = Vec::new();
     for place in TEXTS {
         let path = root().join(place);

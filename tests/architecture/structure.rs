@@ -318,49 +318,6 @@ fn functions_are_measured_from_name_to_brace() {
 }
 
 #[test]
-fn map_is_short_and_names_paths_that_exist() {
-    let lines = read("ARCHITECTURE.md").lines().count();
-    let mut faults = Vec::new();
-    if lines > 150 {
-        faults.push(format!("ARCHITECTURE.md:150: has {lines} lines, must have at most 150"));
-    }
-    for document in ["ARCHITECTURE.md", "README.md", "CONTRIBUTING.md", "docs/REFERENCES.md"] {
-        for (number, line) in read(document).lines().enumerate() {
-            for name in line.split('`').skip(1).step_by(2).filter(|name| is_path(name)) {
-                let name = name.trim_start_matches("./").trim_end_matches('/');
-                if !root().join(name).exists() {
-                    faults.push(format!(
-                        "{document}:{}: names `{name}`, which does not exist: mend the path or the tree",
-                        number + 1
-                    ));
-                }
-            }
-        }
-    }
-    expect_none(&faults);
-}
-
-/// Folders of the repository: a quoted word of a document that begins with one is meant as a path.
-const FOLDERS: [&str; 11] = [
-    "crates/",
-    "src/",
-    "tests/",
-    "scenes/",
-    "docs/",
-    "assets/",
-    "benches/",
-    "scripts/",
-    "examples/",
-    "python/",
-    ".ci/",
-];
-
-fn is_path(name: &str) -> bool {
-    let is_plain = name.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c));
-    is_plain && FOLDERS.iter().any(|folder| name.trim_start_matches("./").starts_with(folder))
-}
-
-#[test]
 fn no_test_is_ignored() {
     let mut faults = Vec::new();
     for source in sources(&["crates", "src", "tests"]) {

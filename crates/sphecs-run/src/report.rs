@@ -265,7 +265,7 @@ fn near_outlet(scene: &Scene, diverged: &DivergedParticle) -> Option<String> {
     let along = outlet.patch.along(diverged.position) / scene.spacing;
     let side = if along < 0.0 { "upstream" } else { "downstream" };
     Some(format!(
-        "\nit is {} Δ {side} of the plane of outlet {number}, `{}`, which may be the cause: see docs/which_outlet.md",
+        "\nit is {} Δ {side} of the plane of outlet {number}, `{}`, which may be the cause: see docs/choosing_an_outlet.md",
         significant(along.abs()),
         outlet.condition.parameters().name()
     ))

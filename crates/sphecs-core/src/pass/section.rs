@@ -9,9 +9,9 @@
 //! smoothed along the normal. With the density smoothed in the same way mass is conserved exactly:
 //! a steady flow has the same q in every section, whatever the position of its walls on the
 //! lattice. Without w it would not: next to sharp edges shifting moves the fluid as a whole
-//! (docs/noise.md). A sum of interpolated values over the section conserves mass less well: between
-//! walls oblique to the lattice it was up to 4 % too large. Over layers of particles that are Δ
-//! apart M4 sums to one wherever the plane lies.
+//! (docs/notebook/2026-11-23-noise.md). A sum of interpolated values over the section conserves
+//! mass less well: between walls oblique to the lattice it was up to 4 % too large. Over layers of
+//! particles that are Δ apart M4 sums to one wherever the plane lies.
 
 use std::collections::HashSet;
 

@@ -112,7 +112,7 @@ impl OutletCondition {
 }
 
 impl Default for OutletCondition {
-    /// Returns the condition that the comparison in docs/which_outlet.md recommends for both
+    /// Returns the condition that the comparison in docs/choosing_an_outlet.md recommends for both
     /// schemes.
     fn default() -> Self {
         OutletCondition::WaveEquation(WaveEquation::default())

@@ -11,12 +11,12 @@
 //! only.
 //!
 //! With `shown: Frozen`, as published, the fluid sees the velocity of the crossing, which is not
-//! the velocity of the motion. One might expect that the pressure of `EdacTvf`, which the
-//! divergence drives, should rather see v_ex, `shown: Carried`. The opposite is true. A zone that
-//! yields to an acoustic wave as the fluid does, under a pressure that stays, is the open end of a
-//! pipe and reflects a pulse fully. If its velocity stays as well, it is half an open and half a
-//! closed end (docs/outlets.md has the figures). Under `Wcsph`, whose pressure follows from
-//! densities, both are the same open end.
+//! the velocity of the motion. One might expect v_ex, `shown: Carried`, to suit the pressure of
+//! `EdacTvf` better, since the divergence drives it. The opposite is true. A zone whose particles
+//! follow an acoustic wave under a constant pressure is the open end of a pipe and reflects a pulse
+//! fully. With a constant velocity as well, it is half an open and half a closed end (figures:
+//! docs/notebook/2026-11-24-outlets.md). Under `Wcsph`, whose pressure follows from densities, both
+//! are the same open end.
 //!
 //! The zone starts with the flow, so nothing blocks it; the pressure has no anchor.
 

@@ -17,8 +17,8 @@
 //! is exact for linear fields whatever the weights of the neighbours. So all weigh the same, and
 //! the density of the step need not be known yet. s needs volumes and takes those of the step
 //! before, which differ by what acoustic waves change in a step. With equal volumes s would contain
-//! the gradient of the pressure, of which the mean over the support leaves the short waves, next to
-//! edges (docs/noise.md).
+//! the gradient of the pressure. Subtracting its mean over the support leaves the short waves next
+//! to edges (docs/notebook/2026-11-23-noise.md).
 
 mod pending;
 mod row;

@@ -10,10 +10,10 @@
 //! Where a flow is stretched its lattice is, too, and ∇C contains ½ ∇·M (M = −Σ V_b x_ab ∇W, the
 //! unit matrix on a lattice at rest). That part does not make the distribution more even: it is a
 //! drift of the fluid as a whole, for which the velocities of a steady flow compensate
-//! (docs/noise.md). [`DriftCorrection::On`] subtracts the mean of the neighbourhood from ∇C: a wave
-//! of wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform of the kernel, so that next to
-//! nothing remains of waves much longer than the support and next to all of a wave of two spacings.
-//! The correction is our own; no source has it.
+//! (docs/notebook/2026-11-23-noise.md). [`DriftCorrection::On`] subtracts the mean of the
+//! neighbourhood from ∇C: a wave of wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform
+//! of the kernel, so that next to nothing remains of waves much longer than the support and next to
+//! all of a wave of two spacings. The correction is our own; no source has it.
 
 use serde::{Deserialize, Serialize};
 

@@ -26,9 +26,9 @@ use oblique_waves::{ObliqueSetting, ObliqueWaves};
 use plane_waves::{PlaneSetting, PlaneWaves};
 use propagation::Propagation;
 
-/// Travel times of sound along the section over which the velocity at its points is followed.
-/// Longer, and more of a vortex counts as sound; shorter, and less of the sound does
-/// (docs/outlets.md).
+/// Travel times of sound along the section over which the velocity at its points is followed. A
+/// longer time takes more of a vortex for sound, a shorter one less of the sound
+/// (docs/notebook/2026-11-24-outlets.md).
 const CROSSINGS: f64 = 1.0;
 
 /// Layers upstream of the sampled points that their mean represents: the outer part of the support

@@ -19,8 +19,8 @@
 //! 0.03 at 45° and 0.11 at 60°. A field that varies along the plane and slowly in time is a vortex:
 //! there J3 = −J2, and the outlet does not act on the pressure. Their third approximation, R = ((1
 //! − cos θ)/(1 + cos θ))³, responds to the velocity of a slow vortex with ⅓ ρ0 c0 v', orders of
-//! magnitude above its pressure, and reverses it before it leaves; it reflects a fifth less at 45°
-//! (docs/outlets.md).
+//! magnitude above its pressure, and reverses it before it leaves. It reflects a fifth less at 45°
+//! (docs/notebook/2026-11-24-outlets.md).
 //!
 //! u' follows the flow in two stages within τ, the travel time of sound along the section: nothing
 //! of a vortex that stays is taken for sound. Waves that are not plane propagate along a channel
