@@ -15,7 +15,7 @@ use std::error::Error;
 
 use serde::{Deserialize, Serialize};
 use sphecs::glam::DVec3;
-use sphecs::outlet::{ConditionFault, OutflowState, OutflowZone, OutletMethod, OutletParameters, Real};
+use sphecs::outlet::{OutflowState, OutflowZone, OutletMethod, OutletParameters, ParameterFault, Real};
 use sphecs::{Plugin, PluginContext, Scene, Simulation};
 
 /// Outlet with the impedance of a channel that continues:
@@ -47,8 +47,8 @@ impl OutletParameters for Impedance {
         "Impedance"
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
-        ConditionFault::unless_positive("time", self.time, "s").into_iter().collect()
+    fn faults(&self) -> Vec<ParameterFault> {
+        ParameterFault::unless_positive("time", self.time, "s").into_iter().collect()
     }
 }
 

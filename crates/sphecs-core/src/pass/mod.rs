@@ -22,12 +22,13 @@
 //! threads. Each ordered pair is computed for its own particle: no scatter, no lock.
 //!
 //! Beside the passes: [`blocks`] (parallel loops over blocks and parts), [`body`] (force and torque
-//! on a body), [`neighbours`] (neighbours of a point, one by one), [`settings`] (the scene in the
+//! on a body), [`column_access`] (which pass reads which columns), [`neighbours`] (neighbours of a point, one by one), [`settings`] (the scene in the
 //! form of plain values), [`sums`] (columns that the passes write) and [`wall_velocity`]
 //! (velocities of dummy walls).
 
 pub mod blocks;
 pub mod body;
+pub mod column_access;
 pub mod density;
 pub mod edac;
 pub mod fits;

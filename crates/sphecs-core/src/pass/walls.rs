@@ -118,7 +118,7 @@ where
         source: &Source<'_, R, D>,
         row: usize,
     ) -> f64 {
-        let force = (self.force)(self.particles, row).map(|g| g * self.pair.smoothing_length);
+        let force = (self.force)(self.particles, row).map(|g| g * self.pair.discretisation.smoothing_length);
         mean_pressure::<K, L, D>(pack, pack.relative(source, row), force)
     }
 
@@ -200,7 +200,7 @@ mod tests {
             let hydrostatic = |height: f64| 50.0 - 1000.0 * 10.0 * height;
             let mut sample = over_a_wall(pair, hydrostatic);
             extrapolate(&mut sample, [0.0, -10.0]);
-            let reach = sample.pair.support();
+            let reach = sample.pair.discretisation.support;
             for row in 0..sample.particles.len() {
                 let height = sample.particles.position[1][row] + 0.3;
                 let found = sample.particles.pressure[row];

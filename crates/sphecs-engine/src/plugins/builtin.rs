@@ -32,7 +32,6 @@ use crate::systems::wcsph::rates::{add_wall_friction, sum_density, sum_gradients
 use crate::systems::wcsph::shift::shift;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
-use sphecs_core::physics::shifting::Shifting;
 use sphecs_scene::model::{ProbeKind, Scene, Scheme};
 
 /// Adds the systems of the engine for a scene in the precision `R` and in `D` dimensions.
@@ -90,7 +89,7 @@ fn add_wcsph<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
 fn stores_drift(scene: &Scene) -> bool {
     let has_sections =
         scene.output.probes.iter().any(|probe| matches!(probe.kind, ProbeKind::Section { .. }));
-    let shifts = scene.scheme.wcsph().is_some_and(|scheme| scheme.shifting != Shifting::Off);
+    let shifts = scene.scheme.wcsph().is_some_and(|scheme| !scheme.shifting.is_off());
     has_sections && shifts
 }
 

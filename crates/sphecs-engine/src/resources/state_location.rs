@@ -8,6 +8,7 @@ use super::pair_sums::Sums;
 use crate::arrays::Arrays;
 use crate::transfer;
 use sphecs_core::math::real::Real;
+use sphecs_core::pass::column_access::AfterPasses;
 
 /// Location of the current particle state.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub fn scatter<R: Real, const D: usize>(world: &mut World) {
         world.resource_scope(|world, arrays: Mut<Arrays<R, D>>| {
             transfer::scatter(world, &arrays);
             world.resource_scope(|world, sums: Mut<Sums<R, D>>| {
-                transfer::scatter_stress(world, &arrays.id, &sums.0.stress);
+                transfer::scatter_stress(world, &arrays.id, sums.0.stress.read(AfterPasses));
             });
         });
         world.insert_resource(StateLocation::Both);

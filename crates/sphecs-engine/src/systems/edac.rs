@@ -18,6 +18,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
+use sphecs_core::pass::column_access::AfterPasses;
 use sphecs_core::pass::density;
 use sphecs_core::pass::edac;
 use sphecs_core::physics::edac::Edac;
@@ -49,7 +50,7 @@ pub(crate) fn sum_volumes<R: Real, const D: usize>(
     let scene = &*scene.0;
     let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, -1.0)).zip(&rows.inflow);
     let outlets = scene.outlets.iter().map(|outlet| (&outlet.patch, 1.0)).zip(&rows.outflow);
-    let full_support_until = |patch: &Patch| patch.depth - pair.0.support();
+    let full_support_until = |patch: &Patch| patch.depth - pair.0.discretisation.support;
     for ((patch, outwards), rows) in inlets.chain(outlets) {
         for &row in rows {
             if outwards * patch.along(arrays.position_of(row as usize)) > full_support_until(patch) {
@@ -101,7 +102,13 @@ pub(crate) fn kick_and_drift<R: Real, const D: usize>(
         found.largest_damping,
     );
     let scheme = KickDrift { time_step, previous_time_step: zones.clock.time_step };
-    advance_fluid(scheme, arrays, &sums.0.shift, &sums.0.pressure_rate, lanes);
+    advance_fluid(
+        scheme,
+        arrays,
+        sums.0.shift.read(AfterPasses),
+        sums.0.pressure_rate.read(AfterPasses),
+        lanes,
+    );
     zones.finish_step(time_step, arrays);
 }
 
@@ -253,7 +260,7 @@ pub(crate) fn shift_outlets<R: Real, const D: usize>(
     let longest = LONGEST_SHIFT * scene.0.discretisation.spacing;
     for &row in rows.outflow.iter().flatten() {
         let row = row as usize;
-        let concentration = sums.0.shift.each_ref().map(|column| column[row].to_f64());
+        let concentration = sums.0.shift.read(AfterPasses).each_ref().map(|column| column[row].to_f64());
         let length = strength.abs() * concentration.iter().map(|x| x * x).sum::<f64>().sqrt();
         let share = if length > longest { longest / length } else { 1.0 };
         for axis in 0..D {

@@ -33,7 +33,7 @@ pub(crate) fn sort_particles<R: Real, const D: usize>(
     match built {
         Ok(order) => arrays.reorder(order, &mut buffers.0),
         Err(row) => {
-            failure.outside_grid(arrays, row, pair.0.support());
+            failure.outside_grid(arrays, row, pair.0.discretisation.support);
             return;
         }
     }

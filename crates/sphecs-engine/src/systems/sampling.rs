@@ -9,6 +9,7 @@ use crate::arrays::Arrays;
 use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::state_location;
+use crate::systems::boundaries::walls::find_dummy_velocity;
 use crate::systems::edac::sum_volumes;
 use crate::systems::neighbours::sort_particles;
 use crate::systems::wcsph::rates::{sum_density, sum_gradients};
@@ -28,6 +29,7 @@ pub(crate) fn refresh<R: Real, const D: usize>(world: &mut World) {
     for run in [
         |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
         |world: &mut World| world.run_system_cached(sum_density::<R, D>),
+        |world: &mut World| world.run_system_cached(find_dummy_velocity::<R, D>),
         |world: &mut World| world.run_system_cached(sum_gradients::<R, D>),
     ] {
         // A system fails to run only if a resource is missing, and the builder inserts all of them.
@@ -67,5 +69,9 @@ pub(crate) fn sample<R: Real, const D: usize>(
 
 /// Returns the mass flows through sections along their normals, kg/s (per metre of depth in 2D).
 pub(crate) fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
-    section::mass_flows(world.resource::<Arrays<R, D>>(), world.resource::<Pair>().0.mass, sections)
+    section::mass_flows(
+        world.resource::<Arrays<R, D>>(),
+        world.resource::<Pair>().0.discretisation.mass,
+        sections,
+    )
 }

@@ -18,8 +18,8 @@ pub mod prescribed;
 
 use serde::{Deserialize, Serialize};
 
-use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
+use crate::physics::parameter_fault::ParameterFault;
 use extrapolated::Extrapolated;
 use inflow_zone::InflowZone;
 use prescribed::Prescribed;
@@ -68,7 +68,7 @@ pub trait InletMethod {
     fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
 
     /// Returns the parameters that the condition cannot work with.
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         Vec::new()
     }
 }
@@ -80,7 +80,7 @@ impl InletPressure {
     }
 
     /// Returns the parameters that are out of range.
-    pub fn faults(self) -> Vec<ConditionFault> {
+    pub fn faults(self) -> Vec<ParameterFault> {
         with_pressure!(self, method => method.faults())
     }
 }

@@ -6,8 +6,8 @@
 
 use super::InletMethod;
 use super::inflow_zone::InflowZone;
-use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// The given pressure, Pa.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,8 +19,8 @@ impl InletMethod for Prescribed {
         zone.set(1.0, |_, _, _| pressure);
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
-        ConditionFault::unless_finite("pressure", self.0, "Pa").into_iter().collect()
+    fn faults(&self) -> Vec<ParameterFault> {
+        ParameterFault::unless_finite("pressure", self.0, "Pa").into_iter().collect()
     }
 }
 

@@ -26,9 +26,9 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Length beyond the support, in spacings, over which the condition averages the fluid: a particle
 /// that crosses has been averaged long enough for its mean to settle.
@@ -95,12 +95,12 @@ impl OutletParameters for Hybrid {
         References { velocity: self.velocity.unwrap_or(0.0), pressure: self.pressure }
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         let velocity =
-            self.velocity.and_then(|velocity| ConditionFault::unless_positive("velocity", velocity, "m/s"));
-        let pressure = ConditionFault::unless_finite("pressure", self.pressure, "Pa");
+            self.velocity.and_then(|velocity| ParameterFault::unless_positive("velocity", velocity, "m/s"));
+        let pressure = ParameterFault::unless_finite("pressure", self.pressure, "Pa");
         let is_long_enough = self.steps.is_finite() && self.steps >= 1.0;
-        let steps = ConditionFault::unless(is_long_enough, "steps", self.steps, "", "finite and at least 1");
+        let steps = ParameterFault::unless(is_long_enough, "steps", self.steps, "", "finite and at least 1");
         velocity.into_iter().chain(pressure).chain(steps).collect()
     }
 }

@@ -9,8 +9,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::outflow_zone::OutflowZone;
-use crate::boundary::condition_fault::ConditionFault;
 use crate::math::real::Real;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameters of an outlet condition, as a scene states them.
 pub trait OutletParameters: Debug + Send + Sync {
@@ -29,7 +29,7 @@ pub trait OutletParameters: Debug + Send + Sync {
     }
 
     /// Returns the parameters that the condition cannot work with.
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         Vec::new()
     }
 }

@@ -143,7 +143,7 @@ impl<R: Real, const D: usize> OutflowZone<'_, R, D> {
     pub fn clear_rates(&mut self) {
         for &row in self.rows {
             set_real_vector(&mut self.arrays.acceleration, row as usize, DVec3::ZERO);
-            set_real_vector(&mut self.sums.shift, row as usize, DVec3::ZERO);
+            self.sums.set_outflow_shift(row as usize, DVec3::ZERO);
         }
     }
 }

@@ -31,12 +31,12 @@ use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, Ref
 use super::non_reflecting::NonReflecting;
 use super::outflow_zone::OutflowZone;
 use super::pressure::OutletPressure;
-use crate::boundary::condition_fault::ConditionFault;
 use crate::math::lattice::ETA_SQUARED;
 use crate::math::real::Real;
 use crate::particles::rows::set_real_vector;
 use crate::pass::fits::PointFit;
 use crate::pass::waves::{WaveFound, sum_waves};
+use crate::physics::parameter_fault::ParameterFault;
 use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator, WaveSetting};
 
 /// Smallest number of outflow particles per thread.
@@ -112,7 +112,7 @@ impl OutletParameters for WaveEquation {
         self.wave().references()
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         self.pressure.faults()
     }
 }
@@ -234,10 +234,12 @@ impl WaveCondition {
             set_real_vector(&mut zone.arrays.acceleration, row, wave.sums.rate(&setting));
             let mut concentration = wave.concentration;
             // The support is empty beyond the far end: the normal part would empty the zone.
-            if zone.patch.along(zone.arrays.position_of(row)) > zone.patch.depth - zone.pair.support() {
+            if zone.patch.along(zone.arrays.position_of(row))
+                > zone.patch.depth - zone.pair.discretisation.support
+            {
                 concentration -= setting.normal * concentration.dot(setting.normal);
             }
-            set_real_vector(&mut zone.sums.shift, row, concentration);
+            zone.sums.set_outflow_shift(row, concentration);
         }
     }
 

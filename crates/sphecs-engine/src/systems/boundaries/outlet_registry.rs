@@ -6,9 +6,9 @@ use std::fmt;
 use bevy_ecs::resource::Resource;
 
 use super::outlets::{RunningCondition, WithMemory};
-use sphecs_core::boundary::condition_fault::ConditionFault;
 use sphecs_core::boundary::outlet::method::OutletMethod;
 use sphecs_core::math::real::Real;
+use sphecs_core::physics::parameter_fault::ParameterFault;
 
 /// Outlet conditions that plugins add, by the name that a scene gives to
 /// [`OutletCondition::Custom`](sphecs_core::boundary::outlet::OutletCondition::Custom).
@@ -29,13 +29,13 @@ impl std::error::Error for OutletFaults {}
 
 /// An added condition of any type.
 trait AddedOutlet: Send + Sync {
-    fn faults(&self) -> Vec<ConditionFault>;
+    fn faults(&self) -> Vec<ParameterFault>;
     /// Returns the condition ready to run, boxed for every precision and dimension.
     fn start(&self) -> [Box<dyn Any>; 4];
 }
 
 impl<M: OutletMethod> AddedOutlet for M {
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         // Qualified: the method of this trait has the same name.
         sphecs_core::boundary::outlet::method::OutletParameters::faults(self)
     }

@@ -19,7 +19,7 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{real_vector, vector};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
-use sphecs_core::pass::rates::VelocityLevel;
+use sphecs_core::pass::rates::TimeLevel;
 use sphecs_core::pass::wall_velocity::find_velocity_seen;
 use sphecs_core::pass::walls::extrapolate_wall_pressure;
 use sphecs_core::physics::wall::{Slip, WallPressure};
@@ -48,8 +48,20 @@ pub fn apply_walls<R: Real, const D: usize>(
         }
         WallPressure::Mirrored => find_body_force(scene, time, &arrays, &mut sums.0.body_force),
     }
-    if scene.walls.model.sees_kernel_mean() {
-        let level = since_correction.map_or(VelocityLevel::Present, |since| since.time_level());
+    find_dummy_velocity(pair, grid, since_correction, sums, arrays.into());
+}
+
+/// Finds the velocities of dummy walls in the viscous term, in the present order of the particles.
+/// Does nothing under other wall models.
+pub(crate) fn find_dummy_velocity<R: Real, const D: usize>(
+    pair: Res<Pair>,
+    grid: Res<Grid<D>>,
+    since_correction: Option<Res<StepsSinceCorrection>>,
+    mut sums: ResMut<Sums<R, D>>,
+    arrays: Res<Arrays<R, D>>,
+) {
+    if pair.0.wall_model.sees_kernel_mean() {
+        let level = since_correction.map_or(TimeLevel::Present, |since| since.time_level());
         find_velocity_seen(&pair.0, &grid.0, &arrays, level, &mut sums.0);
     }
 }

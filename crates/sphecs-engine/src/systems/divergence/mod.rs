@@ -56,7 +56,7 @@ pub fn check_state<R: Real, const D: usize>(
     }
     let scene = &*scene.0;
     let bounds = Bounds::new(scene);
-    let support = pair.0.support();
+    let support = pair.0.discretisation.support;
     if let Some(row) = bounds.first_violation(&arrays.0) {
         failure.record(&arrays, row, support, bounds.finding(scene, &arrays.0, row));
         return;

@@ -17,6 +17,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
+use sphecs_core::pass::column_access::AfterPasses;
 use sphecs_core::physics::integrator::kick_drift::KickDrift;
 use sphecs_core::physics::integrator::verlet::Verlet;
 use sphecs_core::physics::integrator::{Advance, Integrator, friction};
@@ -48,11 +49,11 @@ pub(crate) fn kick<R: Real, const D: usize>(
             let is_corrective = since_correction.0 == 0;
             let scheme = Verlet { time_step, previous_time_step, is_corrective };
             since_correction.0 = (since_correction.0 + 1) % corrective_step_every;
-            advance_fluid(&scheme, damping, &sums.0.damping, lanes, arrays);
+            advance_fluid(&scheme, damping, sums.0.damping.read(AfterPasses), lanes, arrays);
         }
         Integrator::KickDrift => {
             let scheme = KickDrift { time_step, previous_time_step };
-            advance_fluid(&scheme, damping, &sums.0.damping, lanes, arrays);
+            advance_fluid(&scheme, damping, sums.0.damping.read(AfterPasses), lanes, arrays);
         }
     }
     zones.finish_step(time_step, arrays);

@@ -10,7 +10,7 @@ use crate::resources::scene::ActiveScene;
 use sphecs_core::math::real::Real;
 use sphecs_core::pass::density;
 use sphecs_core::pass::gradients;
-use sphecs_core::pass::rates::{self, VelocityLevel};
+use sphecs_core::pass::rates::{self, TimeLevel};
 use sphecs_core::pass::{strain, stress, wall_friction};
 use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 use sphecs_scene::model::Wcsph;
@@ -92,7 +92,6 @@ pub(crate) fn add_wall_friction<R: Real, const D: usize>(
     mut arrays: ResMut<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
 ) {
-    let level =
-        since_correction.map_or(VelocityLevel::Present, |since_correction| since_correction.time_level());
+    let level = since_correction.map_or(TimeLevel::Present, |since_correction| since_correction.time_level());
     wall_friction::add_wall_friction(&pair.0, &grid.0, &mut arrays, level, &mut sums.0);
 }

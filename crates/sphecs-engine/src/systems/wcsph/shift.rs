@@ -14,6 +14,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
+use sphecs_core::pass::column_access::AfterPasses;
 use sphecs_core::pass::sums::PairSums;
 use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 
@@ -29,7 +30,7 @@ pub(crate) fn shift<R: Real, const D: usize>(
     sums: Res<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| scheme.shifting != Shifting::Off) else {
+    let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| !scheme.shifting.is_off()) else {
         return;
     };
     let shifting = scheme.shifting;
@@ -113,7 +114,7 @@ impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
     fn carry(&mut self, group: &Range<usize>, part: &Range<usize>, moved: &[[f64; GROUP]; D]) {
         let [now, before] = &mut self.velocities;
         for component in 0..D {
-            let slopes = &self.sums.neighbour_gradient[component];
+            let slopes = &self.sums.neighbour_gradient.read(AfterPasses)[component];
             let velocities =
                 now[component][part.clone()].iter_mut().zip(&mut before[component][part.clone()]);
             let mut changes = [0.0; GROUP];
@@ -136,7 +137,7 @@ impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
         let (scales, squared) = (&mut scales[..rows], &mut squared[..rows]);
         for axis in 0..D {
             add_squares(scales, &self.velocities[0][axis][part.clone()]);
-            add_squares(squared, &self.sums.shift[axis][group.clone()]);
+            add_squares(squared, &self.sums.shift.read(AfterPasses)[axis][group.clone()]);
         }
         self.shifting.scales(scales, self.step);
         let mut too_long = false;
@@ -154,7 +155,7 @@ impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
         }
         let mut moved = [[0.0; GROUP]; D];
         for axis in 0..D {
-            let vectors = &self.sums.shift[axis][group.clone()];
+            let vectors = &self.sums.shift.read(AfterPasses)[axis][group.clone()];
             for ((moved, scale), x) in moved[axis].iter_mut().zip(&*scales).zip(vectors) {
                 // Sums of rows that are not shifted may be left over from another step.
                 *moved = if *scale == 0.0 { 0.0 } else { scale * x.to_f64() };
