@@ -1,4 +1,4 @@
-//! Loading of a scene from a file or a text, with values changed on the way.
+//! Loading of a scene from a file or a text, with changes of values.
 
 use std::borrow::Borrow;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use super::constants;
 use super::expression::Constants;
 use super::faults::{Fault, SceneErrors};
 use super::model::Scene;
-use super::notation::reader::{self, Reading};
+use super::notation::reader::{self, Parsed};
 use super::notation::{paths, typed};
 use super::schema::SceneFile;
 
@@ -191,8 +191,8 @@ fn smoke_spacing(text: &str, sets: &[(String, String)]) -> Option<f64> {
 /// Returns constants and sections of a text with their faults, or the faults alone of a text that
 /// cannot be read at all.
 fn sections(text: &str) -> Result<(Constants, Option<SceneFile>, Vec<Fault>), Vec<Fault>> {
-    let Reading { root, mut faults, lost } = reader::read(text);
-    if lost {
+    let Parsed { root, mut faults, unbalanced } = reader::read(text);
+    if unbalanced {
         return Err(faults);
     }
     let constants = constants::read(&root, &mut faults);

@@ -1,4 +1,4 @@
-//! The numerical scheme of a scene file, defaults put in.
+//! Checks of the numerical scheme of a scene file, with defaults.
 
 use super::checker::Checker;
 use crate::faults::Fault;
@@ -8,7 +8,7 @@ use sphecs_core::math::kernel::Kernel;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::Integrator;
 
-/// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
+/// Returns the default h/Δ, the best measured for the kernel with lattice-normalised sums.
 fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
     match (kernel, dimensions) {
         (Kernel::WendlandC2, 2) => 1.5,
@@ -17,7 +17,7 @@ fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
     }
 }
 
-/// h/Δ, the default put in.
+/// Returns h/Δ, given or by default.
 fn ratio(number: Option<&Number>, kernel: Kernel, dimensions: usize, check: &mut Checker<'_>) -> f64 {
     match number {
         Some(number) if !(0.8..=4.0).contains(&number.value) => {

@@ -117,7 +117,7 @@ fn carried<R: Real, const D: usize>(
     if part.slip == Slip::NoSlip && part.moves() {
         let normal = real_vector(&arrays.wall_normal, row);
         let surface = place + normal * arrays.wall_distance[row].to_f64();
-        force -= normal * part.turning_at(surface, time, scene.spacing).dot(normal);
+        force -= normal * part.convective_acceleration_at(surface, time, scene.spacing).dot(normal);
     }
     std::array::from_fn(|axis| force[axis])
 }
