@@ -67,8 +67,8 @@ pub mod outlet {
         Advanced, Needs, OutflowMotion, OutflowState, OutletMethod, OutletParameters, References,
     };
     pub use sphecs_core::boundary::outlet::outflow_zone::OutflowZone;
-    pub use sphecs_core::math::real::Real;
     pub use sphecs_core::pass::fits::{PointFit, PointFlow};
+    pub use sphecs_core::pass::pair_real::PairReal;
     pub use sphecs_core::physics::parameter_fault::ParameterFault;
 }
 

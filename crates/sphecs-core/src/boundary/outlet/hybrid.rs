@@ -26,8 +26,8 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// Length beyond the support, in spacings, over which the condition averages the fluid: a particle
@@ -108,7 +108,11 @@ impl OutletParameters for Hybrid {
 impl OutletMethod for Hybrid {
     type Memory = HybridMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut HybridMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut HybridMemory,
+    ) {
         self.average_upstream(zone, memory);
         let (normal, impedance) = (zone.normal(), zone.flow.impedance());
         let upstream = zone.upstream.iter().map(|&row| row as usize);
@@ -132,7 +136,7 @@ impl OutletMethod for Hybrid {
 
 impl Hybrid {
     /// Updates the means of the fluid within reach and finds its J2.
-    fn average_upstream<R: Real, const D: usize>(
+    fn average_upstream<R: PairReal<D>, const D: usize>(
         &self,
         zone: &OutflowZone<'_, R, D>,
         memory: &mut HybridMemory,
@@ -177,7 +181,7 @@ impl Hybrid {
 
 /// Returns the speed of the threshold, m/s: the time mean of the inflow speed, or of the scene's
 /// reference velocity if nothing flows in.
-fn inflow_speed<R: Real, const D: usize>(
+fn inflow_speed<R: PairReal<D>, const D: usize>(
     zone: &OutflowZone<'_, R, D>,
     share: f64,
     memory: &mut HybridMemory,

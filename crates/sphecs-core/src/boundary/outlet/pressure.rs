@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// Pressure of outflow particles.
@@ -85,7 +85,7 @@ impl OutletPressure {
     }
 
     /// Sets the pressures of a zone where they do not depend on the flow.
-    pub fn set<R: Real, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
+    pub fn set<R: PairReal<D>, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
         let (rows, pressures) = (zone.rows, &mut zone.arrays.pressure);
         match self {
             OutletPressure::Reference(pressure) => {
