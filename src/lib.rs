@@ -1,12 +1,17 @@
 //! Smoothed particle hydrodynamics (SPH) of flows with open boundaries.
 //!
-//! **A scene describes the flow.** [`Scene::from_file`] reads it from a RON file, changes values on
-//! request, and reports all errors at once. **A simulation computes it.** [`Simulation::builder`]
-//! takes the scene and plugins; [`Simulation::run_until`] advances the flow until a time, or
-//! returns a [`Stop`] that tells why it cannot continue. **Results are read between two steps:**
-//! [`Simulation::sample`] returns the fields at points, [`Simulation::monitor_row`] the integral
-//! quantities, [`Simulation::mass_flows`] the flows through sections, and [`Simulation::world`] the
-//! particles as entities with components. All quantities are in SI units.
+//! * **A scene describes the flow.**
+//!   [`Scene::from_file`] reads it from a RON file, changes values on request, and reports all
+//!   errors at once.
+//! * **A simulation computes it.**
+//!   [`Simulation::builder`] takes the scene and plugins. [`Simulation::run_until`] advances the
+//!   flow until a time, or returns a [`Stop`] that tells why it cannot continue.
+//! * **Results are read between two steps.**
+//!   [`Simulation::sample`] returns the fields at points, [`Simulation::monitor_row`] the integral
+//!   quantities and [`Simulation::mass_flows`] the flows through sections. [`Simulation::world`]
+//!   holds the particles as entities with components.
+//!
+//! All quantities are in SI units.
 //!
 //! ```
 //! use sphecs::glam::DVec3;

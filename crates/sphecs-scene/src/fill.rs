@@ -208,7 +208,8 @@ impl<'a> Filler<'a> {
     }
 
     fn inside(&self, point: DVec3, distance: f64) -> bool {
-        // Where parts of a union touch, the distance is near zero even deep inside; the probes decide.
+        // Where parts of a union touch, the distance is near zero even deep inside; the probes
+        // decide.
         distance < -self.margin()
             || (distance <= TOLERANCE * self.scene.spacing
                 && self.probes.iter().all(|probe| {

@@ -146,9 +146,8 @@ mod tests {
     use crate::particles::zone::Zone;
     use crate::pass::samples::{SPACING, Sample, settings};
 
-    /// Fits in a disordered box without periodic sides, with the given fields, at its corner, an
-    /// edge, its middle, and far away; every seventh particle is a wall's, with nonsense for its
-    /// fields.
+    /// Returns fits in a disordered box without periodic sides: at its corner, an edge, its centre
+    /// and far away. Every seventh particle is a wall particle with meaningless fields.
     fn fitted<R: PairReal<D>, const D: usize>(
         set: InstructionSet,
         fit: PointFit,

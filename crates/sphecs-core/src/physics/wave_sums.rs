@@ -225,8 +225,8 @@ mod tests {
     use crate::math::lanes::Array;
 
     /// Returns the sums over a square lattice of spacing 1 about the origin, for a velocity field
-    /// along x and a Wendland kernel of h = 3 Δ: at 2 Δ the fourth moments of the lattice are 2 %
-    /// off.
+    /// along x. The kernel is Wendland with h = 3 Δ, since at 2 Δ the fourth moments of the lattice
+    /// are 2 % off.
     fn lattice_sums(setting: &WaveSetting, v: impl Fn(f64, f64) -> f64) -> WaveSums {
         let mut sums = WaveLanes::<Array<f64, 1>, 2>::new();
         let h = 3.0;

@@ -3,6 +3,7 @@
 use super::checker::Checker;
 use crate::faults::Fault;
 use crate::model::{EdacTvf, Scheme, Wcsph};
+use crate::notation::typed::Spanned;
 use crate::schema::{Number, SchemeFile};
 use sphecs_core::math::kernel::Kernel;
 use sphecs_core::physics::edac::Edac;
@@ -36,7 +37,7 @@ fn ratio(number: Option<&Number>, kernel: Kernel, dimensions: usize, check: &mut
     }
 }
 
-/// A number from zero to `most`, the default put in.
+/// Returns a number from zero to `most`, given or by default.
 fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut Checker<'_>) -> f64 {
     match number {
         Some(number) if !(0.0..=most).contains(&number.value) => {
@@ -55,7 +56,20 @@ fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut
     }
 }
 
-/// The scheme, defaults put in.
+/// Checks that a corrective step occurs at all.
+fn check_integrator(file: Option<&Spanned<Integrator>>, check: &mut Checker<'_>) {
+    if let Some(integrator) = file
+        && integrator.value == (Integrator::Verlet { corrective_step_every: 0 })
+    {
+        check.report(Fault::new(
+            "`corrective_step_every` must be at least 1",
+            integrator.span,
+            "is `0`".to_owned(),
+        ));
+    }
+}
+
+/// Returns the scheme, with defaults for missing parameters.
 pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> Scheme {
     match file {
         SchemeFile::Wcsph {
@@ -69,15 +83,7 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
         } => {
             let kernel = kernel.unwrap_or(Kernel::WendlandC2);
             let smoothing_ratio = ratio(smoothing_ratio.as_ref(), kernel, dimensions, check);
-            if let Some(integrator) = integrator
-                && integrator.value == (Integrator::Verlet { corrective_step_every: 0 })
-            {
-                check.report(Fault::new(
-                    "`corrective_step_every` must be at least 1",
-                    integrator.span,
-                    "is `0`".to_owned(),
-                ));
-            }
+            check_integrator(integrator.as_ref(), check);
             if let Some(viscosity) = viscosity {
                 for fault in viscosity.value.faults() {
                     check.report_parameter(&fault, "the viscous term", viscosity.span);

@@ -85,7 +85,8 @@ fn concentric(
                 "give `center` and `radius` of the `Circle` that the `Difference` of `domain` takes out",
             ),
         );
-        // The number of particles of a circle that is not a surface of the domain would have no bound.
+        // The number of particles of a circle that is not a surface of the domain would have no
+        // bound.
         return None;
     }
     Some(rings)

@@ -197,7 +197,8 @@ fn rotated_channel_has_as_many_particles_as_an_aligned_one() {
     let seeds = seeds(&scene);
     let expected = 0.4 / (0.05 * 0.05);
     let found = of(&seeds, Zone::Fluid).len() as f64;
-    // Points at least Δ/4 inside a wall are kept, so at most a quarter of the rows at walls is missing.
+    // Points at least Δ/4 inside a wall are kept, so at most a quarter of the rows at walls is
+    // missing.
     assert!((found / expected - 1.0).abs() < 0.08, "{found} of {expected}");
 }
 
@@ -270,7 +271,8 @@ fn square_bend_is_filled_and_open_at_both_ends() {
     }
     check_uniform(&scene);
     let seeds = seeds(&scene);
-    // Legs of 1 m and an arc of 0.8 · π/2 m with a section of 4 × 4 cells; the walls of the arc cut cells.
+    // Legs of 1 m and an arc of 0.8 · π/2 m with a section of 4 × 4 cells; the walls of the arc cut
+    // cells.
     let expected = 0.16 * (2.0 + 0.8 * std::f64::consts::FRAC_PI_2) / 1e-3;
     let found = of(&seeds, Zone::Fluid).len() as f64;
     assert!((found / expected - 1.0).abs() < 0.08, "{found} of {expected}");
@@ -322,7 +324,8 @@ fn jitter_moves_only_fluid_and_is_reproducible() {
         assert!(offset.abs().max_element() <= 0.2 && offset.z == 0.0, "{offset}");
         (squares, sum, count) = (squares + offset.length_squared(), sum + offset, count + 1.0);
     }
-    // Uniform numbers from −0.2 to 0.2 have the variance 0.2²/3 along each of two axes; 160 particles.
+    // Uniform numbers from −0.2 to 0.2 have the variance 0.2²/3 along each of two axes; 160
+    // particles.
     assert!((squares / count / (2.0 * 0.04 / 3.0) - 1.0).abs() < 0.15, "{}", squares / count);
     assert!((sum / count).length() < 0.03, "{}", sum / count);
     let half = jittered("0.1");

@@ -9,9 +9,9 @@
 //! Negi et al. (2020), Eqs. 28–31. Their mean is that of the last N steps, with N about the number
 //! of steps in which sound travels one spacing (Eq. 29: 4, they take 6). Here it is the recursive
 //! mean of the same mean age, (N − 1)/2 steps: one value per particle instead of N. The threshold
-//! is that of the acoustic intensity p²/(2 ρ c), Eq. 30, about a reference pressure p_ref of the
-//! scene: a duct whose outlet is not at 0 Pa would otherwise be sound throughout. Tangential
-//! velocities are not averaged.
+//! is one of acoustic intensity, p²/(2 ρ c), Eq. 30, relative to a reference pressure p_ref of the
+//! scene. Without it the mean pressure of a duct would count as sound. Tangential velocities are
+//! not averaged.
 //!
 //! Only fluid within reach of the outlet has means. A particle that comes within reach has the mean
 //! sound of those already there. So a flow that is never below the threshold, such as one that

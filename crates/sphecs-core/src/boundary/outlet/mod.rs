@@ -13,8 +13,8 @@
 //! - [`wave_equation`]: outgoing wave equation with transverse diffusion
 //! - [`outflow_zone`]: the zone of outflow particles that a condition works on
 //!
-//! To add a condition: a file with a parameter type that implements [`OutletParameters`] and
-//! [`OutletMethod`], a variant of [`OutletCondition`] and an arm of its dispatch below, and the
+//! To add a condition: write a file with a parameter type that implements [`OutletParameters`] and
+//! [`OutletMethod`]. Add a variant of [`OutletCondition`], an arm of its dispatch below, and the
 //! source in docs/REFERENCES.md. A plugin adds a condition without any of these, under a name for
 //! [`OutletCondition::Custom`].
 

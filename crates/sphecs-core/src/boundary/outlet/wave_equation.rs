@@ -10,9 +10,9 @@
 //! [`wave_sums`](crate::physics::wave_sums).
 //!
 //! `frame: Fixed` integrates the rate of a fixed point along the moving particle, as published:
-//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `frame: Moving` takes the equation literally: the particle
-//! moves with the convective velocity, the convective term drops out, dv/dt = ν L v + f, as Negi et
-//! al. (2020), Sec. 3.1, remark.
+//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `frame: Moving` takes the equation literally. As the particle
+//! moves with the convective velocity, the convective term vanishes, dv/dt = ν L v + f: Negi et al.
+//! (2020), Sec. 3.1, remark.
 //!
 //! A particle moves along the normal with the velocity v̄_n of [`convection`](super::convection),
 //! from a fit that preserves the velocity profile where Eq. 30 takes a kernel mean. Its pressure is

@@ -2,11 +2,11 @@
 //!
 //! In 2D a third of a pack's particles are, and a quarter of its vectors have none. A branch that
 //! leaves such a vector out is mispredicted once or twice a row, and a misprediction costs as much
-//! as a vector or two. So the pass that sums the density, which needs no branch, stores a mask for
-//! every row, one bit for two particles, and the passes that read the same packs after it go from
-//! one set bit to the next: a vector starts at a particle in the support, wherever in the pack that
-//! is, and the next one at the first such particle behind it. Those are a fifth fewer than the
-//! whole vectors of the pack with a particle in the support.
+//! as a vector or two. So the density pass, which needs no branch, stores a mask for every row,
+//! with one bit for two particles. Later passes over the same packs step from one set bit to the
+//! next. A vector starts at any particle in the support, and the next vector at the first such
+//! particle behind it. Those are a fifth fewer than the whole vectors of the pack with a particle
+//! in the support.
 //!
 //! A pass that sums much besides the density goes through the pack tile by tile (`tile.rs`): first
 //! to find the neighbours, then over these alone. In a culled pack too few particles are out of

@@ -14,10 +14,10 @@
 //! [`ShiftStep::shortened`] turn it into a displacement.
 //!
 //! A method that carries the velocity along adds δx·∇v by [`add_carried`] (Lind et al. (2012), by
-//! Taylor's series). That gradient must not contain the particle's own velocity: with v' the part
-//! of it that the neighbours do not share, Σ V_b (v_b − v_a) ∇W holds −v' ∇C, and
-//! δx·∇v = A h |v_a| Δt |∇C|² v' makes v' grow without bound. So it is fitted to the neighbours
-//! alone: see `pass/strain/mod.rs`.
+//! Taylor's series). That gradient must not contain the particle's own velocity. With v' the part
+//! of it that the neighbours do not share, Σ V_b (v_b − v_a) ∇W contains −v' ∇C. Then δx·∇v = A h
+//! |v_a| Δt |∇C|² v' makes v' grow without bound. So it is fitted to the neighbours alone: see
+//! `pass/strain/mod.rs`.
 
 pub mod concentration;
 pub mod fickian;

@@ -26,8 +26,8 @@ const CONTENT: f64 = 0.05;
 /// channel gains and loses as many all the time.
 const LAYERS: f64 = 2.0;
 
-/// Largest acoustic pressure at an outlet, and largest drift of its mean pressure, over ρ0 c0²: the
-/// velocity of such sound is half of that of a flow at Mach 0.1.
+/// Largest acoustic pressure at an outlet and largest drift of its mean pressure, over ρ0 c0². The
+/// particle velocity of such a wave is half the velocity of a flow at Mach 0.1.
 const PRESSURE: f64 = 0.05;
 
 /// Normal velocity, over the reference velocity of the scene, at which the mean flow counts as

@@ -1,7 +1,7 @@
 //! Detection of a diverging flow after each step.
 //!
-//! A flow has diverged if a value is not finite, if a density, a speed or the time step is out of
-//! bounds, or if a particle is outside the grid.
+//! A flow has diverged if a value is not finite or a particle is outside the grid. Densities,
+//! speeds and the time step must also be within bounds.
 //!
 //! - `failure`: the reasons to stop that a step found
 //! - `neighbourhood`: the particles around a diverged particle

@@ -15,7 +15,7 @@
 //! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; they do not treat backflow. A particle that
 //! oscillates across a plane would inject a particle at each crossing (test
 //! `oscillation_across_a_plane_injects_once`). For a particle that returned, an injection therefore
-//! needs a free position within half a spacing, and at an inlet also a zone that has lost particles
+//! needs a free position within half a spacing. At an inlet the zone must also have lost particles
 //! at its upstream end. All other crossings inject always: an omitted injection would leave a
 //! permanent gap in the zone. An oblique inlet keeps its lines of particles as long as its zone. An
 //! inlet that is filled once injects nothing, and the run stops when it is drained.

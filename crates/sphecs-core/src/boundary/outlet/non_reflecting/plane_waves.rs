@@ -10,9 +10,9 @@
 //!
 //! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009),
 //! for the mean over the section only. In a nearly incompressible flow the velocity of a passing
-//! vortex is orders of magnitude too large to be taken for sound: ½ ρ0 c0 v' of a jet with
-//! v' = 0.1 m/s is 200 Pa at c0 = 4 m/s, its true pressure 5 Pa. A channel carries only plane waves
-//! below its cut-on frequency c0/(2 width), and the mean over the section is exactly that part.
+//! vortex is orders of magnitude too large to be taken for sound. For a jet with v' = 0.1 m/s at c0
+//! = 4 m/s, ½ ρ0 c0 v' is 200 Pa, its true pressure 5 Pa. A channel carries only plane waves below
+//! its cut-on frequency c0/(2 width), and the mean over the section is exactly that part.
 //!
 //! The mean velocity u follows the flow over a time τ, so that the target p_t holds in the long
 //! run. It does so in two stages, so that a passing pulse leaves no offset. A fixed pressure would
@@ -32,8 +32,9 @@ pub struct PlaneWaves {
 }
 
 impl PlaneWaves {
-    /// Returns the pressure at the outlet, Pa, from the section means of pressure (Pa) and normal
-    /// velocity (m/s) of the adjacent fluid, and advances the followed velocity by a step (s).
+    /// Advances the followed velocity by a step (s) and returns the pressure at the outlet, Pa. It
+    /// follows from the section means of pressure (Pa) and normal velocity (m/s) of the adjacent
+    /// fluid.
     pub fn advance(
         &mut self,
         setting: &PlaneSetting,
