@@ -169,7 +169,7 @@ fn changes_structure(tokens: &[Token]) -> bool {
     }
 }
 
-/// Types that a system may keep in a `Local`: buffers that each step fills anew, which no
+/// Types that a system may keep in a `Local`: buffers that each step fills again, which no
 /// checkpoint needs.
 const BUFFERS: [&str; 5] = ["OutletBuffers", "PointFlows", "Prescribed", "WaveFound", "DVec3"];
 
@@ -186,7 +186,7 @@ fn locals_are_buffers() {
             if !BUFFERS.contains(&kept) && !kept.ends_with("Buffers") {
                 faults.push(format!(
                     "{}:{}: keeps `{kept}` in a `Local`, which a restart forgets: make it a saved resource, or, \
-                     if each step fills it anew, name its type in BUFFERS",
+                     if each step fills it again, name its type in BUFFERS",
                     source.path, source.tokens[at].line,
                 ));
             }

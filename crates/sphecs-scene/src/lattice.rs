@@ -10,8 +10,8 @@
 //! φ = (Δ/2π) arg Σ A_k exp(2πi c_k/Δ),   c_k: coordinate of wall k, A_k: its area
 //! ```
 //!
-//! A width that is no multiple of Δ cannot fit on both sides. The geometry is kept, particles are
-//! up to Δ/4 closer to or farther from the wall, and `sphecs check` reports the misfit. On a
+//! A width that is not a multiple of Δ cannot fit on both sides. The geometry is kept, particles
+//! are up to Δ/4 closer to or farther from the wall, and `sphecs check` reports the misfit. On a
 //! periodic axis the spacing divides the period.
 
 use std::f64::consts::TAU;

@@ -6,17 +6,17 @@
 //! ```
 //!
 //! * [`notation`]: RON with places, `--set`
-//! * [`schema`]: what may stand in a file
-//! * [`constants`]: its named numbers
+//! * [`schema`]: fields of a file
+//! * [`constants`]: named numbers
 //! * [`expression`], [`geometry`]: fields and shapes
 //! * [`check`]: every check of values
 //! * [`model`], [`scheme`]: the checked scene
 //! * [`lattice`], [`fill`], [`rows`], [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
-//! * [`body`], [`probe`]: what is measured
-//! * [`summary`]: its figures
-//! * [`disk_estimate`]: what a run of it takes of the disk
-//! * [`faults`]: what is wrong with it
+//! * [`body`], [`probe`]: bodies and probes, which are measured
+//! * [`summary`]: figures of `sphecs check`
+//! * [`disk_estimate`]: disk space of its run
+//! * [`faults`]: faults of its text
 
 pub mod body;
 pub mod check;

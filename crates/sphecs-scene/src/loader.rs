@@ -79,12 +79,12 @@ pub struct SceneLoader {
 }
 
 impl Scene {
-    /// Begins to load the scene of a RON file; its tables are looked for in the file's folder.
+    /// Begins to load the scene of a RON file; its tables are read from the folder of the file.
     pub fn from_file(path: impl Into<PathBuf>) -> SceneLoader {
         SceneLoader::new(Input::File(path.into()))
     }
 
-    /// Begins to load a scene from RON text under a name; its tables are looked for in the present
+    /// Begins to load a scene from RON text under a name; its tables are read from the current
     /// folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>) -> SceneLoader {
         SceneLoader::new(Input::Text { name: name.into(), text: text.into() })
@@ -177,7 +177,8 @@ fn text_of(path: &Path) -> Result<String, SceneErrors> {
         SceneErrors::new(&shown, "", vec![fault])
     };
     let bytes = std::fs::read(path).map_err(|error| refused(format!("{shown}: {error}")))?;
-    String::from_utf8(bytes).map_err(|error| refused(format!("{shown} is no text: {}", error.utf8_error())))
+    String::from_utf8(bytes)
+        .map_err(|error| refused(format!("{shown} is not a text file: {}", error.utf8_error())))
 }
 
 /// Returns the smoke spacing of a scene whose two spacings are valid, m, without filling the scene.
@@ -201,7 +202,7 @@ fn sections(text: &str) -> Result<(Constants, Option<SceneFile>, Vec<Fault>), Ve
     Ok((constants, file, faults))
 }
 
-/// Reads and checks the scene of a text, with values put in, under the name that its faults show.
+/// Reads and checks the scene of a text with `--set` values; `shown` is its name in faults.
 fn read(shown: &str, source: SceneSource<'_>, sets: &[(String, String)]) -> Result<Scene, SceneErrors> {
     let refused = |faults| SceneErrors::new(shown, source.text, faults);
     let edited = paths::apply(source.text, sets).map_err(refused)?;

@@ -28,7 +28,7 @@ pub struct Scene {
     pub name: String,
     /// Title, one line.
     pub title: String,
-    /// The scene as run: the RON text with `--set` values put in.
+    /// The scene as run: the RON text with `--set` values.
     pub text: String,
     /// The tables that it names: the path as written, and the text.
     pub tables: Vec<(String, String)>,

@@ -17,7 +17,7 @@ use crate::math::lanes::{self, Lanes};
 use crate::math::linear::solve;
 use crate::math::real::Real;
 
-/// Columns beside the coordinates: volume of the fluid, pressure, velocity.
+/// Columns besides the coordinates: volume of the fluid, pressure, velocity.
 pub(super) const COLUMNS: usize = 2 + 3;
 /// Index of the fluid's volume among the columns behind the coordinates.
 pub(super) const VOLUME: usize = 0;

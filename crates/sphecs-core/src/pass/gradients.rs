@@ -25,7 +25,8 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::physics::wall::image;
 
-/// Most columns beside the coordinates: velocity, density, image distance and normal in 3D.
+/// Largest number of columns besides the coordinates: velocity, density, image distance and normal
+/// in 3D.
 const MOST_COLUMNS: usize = 3 + 2 + 3;
 
 /// Walls as the neighbour columns describe them, behind velocity and density.

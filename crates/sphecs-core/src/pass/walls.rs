@@ -27,7 +27,7 @@ use crate::particles::zone::Zone;
 /// contributes.
 pub(super) const LEAST_WEIGHT: f64 = 1e-20;
 
-/// Columns of the pack beside the coordinates: density and pressure of the flow.
+/// Columns of the pack besides the coordinates: density and pressure of the flow.
 const COLUMNS: usize = 2;
 
 /// Sets pressure and density of the wall particles from the flow around them.

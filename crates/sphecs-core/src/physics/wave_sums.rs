@@ -16,8 +16,8 @@
 //! Consistent  L v = Σ V_b v_ob ((D+2) e_t² − (D−1)) F
 //! ```
 //!
-//! `Normalised` is 0 where no neighbour is beside o. `Printed` has the sign corrected: as published
-//! a bump steepens. `Consistent` is that of Español & Revenga (2003).
+//! `Normalised` is 0 where no neighbour has a transverse distance from o. `Printed` has the sign
+//! corrected: as published a bump steepens. `Consistent` is that of Español & Revenga (2003).
 //!
 //! In 3D the sums run over both transverse axes. `Consistent` diverges where the support is cut.
 //! The equation itself is in [`wave_equation`](crate::boundary::outlet::wave_equation).

@@ -286,7 +286,7 @@ fn restore_components(
         let wall = particles.get_mut(id as usize).and_then(Option::as_mut);
         let wall = wall.filter(|particle| particle.zone == Zone::Wall);
         let wall = wall.ok_or_else(|| {
-            ColumnMismatch(format!("particle {id} has a wall surface, but is no wall particle"))
+            ColumnMismatch(format!("particle {id} has a wall surface but is not a wall particle"))
         })?;
         wall.surface = WallSurface { distance: distance[at], normal: normal[at] };
     }

@@ -69,7 +69,7 @@ fn too_empty(
     );
     Some(
         Fault::new("the parts of the domain are too far apart", file.spacing.span, label)
-            .help("look for a shape of `domain` that stands far from the others"),
+            .help("find a shape of `domain` far away from the others"),
     )
 }
 
@@ -203,7 +203,7 @@ fn probes(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
             faults.push(Fault::new(
                 format!("probe `{}` is outside the domain", probe.name),
                 written.kind.head,
-                format!("({}, {}, {}) m is no place for fluid", point.x, point.y, point.z),
+                format!("is ({}, {}, {}) m, must be in the domain", point.x, point.y, point.z),
             ));
         }
     }

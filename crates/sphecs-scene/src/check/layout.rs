@@ -53,7 +53,7 @@ pub fn periodic(
             let whole = cells.round().max(1.0);
             check.report(
                 Fault::new(
-                    format!("the period along {} is no whole number of spacings", name.value),
+                    format!("the period along {} is not a whole number of spacings", name.value),
                     name.span,
                     format!("is `{period}` m, that is {cells:.3} spacings"),
                 )

@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn particles_of_an_inlet_carry_the_prescribed_mass_flow() {
-        // Cases: a width that is no multiple of the spacing, and a round section on a square
+        // Cases: a width that is not a multiple of the spacing, and a round section on a square
         // lattice.
         for (text, profile) in [(CHANNEL, "y*(0.413 - y)"), (PIPE, "0.0121 - y^2 - z^2"), (PIPE, "1 + 3*y")] {
             let ramped = scene(text, &format!("MassFlow(rate: \"30*t\", profile: \"{profile}\")"));

@@ -180,14 +180,14 @@ struct BoundaryZones {
 fn boundary_zones(inlets: &[Inlet], outlets: &[Outlet], site: &patches::Site<'_>) -> BoundaryZones {
     let (domain, spacing, dimensions) = (site.domain, site.spacing, site.dimensions);
     let (mut zones, mut container, mut confines) = (Vec::new(), vec![domain.clone()], vec![domain.clone()]);
-    let drawn_out = site.support + 3.0 * spacing;
+    let extension = site.support + 3.0 * spacing;
     for (patch, inwards) in inlets
         .iter()
         .map(|inlet| (&inlet.patch, inlet.patch.towards))
         .chain(outlets.iter().map(|o| (&o.patch, -o.patch.towards)))
     {
         container.push(section::zone(domain, patch, -inwards, patch.depth, spacing, dimensions));
-        let zone = section::zone(domain, patch, -inwards, patch.depth + drawn_out, spacing, dimensions);
+        let zone = section::zone(domain, patch, -inwards, patch.depth + extension, spacing, dimensions);
         confines.push(zone.clone());
         zones.push(zone);
     }

@@ -141,10 +141,7 @@ fn on_surface(
         Fault::new(
             format!("the {kind} is not on the domain's surface"),
             file.at.span,
-            format!(
-                "nothing of the domain is behind this point, it begins at {}",
-                printed(near, site.dimensions)
-            ),
+            format!("the domain is not behind this point, it begins at {}", printed(near, site.dimensions)),
         )
         .help("`at` must be a point of the opening, `towards` must be perpendicular to it")
     };

@@ -34,7 +34,7 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     pub extent: f64,
     /// Rows of the outflow particles in the arrays.
     pub rows: &'a [u32],
-    /// Rows of the fluid upstream that the condition asked for in its
+    /// Rows of the fluid upstream that the condition requested in its
     /// [`Needs`](super::method::Needs), else empty.
     pub upstream: &'a [u32],
     /// Rows of the inflow particles of each inlet.

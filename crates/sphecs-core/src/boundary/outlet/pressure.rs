@@ -64,11 +64,11 @@ impl OutletPressure {
         }
     }
 
-    /// Tells whether the pressure is set anew in each step, not kept from step to step.
+    /// Returns true if the pressure is set in each step, not kept from step to step.
     ///
     /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it again
     /// and again.
-    pub fn is_set_anew(self) -> bool {
+    pub fn is_set_each_step(self) -> bool {
         matches!(self, OutletPressure::Reference(_) | OutletPressure::NonReflecting { .. })
     }
 

@@ -209,7 +209,7 @@ impl WaveCondition {
         let (flow, patch, mean, impedance) = (zone.flow, zone.patch, zone.adjacent, zone.flow.impedance());
         let (arrays, found, pair) = (&*zone.arrays, zone.fitted(), zone.pair);
         let transmits = matches!(self.pressure, OutletPressure::NonReflecting { .. });
-        let is_set_anew = self.pressure.is_set_anew();
+        let is_set_each_step = self.pressure.is_set_each_step();
         let all = zone.rows.par_iter().enumerate().with_min_len(CHUNK).map(|(at, &row)| {
             let row = row as usize;
             let fluid = found[at].unwrap_or(mean);
@@ -220,7 +220,7 @@ impl WaveCondition {
                 (own, convective_velocity(fluid.velocity, fluid.pressure, own, impedance))
             };
             let pressure =
-                if is_set_anew { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
+                if is_set_each_step { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
             ZoneMove { pressure, velocity, density: pair.density_at(pressure) }
         });
         all.collect_into_vec(moves);

@@ -42,7 +42,7 @@ impl NeighbourMask {
         masks.get(row).copied().unwrap_or(NeighbourMask::ALL)
     }
 
-    /// Returns the number of lanes that share a bit in a pack of so many vectors.
+    /// Returns the number of lanes that share a bit in a pack of `vectors` vectors.
     #[inline(always)]
     pub(super) fn lanes_per_bit<L: Lanes>(vectors: usize) -> usize {
         let mut lanes = least_lanes_per_bit::<L>();
@@ -53,7 +53,7 @@ impl NeighbourMask {
     }
 }
 
-/// Returns the number of masks for so many rows: none where packs are culled.
+/// Returns the number of masks for `rows` rows, 0 where packs are culled.
 pub const fn mask_len<const D: usize>(rows: usize) -> usize {
     if D < CULLED_DIMENSIONS { rows } else { 0 }
 }
@@ -77,14 +77,14 @@ impl MaskBuilder {
     }
 }
 
-/// Returns the bits that masks of a pack of so many vectors use, and the lanes that share one.
+/// Returns the bits that masks of a pack of `vectors` vectors use, and the lanes that share one.
 #[inline(always)]
 pub(super) fn used_bits<L: Lanes>(vectors: usize) -> (u64, usize) {
     let lanes_per_bit = NeighbourMask::lanes_per_bit::<L>(vectors);
     (first_bits(vectors * L::COUNT / lanes_per_bit), lanes_per_bit)
 }
 
-/// Returns so many of the lowest bits.
+/// Returns the lowest `count` bits.
 #[inline(always)]
 pub(super) fn first_bits(count: usize) -> u64 {
     if count < BITS { !(u64::MAX << count) } else { u64::MAX }

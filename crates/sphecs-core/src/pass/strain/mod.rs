@@ -42,7 +42,8 @@ use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
+/// Largest number of columns besides the coordinates: velocity in 3D, flow flag and volume of the
+/// neighbour.
 const MOST_COLUMNS: usize = 3 + 1 + 1;
 
 /// Writer of the columns of this pass.

@@ -46,7 +46,7 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    // Extended beyond the far ends of the zones, which are no walls.
+    // Extended beyond the far ends of the zones, which are not walls.
     let walls = &scene.layout.confines;
     let near = R::from_f64(NEAR * scene.spacing);
     let ParticleArrays { zone, position, velocity, previous_velocity, wall_distance, .. } = &mut **arrays;

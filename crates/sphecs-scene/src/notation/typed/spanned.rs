@@ -84,13 +84,13 @@ impl<'de> Content<'de> for Typed<'de> {
 pub(super) struct Access<'a, C> {
     node: Option<&'a Node>,
     context: &'a Context<'a>,
-    told: usize,
+    given: usize,
     content: Option<C>,
 }
 
 impl<'a, C> Access<'a, C> {
     pub(super) fn new(node: Option<&'a Node>, context: &'a Context<'a>, content: C) -> Self {
-        Self { node, context, told: 0, content: Some(content) }
+        Self { node, context, given: 0, content: Some(content) }
     }
 
     fn place(&self) -> [usize; 3] {
@@ -105,9 +105,9 @@ impl<'de, C: Content<'de>> MapAccess<'de> for Access<'de, C> {
     type Error = Abort;
 
     fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Abort> {
-        match FIELDS.get(self.told) {
+        match FIELDS.get(self.given) {
             Some(name) => {
-                self.told += 1;
+                self.given += 1;
                 seed.deserialize(IntoDeserializer::<Abort>::into_deserializer(*name)).map(Some)
             }
             None => Ok(None),
@@ -118,7 +118,7 @@ impl<'de, C: Content<'de>> MapAccess<'de> for Access<'de, C> {
         if let Some(content) = self.content.take() {
             return content.read(seed);
         }
-        let place = self.place()[self.told.saturating_sub(2).min(2)];
+        let place = self.place()[self.given.saturating_sub(2).min(2)];
         let place = u64::try_from(place).unwrap_or(u64::MAX);
         seed.deserialize(IntoDeserializer::<Abort>::into_deserializer(place))
     }

@@ -89,7 +89,7 @@ fn periods_must_fit() {
     assert_eq!(scene.periodic, [Some((0.0, 1.0)), None, None]);
     let uneven = text.replace("max: (1.0,", "max: (1.02,");
     let faults = faults_of(&uneven);
-    assert!(faults.faults()[0].title.contains("no whole number of spacings"));
+    assert!(faults.faults()[0].title.contains("not a whole number of spacings"));
     let slanted = text.replace(
         "Box(min: (0.0, 0.0), max: (1.0, \"H\"))",
         "Polygon(points: [(0,0), (1,0), (1,0.4), (0,0.2)])",

@@ -88,7 +88,7 @@ impl ObliqueWaves {
     ) {
         let points = neighbours.len();
         if self.followed.len() != points {
-            // A flow already in motion is no wave.
+            // A flow already in motion is not a wave.
             self.followed = velocity.to_vec();
             self.first_stage = velocity.to_vec();
             self.incoming = vec![0.0; points];
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vortex_that_stays_is_no_wave() {
+    fn slow_vortex_is_not_taken_for_a_wave() {
         // A vortex that hardly moves: its velocity is taken for that of the flow, its pressure is
         // released.
         let setting = setting(0.04);
@@ -225,13 +225,13 @@ mod tests {
         }
     }
 
-    /// Returns the discrete kh of a wave of so many points.
+    /// Returns the discrete k h of a wave of `points_of_a_wave` points.
     fn roughness_of(points_of_a_wave: usize) -> f64 {
         2.0 * (std::f64::consts::PI / points_of_a_wave as f64).sin()
     }
 
-    /// Returns the remaining share of the amplitude of a wave of so many points after a time, in
-    /// h/c0, without an outgoing wave.
+    /// Returns the remaining share of the amplitude of a wave of `points_of_a_wave` points after a
+    /// time, in h/c0, without an outgoing wave.
     fn remaining_of(points_of_a_wave: usize, time: f64) -> f64 {
         let setting = setting(1e6);
         let shape = |point: usize| (TAU * point as f64 / points_of_a_wave as f64).sin();

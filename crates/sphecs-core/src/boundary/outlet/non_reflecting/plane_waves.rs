@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct PlaneWaves {
     /// Followed mean velocity u, m/s. None before the first step, which takes that of the flow: a
-    /// flow already in motion is no wave.
+    /// flow already in motion is not a wave.
     pub mean_velocity: Option<f64>,
     /// First stage w of the following velocity, m/s.
     pub first_stage: f64,
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flow_in_motion_from_the_start_is_no_wave() {
+    fn initial_velocity_is_not_taken_for_a_wave() {
         let p = PlaneWaves::default().advance(&SETTING, 5.0, 3.0, 1e-4);
         assert_eq!(p, 5.0);
     }
