@@ -86,7 +86,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         check.report(fault);
         sound = false;
     }
-    let smoke_spacing = check.positive(&file.smoke, "m");
+    let smoke_spacing = file.smoke.as_ref().map_or(spacing, |smoke| check.positive(smoke, "m"));
     let (fluid, body_force, initial) = fluid(file, check);
     let timeless = check.blemishes();
     let time = settings::time(&file.time, &scheme, check);
