@@ -17,8 +17,10 @@
 //! * [`summary`]: its figures
 //! * [`disk_estimate`]: what a run of it takes of the disk
 //! * [`faults`]: what is wrong with it
+//! * [`builder`]: a scene described in Rust, written as a text for the same path
 
 pub mod body;
+pub mod builder;
 pub mod check;
 pub mod constants;
 pub mod disk_estimate;
@@ -44,6 +46,7 @@ pub mod wall_particles;
 #[cfg(test)]
 mod tests;
 
+pub use builder::SceneBuilder;
 pub use faults::SceneErrors;
 pub use loader::{SceneLoader, SceneValue};
 pub use model::Scene;
