@@ -19,7 +19,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::{ParticleArrays, SpareColumns};
 use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::pass::density::sum_density;
-use sphecs_core::pass::rates::{VelocityLevel, sum_rates};
+use sphecs_core::pass::rates::{TimeLevel, sum_rates};
 use sphecs_core::pass::settings::PairSettings;
 use sphecs_core::pass::sums::PairSums;
 use sphecs_core::physics::eos::Tait;
@@ -63,7 +63,13 @@ impl<R: Real, const D: usize> Flow<R, D> {
             Discretisation::new(Kernel::WendlandC2, D, SPACING, ratio, tait.reference_density);
         let pair = PairSettings { viscosity: 1e-6, ..PairSettings::new(&discretisation, tait) };
         let upper = [count as f64 * SPACING; D];
-        let grid = CellGrid::new([0.0; D], upper, [true; D], pair.support(), pair.cell_size());
+        let grid = CellGrid::new(
+            [0.0; D],
+            upper,
+            [true; D],
+            pair.discretisation.support,
+            pair.discretisation.cell_size(),
+        );
         let mut particles = ParticleArrays::default();
         for index in 0..count.pow(D as u32) {
             let mut rest = index;
@@ -126,7 +132,7 @@ impl<R: Real, const D: usize> Flow<R, D> {
             &self.pair,
             &self.grid,
             &mut self.particles,
-            VelocityLevel::Present,
+            TimeLevel::Present,
             &mut self.sums,
         ));
     }

@@ -15,7 +15,7 @@ use std::error::Error;
 
 use serde::{Deserialize, Serialize};
 use sphecs::glam::DVec3;
-use sphecs::outlet::{ConditionFault, OutflowState, OutflowZone, OutletMethod, OutletParameters, Real};
+use sphecs::outlet::{OutflowState, OutflowZone, OutletMethod, OutletParameters, PairReal, ParameterFault};
 use sphecs::{Plugin, PluginContext, Scene, Simulation};
 
 /// Outlet with the impedance of a channel that continues:
@@ -47,15 +47,19 @@ impl OutletParameters for Impedance {
         "Impedance"
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
-        ConditionFault::unless_positive("time", self.time, "s").into_iter().collect()
+    fn faults(&self) -> Vec<ParameterFault> {
+        ParameterFault::unless_positive("time", self.time, "s").into_iter().collect()
     }
 }
 
 impl OutletMethod for Impedance {
     type Memory = ImpedanceMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut ImpedanceMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut ImpedanceMemory,
+    ) {
         let (normal, impedance, fluid) = (zone.normal(), zone.flow.impedance(), zone.adjacent);
         let flow_velocity = memory.flow_velocity.get_or_insert(fluid.velocity);
         let outgoing = fluid.pressure - self.pressure + impedance * (fluid.velocity - *flow_velocity);

@@ -116,13 +116,13 @@ pub mod scene {
 
 /// Interface of the outlet conditions that plugins add by [`PluginContext::add_outlet`].
 pub mod outlet {
-    pub use sphecs_core::boundary::condition_fault::ConditionFault;
     pub use sphecs_core::boundary::outlet::method::{
         Advanced, Needs, OutflowMotion, OutflowState, OutletMethod, OutletParameters, References,
     };
     pub use sphecs_core::boundary::outlet::outflow_zone::OutflowZone;
-    pub use sphecs_core::math::real::Real;
     pub use sphecs_core::pass::fits::{PointFit, PointFlow};
+    pub use sphecs_core::pass::pair_real::PairReal;
+    pub use sphecs_core::physics::parameter_fault::ParameterFault;
 }
 
 #[cfg(feature = "output")]

@@ -112,6 +112,11 @@ fn only_one_file_names_viscosities() {
 }
 
 #[test]
+fn only_one_file_names_shiftings() {
+    check_enum("crates/sphecs-core/src/physics/shifting/mod.rs", "Shifting");
+}
+
+#[test]
 fn variants_are_read_from_the_text_of_an_enum() {
     let text = "pub enum Shape {\n    #[default]\n    Disc,\n    Box {\n        Side: f64,\n    },\n    Ring(Ring),\n}\n";
     assert_eq!(variants(text, "Shape"), ["Disc", "Box", "Ring"]);

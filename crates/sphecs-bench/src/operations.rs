@@ -155,7 +155,7 @@ mod tests {
     use sphecs_core::pass::density::sum_density;
     use sphecs_core::pass::edac;
     use sphecs_core::pass::gradients::sum_gradients;
-    use sphecs_core::pass::rates::{VelocityLevel, sum_rates};
+    use sphecs_core::pass::rates::{TimeLevel, sum_rates};
     use sphecs_core::pass::settings::{PairSettings, PressureLaw, WallPartSettings};
     use sphecs_core::pass::strain::sum_density_and_strain;
     use sphecs_core::pass::stress::find_stress;
@@ -268,8 +268,14 @@ mod tests {
     /// Returns the operations of passes over some particles in one cell, with a wall particle if
     /// the settings have walls.
     fn of_all<const D: usize>(pair: &PairSettings, particles: usize, passes: Passes<D>) -> usize {
-        let upper = [0.9 * pair.cell_size(); D];
-        let mut grid = CellGrid::new([0.0; D], upper, [false; D], pair.support(), pair.cell_size());
+        let upper = [0.9 * pair.discretisation.cell_size(); D];
+        let mut grid = CellGrid::new(
+            [0.0; D],
+            upper,
+            [false; D],
+            pair.discretisation.support,
+            pair.discretisation.cell_size(),
+        );
         let mut arrays = ParticleArrays::<Counted, D> {
             evolves_pressure: matches!(pair.pressure, PressureLaw::Evolved(_)),
             drifts: matches!(pair.pressure, PressureLaw::Evolved(_)),
@@ -301,8 +307,8 @@ mod tests {
         arrays.reorder(order, &mut SpareColumns::default());
         let mut sums = PairSums::default();
         // Columns that a pass reads from the passes before it in a step.
-        sum_density_and_strain(pair, &grid, &mut arrays, VelocityLevel::Present, &mut sums);
-        sum_gradients(pair, &grid, &arrays, VelocityLevel::Present, &mut sums);
+        sum_density_and_strain(pair, &grid, &mut arrays, TimeLevel::Present, &mut sums);
+        sum_gradients(pair, &grid, &arrays, TimeLevel::Present, &mut sums);
         find_stress(pair, &grid, &arrays, &mut sums);
         OPERATIONS.set(0);
         passes(pair, &grid, &mut arrays, &mut sums);
@@ -322,7 +328,7 @@ mod tests {
         };
         let rates_of = |pair: &PairSettings| {
             of_pair::<D>(pair, |pair, grid, arrays, sums| {
-                sum_rates(pair, grid, arrays, VelocityLevel::Present, sums);
+                sum_rates(pair, grid, arrays, TimeLevel::Present, sums);
             })
         };
         assert_eq!(of_pair::<D>(&plain, sum_density), density(D), "density in {D}D");
@@ -341,21 +347,21 @@ mod tests {
         );
         let gradients_of = |pair: &PairSettings| {
             of_pair::<D>(pair, |pair, grid, arrays, sums| {
-                sum_gradients(pair, grid, arrays, VelocityLevel::Present, sums);
+                sum_gradients(pair, grid, arrays, TimeLevel::Present, sums);
             })
         };
         assert_eq!(gradients_of(&stressed), gradients(D), "gradients in {D}D");
         let with_walls = gradients(D) + WALLS_IN_GRADIENTS;
         assert_eq!(gradients_of(&walled(&stressed)), with_walls, "gradients with walls in {D}D");
         let of_strain = of_pair::<D>(&damped, |pair, grid, arrays, sums| {
-            sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
+            sum_density_and_strain(pair, grid, arrays, TimeLevel::Present, sums);
         });
         assert_eq!(of_strain, density_and_strain(D) + finding(D), "density with strain in {D}D");
         let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction: DriftCorrection::On });
         let net = walled(&PairSettings { shifting, ..damped.clone() });
         assert_eq!(rates_of(&net), rates(D) + damping(D) + WALLS + NET_SHIFT, "net rates in {D}D");
         let with_concentration_gradient = of_pair::<D>(&net, |pair, grid, arrays, sums| {
-            sum_density_and_strain(pair, grid, arrays, VelocityLevel::Present, sums);
+            sum_density_and_strain(pair, grid, arrays, TimeLevel::Present, sums);
         });
         let expected = density_and_strain(D) + concentration_gradient(D) + finding(D);
         assert_eq!(with_concentration_gradient, expected, "density with strain and ∇C in {D}D");
@@ -369,7 +375,10 @@ mod tests {
         assert_eq!(evolved_of(&evolved), evolved_rates(D), "evolved rates in {D}D");
         let with_walls = evolved_rates(D) + WALLS_IN_EVOLVED;
         assert_eq!(evolved_of(&walled(&evolved)), with_walls, "evolved rates with walls in {D}D");
-        let quintic = |pair: &PairSettings| PairSettings { kernel: Kernel::QuinticSpline, ..pair.clone() };
+        let quintic = |pair: &PairSettings| {
+            let discretisation = Discretisation { kernel: Kernel::QuinticSpline, ..pair.discretisation };
+            PairSettings { discretisation, ..pair.clone() }
+        };
         let value = value_beyond_wendland(Kernel::QuinticSpline);
         let slope = slope_beyond_wendland(Kernel::QuinticSpline);
         assert_eq!(of_pair::<D>(&quintic(&plain), sum_density), density(D) + value + finding(D));

@@ -52,7 +52,7 @@ pub fn density_and_force<R: Real, const D: usize>(
     row: usize,
 ) -> (usize, f64) {
     let neighbours = Neighbours::new(grid, particles);
-    let (h, kernel) = (pair.smoothing_length, pair.kernel);
+    let (h, kernel) = (pair.discretisation.smoothing_length, pair.discretisation.kernel);
     let point = std::array::from_fn(|d| particles.position[d][row]);
     let mut density = 0.0;
     neighbours.for_each(point, |_, _, r2| density += kernel.value(D, h, r2.sqrt()));

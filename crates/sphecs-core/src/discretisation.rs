@@ -54,6 +54,36 @@ impl Discretisation {
     pub fn cell_volume(&self) -> f64 {
         self.spacing.powi(self.dimensions as i32)
     }
+
+    /// Returns the edge of the grid's cells with which the passes are fastest, m: the support in
+    /// 2D, where a cell must hold enough rows to pay for its pack, and half of it in 3D, where
+    /// packs are culled.
+    pub fn cell_size(&self) -> f64 {
+        if self.dimensions == 2 { self.support } else { 0.5 * self.support }
+    }
+
+    /// Returns W(r) over its shape w(q): α_D/h^D, 1/m^D.
+    pub fn kernel_scale(&self) -> f64 {
+        self.kernel.norm(self.dimensions) / self.smoothing_length.powi(self.dimensions as i32)
+    }
+
+    /// Returns F(r) over its shape f(q), times h²: β α_D/h^D, 1/m^D. ∇W is this · f(q) ·
+    /// (x_ab/h)/h.
+    pub fn slope_scale(&self) -> f64 {
+        self.kernel.slope_norm() * self.kernel_scale()
+    }
+
+    /// Returns the kernel W(r), 1/m^D.
+    #[inline]
+    pub fn w(&self, r: f64) -> f64 {
+        self.kernel.value(self.dimensions, self.smoothing_length, r)
+    }
+
+    /// Returns F(r) = (dW/dr)/r, 1/m^(D+2).
+    #[inline]
+    pub fn f(&self, r: f64) -> f64 {
+        self.kernel.slope(self.dimensions, self.smoothing_length, r)
+    }
 }
 
 #[cfg(test)]

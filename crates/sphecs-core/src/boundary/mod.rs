@@ -3,7 +3,6 @@
 //! - [`flow`]: properties of the flow and of the domain that conditions refer to
 //! - [`inlet`]: inflow particles
 //! - [`outlet`]: outflow particles
-//! - [`condition_fault`]: parameters that a condition cannot work with
 //! - [`patch`]: plane openings of the domain
 //! - [`section_points`]: points that represent the section of an opening
 //!
@@ -11,7 +10,6 @@
 //! application and tests. Wall models are in [`physics::wall`](crate::physics::wall), because the
 //! pair sums use them.
 
-pub mod condition_fault;
 pub mod flow;
 pub mod inlet;
 pub mod outlet;

@@ -50,34 +50,36 @@ impl Patch {
     }
 }
 
+/// Returns a patch of a channel of a width of 0.162 m that is turned by an angle, for tests.
+#[cfg(test)]
+pub(super) fn turned_patch(angle: f64) -> Patch {
+    let (s, c) = angle.sin_cos();
+    Patch {
+        name: "inlet".to_owned(),
+        at: DVec3::new(0.3, -0.2, 0.0),
+        towards: DVec3::new(c, s, 0.0),
+        across: [DVec3::new(-s, c, 0.0), DVec3::ZERO],
+        half_extent: [0.081, 0.0],
+        depth: 0.05,
+        area: 0.162,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn patch(angle: f64) -> Patch {
-        let (s, c) = angle.sin_cos();
-        Patch {
-            name: "inlet".to_owned(),
-            at: DVec3::new(0.3, -0.2, 0.0),
-            towards: DVec3::new(c, s, 0.0),
-            across: [DVec3::new(-s, c, 0.0), DVec3::ZERO],
-            half_extent: [0.081, 0.0],
-            depth: 0.05,
-            area: 0.162,
-        }
-    }
-
     #[test]
     fn only_turned_patches_are_oblique() {
-        assert!(patch(0.3).is_oblique());
+        assert!(turned_patch(0.3).is_oblique());
         for quarter in 0..4 {
-            assert!(!patch(f64::from(quarter) * std::f64::consts::FRAC_PI_2).is_oblique());
+            assert!(!turned_patch(f64::from(quarter) * std::f64::consts::FRAC_PI_2).is_oblique());
         }
     }
 
     #[test]
     fn a_mirror_image_is_as_far_on_the_other_side() {
-        let patch = patch(0.3);
+        let patch = turned_patch(0.3);
         let point = patch.at + patch.towards * 0.02 + patch.across[0] * 0.01;
         let image = patch.mirrored(point);
         assert!((patch.along(image) + 0.02).abs() < 1e-15);

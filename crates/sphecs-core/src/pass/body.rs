@@ -167,9 +167,9 @@ impl<K: KernelShape, S: FusedScheme<R, D>, R: Real, const D: usize> Vectorised<R
             let force = self.scheme.row_force::<K, L>(self.inputs, self.source, self.pack, &fluid);
             // In a periodic box the nearest image of the particle counts.
             let arm = grid.nearest_image(std::array::from_fn(|d| position[d][row] - self.about[d]));
-            let (arm, whole) = (vector(arm), vector(force.acceleration) * -pair.mass);
-            let pressure = vector(force.pressure) * -pair.mass;
-            let torque = arm.cross(whole) + DVec3::from(force.moment) * pair.mass;
+            let (arm, whole) = (vector(arm), vector(force.acceleration) * -pair.discretisation.mass);
+            let pressure = vector(force.pressure) * -pair.discretisation.mass;
+            let torque = arm.cross(whole) + DVec3::from(force.moment) * pair.discretisation.mass;
             let of_pressure = arm.cross(pressure);
             sum = sum.plus(BodySum {
                 pressure_force: pressure,

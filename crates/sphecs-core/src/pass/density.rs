@@ -101,13 +101,13 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for DensityPass<'a> {
 /// sum of the next. Without a branch, so that the compiler vectorises the loop.
 #[inline(always)]
 pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut [R], pressure: &mut [R]) {
-    let scale = pair.kernel_scale();
+    let scale = pair.discretisation.kernel_scale();
     let by_tait = pair.pressure == PressureLaw::Tait;
     let of_walls = R::from_f64(pair.tait.reference_density);
     for ((density, pressure), &zone) in density.iter_mut().zip(pressure).zip(zone) {
         let is_summed = pair.sums_density(zone);
         let sum = density.to_f64() * scale;
-        let rho = summed_density::from_kernel_sum(sum, pair.mass, pair.lattice.density);
+        let rho = summed_density::from_kernel_sum(sum, pair.discretisation.mass, pair.lattice.density);
         let unsummed = if (zone == Zone::Wall) & !by_tait { of_walls } else { *density };
         *density = if is_summed { R::from_f64(rho) } else { unsummed };
         let found = R::from_f64(pair.tait.pressure(rho));
@@ -220,9 +220,9 @@ mod tests {
                 let mut sum = 0.0;
                 let point = std::array::from_fn(|d| sample.particles.position[d][row]);
                 neighbours.for_each(point, |_, _, r2| {
-                    sum += kernel.value(3, sample.pair.smoothing_length, r2.sqrt());
+                    sum += kernel.value(3, sample.pair.discretisation.smoothing_length, r2.sqrt());
                 });
-                let expected = sum * sample.pair.mass / sample.pair.lattice.density;
+                let expected = sum * sample.pair.discretisation.mass / sample.pair.lattice.density;
                 let found = sample.particles.density[row];
                 assert!((found / expected - 1.0).abs() < 1e-13, "{found}, not {expected}");
             }

@@ -13,7 +13,7 @@
 
 use super::density::LEAST_Q2;
 use super::pack::{NeighbourMask, Only, Pack, Source};
-use super::rates::VelocityLevel;
+use super::rates::TimeLevel;
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -60,23 +60,28 @@ impl WallColumns {
     }
 }
 
+/// Writer of the velocity gradient.
+#[derive(Debug)]
+pub struct Gradients(());
+
 /// Sums the velocity gradient of fluid, inflow and outflow particles over all particles, into
 /// `sums.gradient`.
 pub fn sum_gradients<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
     let has_walls = sums.columns.find_images(pair, particles);
     let PairSums { gradient, near, velocity_seen, columns, packs, .. } = sums;
+    let gradient = gradient.write(Gradients(()));
     for column in gradient.iter_mut().flatten() {
         column.resize(particles.len(), R::default());
     }
     let sees_mean = has_walls && pair.wall_model.sees_kernel_mean();
-    let velocity = if sees_mean { &*velocity_seen } else { level.columns(particles) };
+    let velocity = if sees_mean { velocity_seen.read(Gradients(())) } else { level.columns(particles) };
     let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
     for d in 0..D {
         neighbours[d] = &velocity[d];
@@ -123,7 +128,8 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for GradientPass<'a, R, D> {
         }
         let wall_distance = self.particles.wall_distance[row].to_f64();
         let model = self.pair.wall_model;
-        let inverse_distance = L::constant(model.inverse_distance(wall_distance, self.pair.spacing));
+        let inverse_distance =
+            L::constant(model.inverse_distance(wall_distance, self.pair.discretisation.spacing));
         let cap = L::constant(model.largest_factor());
         let (has_walls, free_slip) = (self.walls != WallColumns::None, self.walls == WallColumns::FreeSlip);
 
@@ -184,8 +190,8 @@ fn corrected<L: Lanes, const D: usize>(
     moment: [[L; D]; D],
 ) -> [[f64; D]; D] {
     // m ∇W = scale · slope · x_ab/h; in the moments one more h.
-    let h = pair.smoothing_length;
-    let scale = pair.mass * pair.slope_scale() / h;
+    let h = pair.discretisation.smoothing_length;
+    let scale = pair.discretisation.mass * pair.discretisation.slope_scale() / h;
     let mut uncorrected = [[0.0; D]; D];
     let mut moments = [[0.0; D]; D];
     for i in 0..D {
@@ -211,6 +217,7 @@ mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
     use crate::particles::zone::Zone;
+    use crate::pass::column_access::AfterPasses;
     use crate::pass::samples::{SPACING, Sample, settings};
     use crate::pass::settings::WallPartSettings;
 
@@ -231,16 +238,10 @@ mod tests {
                 sample.particles.velocity[d][row] = velocity[d];
             }
         }
-        sum_gradients(
-            &sample.pair,
-            &sample.grid,
-            &sample.particles,
-            VelocityLevel::Present,
-            &mut sample.sums,
-        );
+        sum_gradients(&sample.pair, &sample.grid, &sample.particles, TimeLevel::Present, &mut sample.sums);
         for i in 0..D {
             for j in 0..D {
-                for found in &sample.sums.gradient[i][j] {
+                for found in &sample.sums.gradient.read(AfterPasses)[i][j] {
                     assert!((found - SLOPES[i][j]).abs() < 1e-11, "∂v_{i}/∂x_{j} = {found}");
                 }
             }
@@ -262,9 +263,12 @@ mod tests {
             sample.particles.previous_velocity[0][row] = 3.0 * sample.particles.position[1][row];
             sample.particles.velocity[0][row] = row as f64;
         }
-        let level = VelocityLevel::Previous;
+        let level = TimeLevel::Previous;
         sum_gradients(&sample.pair, &sample.grid, &sample.particles, level, &mut sample.sums);
-        for (found, expected) in [(&sample.sums.gradient[0][1], 3.0), (&sample.sums.gradient[0][0], 0.0)] {
+        for (found, expected) in [
+            (&sample.sums.gradient.read(AfterPasses)[0][1], 3.0),
+            (&sample.sums.gradient.read(AfterPasses)[0][0], 0.0),
+        ] {
             assert!(found.iter().all(|found| (found - expected).abs() < 1e-11));
         }
     }
@@ -284,13 +288,7 @@ mod tests {
                 [sample.particles.velocity[0][row], sample.particles.velocity[1][row]] = velocity(height);
             }
         }
-        sum_gradients(
-            &sample.pair,
-            &sample.grid,
-            &sample.particles,
-            VelocityLevel::Present,
-            &mut sample.sums,
-        );
+        sum_gradients(&sample.pair, &sample.grid, &sample.particles, TimeLevel::Present, &mut sample.sums);
         sample
     }
 
@@ -300,10 +298,13 @@ mod tests {
         let slip = over_a_wall(true, |y| [3.0, -2.0 * y]);
         for row in 0..sample.particles.len() {
             if sample.particles.zone[row] == Zone::Fluid {
-                assert!((sample.sums.gradient[0][1][row] - 3.0).abs() < 1e-11);
-                assert!((sample.sums.gradient[1][1][row] + 2.0).abs() < 1e-11);
-                assert!(slip.sums.gradient[0][1][row].abs() < 1e-11, "a free-slip wall shears nothing");
-                assert!((slip.sums.gradient[1][1][row] + 2.0).abs() < 1e-11);
+                assert!((sample.sums.gradient.read(AfterPasses)[0][1][row] - 3.0).abs() < 1e-11);
+                assert!((sample.sums.gradient.read(AfterPasses)[1][1][row] + 2.0).abs() < 1e-11);
+                assert!(
+                    slip.sums.gradient.read(AfterPasses)[0][1][row].abs() < 1e-11,
+                    "a free-slip wall shears nothing"
+                );
+                assert!((slip.sums.gradient.read(AfterPasses)[1][1][row] + 2.0).abs() < 1e-11);
             }
         }
     }

@@ -191,12 +191,12 @@ impl<'a, R: Real, const D: usize> PassInput<'a, R, D> {
 
     /// Runs a pass over all cells, in parallel, block by block; returns the joined summaries.
     pub fn run_blocks<P: BlockPass<R, D>>(self, pass: &P, outputs: P::Outputs) -> P::Summary {
-        self.pair.kernel.with_shape(OverBlocks { input: self, pass, outputs })
+        self.pair.discretisation.kernel.with_shape(OverBlocks { input: self, pass, outputs })
     }
 
     /// Runs a pass over the points of a list, in parallel.
     pub fn run_at<P: PointPass<R, D>>(self, pass: &P, points: &[P::Point], found: &mut [P::Found]) {
-        self.pair.kernel.with_shape(OverPoints { input: self, pass, points, found });
+        self.pair.discretisation.kernel.with_shape(OverPoints { input: self, pass, points, found });
     }
 
     /// Returns the origin of the neighbourhoods under a kernel.
@@ -205,7 +205,7 @@ impl<'a, R: Real, const D: usize> PassInput<'a, R, D> {
             grid: self.grid,
             position: self.position,
             columns: self.columns,
-            inverse_h: 1.0 / self.pair.smoothing_length,
+            inverse_h: 1.0 / self.pair.discretisation.smoothing_length,
             support_ratio: K::SUPPORT,
             only: self.only,
         }

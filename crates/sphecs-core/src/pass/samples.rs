@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::column_access::AfterPasses;
 use super::density::sum_density;
 use super::neighbours::Neighbours;
-use super::rates::{RatesSummary, VelocityLevel, sum_rates};
+use super::rates::{RatesSummary, TimeLevel, sum_rates};
 use super::settings::PairSettings;
 use super::strain::sum_density_and_strain;
 use super::sums::PairSums;
@@ -39,6 +40,13 @@ pub fn settings(kernel: Kernel, dimensions: usize, smoothing_ratio: f64) -> Pair
     PairSettings::new(&discretisation, WATER)
 }
 
+/// Returns settings with the same spacing and smoothing ratio in 3D.
+pub fn in_space(pair: &PairSettings) -> PairSettings {
+    let Discretisation { kernel, smoothing_ratio, .. } = pair.discretisation;
+    let PairSettings { discretisation, lattice, .. } = settings(kernel, 3, smoothing_ratio);
+    PairSettings { discretisation, lattice, ..pair.clone() }
+}
+
 /// Returns a pseudo-random number in −1..1 that depends on the key alone.
 pub fn noise(key: u32) -> f64 {
     let mut x = u64::from(key).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -55,7 +63,13 @@ impl<R: Real, const D: usize> Sample<R, D> {
         let margin = if periodic { 0.0 } else { SPACING };
         let lower = [-0.3 - margin; D];
         let upper = std::array::from_fn(|d| -0.3 + counts[d] as f64 * SPACING + margin);
-        let grid = CellGrid::new(lower, upper, [periodic; D], pair.support(), pair.cell_size());
+        let grid = CellGrid::new(
+            lower,
+            upper,
+            [periodic; D],
+            pair.discretisation.support,
+            pair.discretisation.cell_size(),
+        );
         let mut particles = ParticleArrays::default();
         for index in 0..counts.iter().product() {
             let mut rest = index;
@@ -113,14 +127,14 @@ impl<R: Real, const D: usize> Sample<R, D> {
 
     /// Sums density, pressure and rates of strain.
     pub fn strain(&mut self) {
-        let level = VelocityLevel::Present;
+        let level = TimeLevel::Present;
         sum_density_and_strain(&self.pair, &self.grid, &mut self.particles, level, &mut self.sums);
     }
 
     /// Finds the velocities of dummy walls, where walls are dummies.
     pub fn velocity_seen(&mut self) {
         if self.pair.wall_model.sees_kernel_mean() {
-            let level = VelocityLevel::Present;
+            let level = TimeLevel::Present;
             find_velocity_seen(&self.pair, &self.grid, &self.particles, level, &mut self.sums);
         }
     }
@@ -128,7 +142,7 @@ impl<R: Real, const D: usize> Sample<R, D> {
     /// Sums the rates.
     pub fn rates(&mut self) -> RatesSummary {
         self.velocity_seen();
-        sum_rates(&self.pair, &self.grid, &mut self.particles, VelocityLevel::Present, &mut self.sums)
+        sum_rates(&self.pair, &self.grid, &mut self.particles, TimeLevel::Present, &mut self.sums)
     }
 
     /// Returns the row of a particle.
@@ -138,8 +152,8 @@ impl<R: Real, const D: usize> Sample<R, D> {
 
     /// Returns density, divergence, acceleration and shift by particle number.
     pub fn results(&self) -> Vec<Vec<f64>> {
-        let columns = [&self.particles.density, &self.sums.divergence];
-        let vectors = [&self.particles.acceleration, &self.sums.shift];
+        let columns = [&self.particles.density, self.sums.divergence.read(AfterPasses)];
+        let vectors = [&self.particles.acceleration, self.sums.shift.read(AfterPasses)];
         let mut rows: Vec<usize> = (0..self.particles.len()).collect();
         rows.sort_by_key(|&row| self.particles.id[row]);
         let all = columns.into_iter().chain(vectors.into_iter().flatten());
@@ -159,7 +173,7 @@ pub fn dummy_velocity<R: Real, const D: usize>(sample: &Sample<R, D>, row: usize
     let point = std::array::from_fn(|d| particles.position[d][row]);
     Neighbours::new(&sample.grid, particles).for_each(point, |b, _, r2| {
         if particles.zone[b] != Zone::Wall {
-            let weight = sample.pair.w(r2.sqrt());
+            let weight = sample.pair.discretisation.w(r2.sqrt());
             weights += weight;
             for (sum, v) in sum.iter_mut().zip(of(b)) {
                 *sum += v * weight;

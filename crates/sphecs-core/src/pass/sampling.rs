@@ -65,7 +65,7 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
 
     fn fit<const N: usize>(&self, point: DVec3) -> Option<Sample> {
         let particles = self.neighbours.particles;
-        let scale = 1.0 / self.pair.smoothing_length;
+        let scale = 1.0 / self.pair.discretisation.smoothing_length;
         let mut moments = [[0.0; N]; N];
         let mut sums = [[0.0; N]; FIELDS];
         let coordinates: [f64; D] = std::array::from_fn(|axis| point[axis]);
@@ -74,7 +74,8 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
                 return;
             }
             let density = particles.density[row].to_f64();
-            let weight = self.pair.mass / density * self.pair.w(r_squared.sqrt());
+            let weight =
+                self.pair.discretisation.mass / density * self.pair.discretisation.w(r_squared.sqrt());
             let basis = basis::<D, N>(x_ab.map(|x| -x * scale));
             let velocity = particles.velocity_of(row);
             let values = [velocity.x, velocity.y, velocity.z, particles.pressure[row].to_f64(), density];
@@ -116,11 +117,12 @@ impl<R: Real, const D: usize> Sampler<'_, R, D> {
     /// Returns Σ_b (V_b W_b Σ_i a_i φ_i / Σ V W)² of a fit with the shares a.
     fn gain<const N: usize>(&self, point: [f64; D], total: f64, shares: &[f64; N]) -> f64 {
         let particles = self.neighbours.particles;
-        let scale = 1.0 / self.pair.smoothing_length;
+        let scale = 1.0 / self.pair.discretisation.smoothing_length;
         let mut gain = 0.0;
         self.neighbours.for_each(point, |row, x_ab, r_squared| {
             if (self.sees)(particles.zone[row]) {
-                let weight = self.pair.mass / particles.density[row].to_f64() * self.pair.w(r_squared.sqrt());
+                let weight = self.pair.discretisation.mass / particles.density[row].to_f64()
+                    * self.pair.discretisation.w(r_squared.sqrt());
                 let basis = basis::<D, N>(x_ab.map(|x| -x * scale));
                 let share: f64 = basis.iter().zip(shares).map(|(basis, share)| basis * share).sum();
                 gain += (weight * share / total).powi(2);

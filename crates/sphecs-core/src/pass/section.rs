@@ -129,7 +129,7 @@ mod tests {
             let at = DVec3::new(-0.1 + shift * SPACING, -0.2, 0.0);
             let points = line(at, DVec3::Y, 20.0 * SPACING);
             let section = Section::new(at, DVec3::X, &points, SPACING, [None; 3], 2);
-            let found = mass_flows(&sample.particles, sample.pair.mass, &[&section])[0];
+            let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
             assert!((found / exact - 1.0).abs() < 1e-12, "{found} for {exact} at {shift}");
         }
     }
@@ -142,7 +142,7 @@ mod tests {
         sample.particles.drift = [-0.02, 0.5].map(|w| vec![w; sample.particles.len()]);
         let at = DVec3::new(-0.1, -0.2, 0.0);
         let section = Section::new(at, DVec3::X, &line(at, DVec3::Y, 20.0 * SPACING), SPACING, [None; 3], 2);
-        let found = mass_flows(&sample.particles, sample.pair.mass, &[&section])[0];
+        let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
         let exact = WATER.reference_density * 0.28 * 20.0 * SPACING;
         assert!((found / exact - 1.0).abs() < 1e-12, "{found} for {exact}");
     }
@@ -157,7 +157,7 @@ mod tests {
         let (at, along) = (DVec3::new(0.0, -0.1, 0.0), DVec3::new(-0.6, 0.8, 0.0));
         let points = line(at, along, 0.5);
         let section = Section::new(at, normal, &points, SPACING, [None; 3], 2);
-        let found = mass_flows(&sample.particles, sample.pair.mass, &[&section])[0];
+        let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
         let exact = WATER.reference_density * 0.3 * 40.0 * SPACING;
         assert!((found / exact - 1.0).abs() < 2e-3, "{found} for {exact}");
     }
@@ -174,7 +174,7 @@ mod tests {
             points.extend(line(at + DVec3::Z * f64::from(k) * SPACING, DVec3::Y, 3.0 * SPACING));
         }
         let section = Section::new(at, DVec3::X, &points, SPACING, periods, 3);
-        let found = mass_flows(&sample.particles, sample.pair.mass, &[&section])[0];
+        let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
         let rows = sample.particles.position[1].iter().zip(&sample.particles.position[2]);
         let inside = rows
             .filter(|(y, z)| {

@@ -1,7 +1,6 @@
 //! Settings of the pair passes: the properties of a scene that they need, as plain values.
 
 use crate::discretisation::Discretisation;
-use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::lattice::LatticeSums;
 use crate::particles::zone::Zone;
@@ -15,16 +14,8 @@ use crate::physics::wall::WallModel;
 /// set by field.
 #[derive(Clone, Debug)]
 pub struct PairSettings {
-    /// Smoothing kernel.
-    pub kernel: Kernel,
-    /// Number of dimensions, 2 or 3.
-    pub dimensions: usize,
-    /// Initial spacing Δ, m.
-    pub spacing: f64,
-    /// Smoothing length h, m.
-    pub smoothing_length: f64,
-    /// Mass m = ρ0 Δ^D of every particle, kg (per metre of depth in 2D).
-    pub mass: f64,
+    /// Kernel, spacing, smoothing length, support and mass.
+    pub discretisation: Discretisation,
     /// Sums on the initial lattice.
     pub lattice: LatticeSums,
     /// Equation of state.
@@ -75,14 +66,9 @@ impl PairSettings {
     /// Returns the settings of an inviscid fluid with Fickian shifting, tensile control, image
     /// walls without a cap and no body force.
     pub fn new(discretisation: &Discretisation, tait: Tait) -> Self {
-        let Discretisation { kernel, dimensions, smoothing_ratio, spacing, smoothing_length, mass, .. } =
-            *discretisation;
+        let Discretisation { kernel, dimensions, smoothing_ratio, .. } = *discretisation;
         Self {
-            kernel,
-            dimensions,
-            spacing,
-            smoothing_length,
-            mass,
+            discretisation: *discretisation,
             lattice: LatticeSums::new(kernel, smoothing_ratio, dimensions),
             tait,
             pressure: PressureLaw::default(),
@@ -96,41 +82,6 @@ impl PairSettings {
             wall_parts: Vec::new(),
             lanes: InstructionSet::best(),
         }
-    }
-
-    /// Returns the radius of the kernel's support, m, which is that of the grid.
-    pub fn support(&self) -> f64 {
-        self.kernel.support_ratio() * self.smoothing_length
-    }
-
-    /// Returns the edge of the grid's cells with which the passes are fastest, m: the support in
-    /// 2D, where a cell must hold enough rows to pay for its pack, and half of it in 3D, where
-    /// packs are culled.
-    pub fn cell_size(&self) -> f64 {
-        if self.dimensions == 2 { self.support() } else { 0.5 * self.support() }
-    }
-
-    /// Returns W(r) over its shape w(q): α_D/h^D, 1/m^D.
-    pub fn kernel_scale(&self) -> f64 {
-        self.kernel.norm(self.dimensions) / self.smoothing_length.powi(self.dimensions as i32)
-    }
-
-    /// Returns F(r) over its shape f(q), times h²: β α_D/h^D, 1/m^D. ∇W is this · f(q) ·
-    /// (x_ab/h)/h.
-    pub fn slope_scale(&self) -> f64 {
-        self.kernel.slope_norm() * self.kernel_scale()
-    }
-
-    /// Returns the kernel W(r), 1/m^D.
-    #[inline]
-    pub fn w(&self, r: f64) -> f64 {
-        self.kernel.value(self.dimensions, self.smoothing_length, r)
-    }
-
-    /// Returns F(r) = (dW/dr)/r, 1/m^(D+2).
-    #[inline]
-    pub fn f(&self, r: f64) -> f64 {
-        self.kernel.slope(self.dimensions, self.smoothing_length, r)
     }
 
     /// Returns ν of the Lo–Shao sum, m²/s: divided by the lattice coefficient if the scene says so.

@@ -24,6 +24,10 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::viscosity::Sps;
 
+/// Writer of stress and eddy viscosity.
+#[derive(Debug)]
+pub struct Stress(());
+
 /// Sets stress and eddy viscosity from the velocity gradient in `sums`. Does nothing unless the
 /// viscous term is `Sps`.
 pub fn find_stress<R: Real, const D: usize>(
@@ -37,8 +41,8 @@ pub fn find_stress<R: Real, const D: usize>(
     };
     sums.packs.prepare();
     let has_walls = sums.columns.find_walls(pair, particles) > 0;
-    sums.eddy_viscosity.resize(particles.len(), R::default());
-    for column in sums.stress.iter_mut().take(components(D)) {
+    sums.eddy_viscosity.write(Stress(())).resize(particles.len(), R::default());
+    for column in sums.stress.write(Stress(())).iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());
     }
     find_flow_stress(pair, &model, grid, particles, sums);
@@ -58,7 +62,8 @@ fn find_flow_stress<R: Real, const D: usize>(
     particles: &ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
 ) {
-    let gradient = &sums.gradient;
+    let PairSums { gradient, stress, eddy_viscosity, .. } = sums;
+    let gradient = gradient.read(Stress(()));
     let work = |cells: Range<usize>, (mut stress, [eddy]): FlowStress<R>| {
         let first = grid.rows(cells.start).start;
         for row in first..grid.rows(cells.end - 1).end {
@@ -66,7 +71,7 @@ fn find_flow_stress<R: Real, const D: usize>(
                 ([0.0; 6], 0.0)
             } else {
                 let gradient = std::array::from_fn(|i| std::array::from_fn(|j| gradient[i][j][row].to_f64()));
-                model.stress::<D>(gradient, particles.density[row].to_f64(), pair.spacing)
+                model.stress::<D>(gradient, particles.density[row].to_f64(), pair.discretisation.spacing)
             };
             for (column, component) in stress.iter_mut().zip(tensor).take(components(D)) {
                 column[row - first] = R::from_f64(component);
@@ -74,7 +79,8 @@ fn find_flow_stress<R: Real, const D: usize>(
             eddy[row - first] = R::from_f64(viscosity);
         }
     };
-    let outputs = (sums.stress.each_mut().map(Vec::as_mut_slice), [sums.eddy_viscosity.as_mut_slice()]);
+    let stress = stress.write(Stress(())).each_mut().map(Vec::as_mut_slice);
+    let outputs = (stress, [eddy_viscosity.write(Stress(())).as_mut_slice()]);
     for_each_block(grid, outputs, &work, &|(), ()| ());
 }
 
@@ -86,6 +92,7 @@ fn extrapolate_stress<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     let PairSums { stress, wall_stress, columns, packs, .. } = sums;
+    let stress = stress.write(Stress(()));
     for (column, from) in wall_stress.iter_mut().zip(stress.iter()) {
         column.resize(from.len(), R::default());
     }
@@ -160,8 +167,9 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallStressPass<'a> {
 mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
+    use crate::pass::column_access::AfterPasses;
     use crate::pass::gradients::sum_gradients;
-    use crate::pass::rates::VelocityLevel;
+    use crate::pass::rates::TimeLevel;
     use crate::pass::samples::{SPACING, Sample, settings};
     use crate::physics::viscosity::{Sps, Viscosity};
 
@@ -183,13 +191,7 @@ mod tests {
                 sample.particles.velocity[0][row] = 0.0;
             }
         }
-        sum_gradients(
-            &sample.pair,
-            &sample.grid,
-            &sample.particles,
-            VelocityLevel::Present,
-            &mut sample.sums,
-        );
+        sum_gradients(&sample.pair, &sample.grid, &sample.particles, TimeLevel::Present, &mut sample.sums);
         find_stress(&sample.pair, &sample.grid, &sample.particles, &mut sample.sums);
         sample
     }
@@ -205,7 +207,7 @@ mod tests {
             if depth > 2.0 * SPACING {
                 continue;
             }
-            for (c, stress) in sample.sums.stress.iter().enumerate().take(components(D)) {
+            for (c, stress) in sample.sums.stress.read(AfterPasses).iter().enumerate().take(components(D)) {
                 let expected = if c == shear {
                     shear_stress
                 } else if c < D {
@@ -220,7 +222,7 @@ mod tests {
                 );
             }
             if depth < 0.0 {
-                assert!((sample.sums.eddy_viscosity[row] / eddy - 1.0).abs() < 1e-11);
+                assert!((sample.sums.eddy_viscosity.read(AfterPasses)[row] / eddy - 1.0).abs() < 1e-11);
             }
         }
         // A uniform stress exerts no force, beside a wall either.

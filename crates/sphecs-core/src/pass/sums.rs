@@ -7,8 +7,15 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::blocks::for_each_part;
+use super::column_access::Written;
+use super::fused::FusedRates;
+use super::gradients::Gradients;
 use super::pack::{NeighbourMask, PackPool};
 use super::settings::PairSettings;
+use super::strain::Strain;
+use super::stress::Stress;
+use super::wall_friction::WallFriction;
+use super::wall_velocity::WallVelocity;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
@@ -21,43 +28,43 @@ pub struct PairSums<R, const D: usize> {
     /// Fickian and Local: ∇C = Σ V_b ∇W, or `concentration_gradient` less its mean over the
     /// support, 1/m. Vacondio: r̄² Σ (m_b/M) x_ab/r³, dimensionless. Where the pressure evolves,
     /// written by `edac`: acceleration by the background pressure, m/s²; for outflow ∇C, 1/m.
-    pub shift: [Vec<R>; D],
+    pub shift: Written<[Vec<R>; D], FusedRates>,
     /// dp/dt of the fluid, Pa/s, written by `edac`; else empty.
-    pub pressure_rate: Vec<R>,
+    pub pressure_rate: Written<Vec<R>, FusedRates>,
     /// ∇·v = Σ V_b (v_b − v_a)·∇W of the fluid with image velocities, 1/s, written by `rates` and
     /// `edac`.
-    pub divergence: Vec<R>,
+    pub divergence: Written<Vec<R>, FusedRates>,
     /// Rate λ at which the viscous term damps a fluid particle among neighbours at rest, 1/s,
     /// written by `rates`.
     ///
     /// Empty without walls, and where the pressure evolves.
-    pub damping: Vec<R>,
+    pub damping: Written<Vec<R>, FusedRates>,
     /// Velocity gradient `gradient[i][j]` = ∂v_i/∂x_j of the flow, 1/s, written by `gradients`;
     /// else empty.
-    pub gradient: [[Vec<R>; D]; D],
+    pub gradient: Written<[[Vec<R>; D]; D], Gradients>,
     /// Velocity gradient among the neighbours of a particle, 1/s, written by `strain`.
     ///
     /// Empty unless shifting carries the velocity.
-    pub neighbour_gradient: [[Vec<R>; D]; D],
+    pub neighbour_gradient: Written<[[Vec<R>; D]; D], Strain>,
     /// ∇C = Σ V_b ∇W of the flow, 1/m, by the volumes of the step before, written by `strain`.
     ///
     /// Empty unless the mean over the support is subtracted from the shift.
-    pub concentration_gradient: [Vec<R>; D],
+    pub concentration_gradient: Written<[Vec<R>; D], Strain>,
     /// Rate of strain of the flow, 1/s, with the components of `stress`, written by `strain`; else
     /// empty.
-    pub strain: [Vec<R>; 6],
+    pub strain: Written<[Vec<R>; 6], Strain>,
     /// Eddy viscosity ν_t of the flow, m²/s, written by `stress`; else empty.
-    pub eddy_viscosity: Vec<R>,
+    pub eddy_viscosity: Written<Vec<R>, Stress>,
     /// T/ρ² of all particles, m⁵/(kg s²), written by `stress`: xx, yy, xy in 2D; xx, yy, zz, xy,
     /// yz, zx in 3D; else empty.
-    pub stress: [Vec<R>; 6],
+    pub stress: Written<[Vec<R>; 6], Stress>,
     /// Stress of wall particles until it is found for all of them.
     pub(super) wall_stress: [Vec<R>; 6],
     /// Velocities of all particles in the viscous term of the fluid, m/s, written by
     /// `wall_velocity`.
     ///
     /// For walls see `physics/wall/dummy.rs`. Empty unless walls are dummy particles.
-    pub velocity_seen: [Vec<R>; D],
+    pub velocity_seen: Written<[Vec<R>; D], WallVelocity>,
     /// Body force per mass on the fluid, m/s², by which a mirrored pressure is continued into a
     /// wall; the caller writes it.
     ///
@@ -68,9 +75,9 @@ pub struct PairSums<R, const D: usize> {
     /// `wall_friction`; 0 for others.
     ///
     /// Empty where no wall has a wall function.
-    pub friction: [Vec<R>; D],
+    pub friction: Written<[Vec<R>; D], WallFriction>,
     /// Σ w(q) over the fluid that the friction acts on; empty with it.
-    pub friction_felt: Vec<R>,
+    pub friction_felt: Written<Vec<R>, WallFriction>,
     /// Vectors of the pack with a neighbour in the support, for particles whose density was summed
     /// since the last sort.
     ///
@@ -121,21 +128,21 @@ struct Walls {
 impl<R: Real, const D: usize> Default for PairSums<R, D> {
     fn default() -> Self {
         Self {
-            shift: std::array::from_fn(|_| Vec::new()),
-            pressure_rate: Vec::new(),
-            divergence: Vec::new(),
-            damping: Vec::new(),
-            gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
-            neighbour_gradient: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
-            concentration_gradient: std::array::from_fn(|_| Vec::new()),
-            strain: std::array::from_fn(|_| Vec::new()),
-            eddy_viscosity: Vec::new(),
-            stress: std::array::from_fn(|_| Vec::new()),
+            shift: Written::new(std::array::from_fn(|_| Vec::new())),
+            pressure_rate: Written::new(Vec::new()),
+            divergence: Written::new(Vec::new()),
+            damping: Written::new(Vec::new()),
+            gradient: Written::new(std::array::from_fn(|_| std::array::from_fn(|_| Vec::new()))),
+            neighbour_gradient: Written::new(std::array::from_fn(|_| std::array::from_fn(|_| Vec::new()))),
+            concentration_gradient: Written::new(std::array::from_fn(|_| Vec::new())),
+            strain: Written::new(std::array::from_fn(|_| Vec::new())),
+            eddy_viscosity: Written::new(Vec::new()),
+            stress: Written::new(std::array::from_fn(|_| Vec::new())),
             wall_stress: std::array::from_fn(|_| Vec::new()),
-            velocity_seen: std::array::from_fn(|_| Vec::new()),
+            velocity_seen: Written::new(std::array::from_fn(|_| Vec::new())),
             body_force: std::array::from_fn(|_| Vec::new()),
-            friction: std::array::from_fn(|_| Vec::new()),
-            friction_felt: Vec::new(),
+            friction: Written::new(std::array::from_fn(|_| Vec::new())),
+            friction_felt: Written::new(Vec::new()),
             near: Vec::new(),
             columns: PairColumns::default(),
             packs: PackPool::default(),
@@ -202,7 +209,7 @@ impl<R: Real> PairColumns<R> {
         self.image_distance.resize(rows, R::default());
         self.walls_before.resize(rows + 1, 0);
         self.walls_before[rows] = total;
-        let least = R::from_f64(LEAST_IMAGE_DISTANCE * pair.spacing);
+        let least = R::from_f64(LEAST_IMAGE_DISTANCE * pair.discretisation.spacing);
         let columns = self.image_distance.par_chunks_mut(CHUNK).zip(self.walls_before.par_chunks_mut(CHUNK));
         let inputs = zones.zip(particles.wall_distance.par_chunks(CHUNK)).zip(&self.walls_by_chunk);
         columns.zip(inputs).for_each(|((image, before), ((zones, distances), &walls))| {
@@ -326,7 +333,7 @@ fn fill_volumes<R: Real, const D: usize>(
     counts: impl Fn(Zone) -> bool + Sync,
 ) {
     column.resize(particles.len(), R::default());
-    let mass = R::from_f64(pair.mass);
+    let mass = R::from_f64(pair.discretisation.mass);
     let work = |rows: Range<usize>, volumes: &mut [R]| {
         let densities = &particles.density[rows.clone()];
         for ((volume, &zone), &density) in volumes.iter_mut().zip(&particles.zone[rows]).zip(densities) {

@@ -78,9 +78,9 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallDistancePass<'a> {
         source: &Source<'_, R, D>,
         row: usize,
     ) -> f64 {
-        let h = self.pair.smoothing_length;
+        let h = self.pair.discretisation.smoothing_length;
         let limit = L::constant(K::SUPPORT * K::SUPPORT);
-        let disc = L::constant(DISC * self.pair.spacing / h);
+        let disc = L::constant(DISC * self.pair.discretisation.spacing / h);
         let to_h = L::constant(1.0 / h);
         nearest_disc::<L, D>(pack, pack.relative(source, row), limit, disc, to_h) * h
     }

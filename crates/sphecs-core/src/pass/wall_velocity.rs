@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use super::density::squared_distance;
 use super::pack::{Only, Pack, Source};
-use super::rates::VelocityLevel;
+use super::rates::TimeLevel;
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -25,13 +25,17 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::wall::dummy;
 
+/// Writer of the velocities in the viscous term.
+#[derive(Debug)]
+pub struct WallVelocity(());
+
 /// Finds the velocities of all particles in the viscous term, from those of a level, into
 /// `sums.velocity_seen`.
 pub fn find_velocity_seen<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
@@ -39,6 +43,7 @@ pub fn find_velocity_seen<R: Real, const D: usize>(
         return;
     }
     let PairSums { velocity_seen, columns, packs, .. } = sums;
+    let velocity_seen = velocity_seen.write(WallVelocity(()));
     for column in velocity_seen.iter_mut() {
         column.resize(particles.len(), R::default());
     }
@@ -136,6 +141,7 @@ fn mean_velocity<K: KernelShape, L: Lanes, const D: usize>(
 mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
+    use crate::pass::column_access::AfterPasses;
     use crate::pass::samples::{SPACING, Sample, dummy_velocity, noise, settings};
     use crate::pass::settings::WallPartSettings;
 
@@ -159,12 +165,12 @@ mod tests {
             }
         }
         let Sample { pair, grid, particles, sums } = &mut sample;
-        find_velocity_seen(pair, grid, particles, VelocityLevel::Present, sums);
+        find_velocity_seen(pair, grid, particles, TimeLevel::Present, sums);
         let mut walls = 0;
         for row in 0..sample.particles.len() {
             let expected = dummy_velocity(&sample, row);
             for d in 0..D {
-                let found = sample.sums.velocity_seen[d][row].to_f64();
+                let found = sample.sums.velocity_seen.read(AfterPasses)[d][row].to_f64();
                 assert!(
                     (found - expected[d]).abs() < tolerance,
                     "{kernel:?} {row}: {found}, not {expected:?}"

@@ -38,7 +38,7 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
-    force: &(impl Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync),
+    force: &WallForce<'_, R, D>,
 ) {
     sums.packs.prepare();
     if sums.columns.find_walls(pair, particles) == 0 {
@@ -86,16 +86,16 @@ fn set_wall_states<R: Real, const D: usize>(
     for_each_part(0..zone.len(), [&mut particles.pressure[..], &mut particles.density[..]], &work);
 }
 
-struct WallPressurePass<'a, F, R: Real, const D: usize> {
+/// Returns g − a_wall at the wall particle of a row, m/s².
+type WallForce<'a, R, const D: usize> = dyn Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync + 'a;
+
+struct WallPressurePass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
     particles: &'a ParticleArrays<R, D>,
-    force: &'a F,
+    force: &'a WallForce<'a, R, D>,
 }
 
-impl<'a, F, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, F, R, D>
-where
-    F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync,
-{
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, R, D> {
     type Outputs = &'a mut [R];
     /// Pressure, Pa.
     type Sum = f64;
@@ -118,7 +118,7 @@ where
         source: &Source<'_, R, D>,
         row: usize,
     ) -> f64 {
-        let force = (self.force)(self.particles, row).map(|g| g * self.pair.smoothing_length);
+        let force = (self.force)(self.particles, row).map(|g| g * self.pair.discretisation.smoothing_length);
         mean_pressure::<K, L, D>(pack, pack.relative(source, row), force)
     }
 
@@ -200,7 +200,7 @@ mod tests {
             let hydrostatic = |height: f64| 50.0 - 1000.0 * 10.0 * height;
             let mut sample = over_a_wall(pair, hydrostatic);
             extrapolate(&mut sample, [0.0, -10.0]);
-            let reach = sample.pair.support();
+            let reach = sample.pair.discretisation.support;
             for row in 0..sample.particles.len() {
                 let height = sample.particles.position[1][row] + 0.3;
                 let found = sample.particles.pressure[row];

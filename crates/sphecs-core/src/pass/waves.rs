@@ -90,8 +90,9 @@ impl<R: Real, const D: usize> PointPass<R, D> for WavePass<'_, R, D> {
             normal[d] = L::constant(self.setting.normal[d]);
         }
         let wall_distance = self.particles.wall_distance[row].to_f64();
-        let inverse_distance = L::constant(image::inverse_distance(wall_distance, self.pair.spacing));
-        let mass = L::constant(self.pair.mass);
+        let inverse_distance =
+            L::constant(image::inverse_distance(wall_distance, self.pair.discretisation.spacing));
+        let mass = L::constant(self.pair.discretisation.mass);
         let mut sums = WaveLanes::<L, D>::new();
         let mut concentration = [zero; D];
         for entry in pack.entries::<L>(D + source.columns.len()) {
@@ -124,8 +125,8 @@ impl<R: Real, const D: usize> PointPass<R, D> for WavePass<'_, R, D> {
                 concentration[d] = (volume * pair.f).mul_add(x_ob[d], concentration[d]);
             }
         }
-        let h = self.pair.smoothing_length;
-        let f_scale = self.pair.slope_scale() / (h * h);
+        let h = self.pair.discretisation.smoothing_length;
+        let f_scale = self.pair.discretisation.slope_scale() / (h * h);
         let mut found = WaveFound { sums: sums.total(f_scale, h), concentration: DVec3::ZERO };
         for d in 0..D {
             found.concentration[d] = f_scale * h * concentration[d].sum().to_f64();
@@ -151,8 +152,8 @@ mod tests {
         row: usize,
     ) -> WaveFound {
         let Sample { pair, grid, particles, .. } = sample;
-        let h = pair.smoothing_length;
-        let f_scale = pair.slope_scale() / (h * h);
+        let h = pair.discretisation.smoothing_length;
+        let f_scale = pair.discretisation.slope_scale() / (h * h);
         let d_o = particles.wall_distance[row].to_f64().max(0.1 * SPACING);
         let mut sums = WaveLanes::<Array<f64, 1>, D>::new();
         let mut concentration = DVec3::ZERO;
@@ -161,8 +162,8 @@ mod tests {
             let wall = particles.zone[b] == Zone::Wall;
             let stretch = if wall { 1.0 + particles.wall_distance[b].to_f64() / d_o } else { 1.0 };
             let (v_o, v_b) = (particles.velocity_of(row), particles.velocity_of(b));
-            let volume = pair.mass / particles.density[b].to_f64();
-            let f = pair.f(r_squared.sqrt());
+            let volume = pair.discretisation.mass / particles.density[b].to_f64();
+            let f = pair.discretisation.f(r_squared.sqrt());
             sums.add(
                 setting,
                 &WavePair {
@@ -170,7 +171,7 @@ mod tests {
                     v_ob: std::array::from_fn(|d| Array([(v_o[d] - v_b[d]) * stretch])),
                     v_n_b: Array([v_b.dot(setting.normal)]),
                     volume: Array([volume]),
-                    w: Array([pair.w(r_squared.sqrt()) / pair.kernel_scale()]),
+                    w: Array([pair.discretisation.w(r_squared.sqrt()) / pair.discretisation.kernel_scale()]),
                     f: Array([f / f_scale]),
                     flows: Array([if wall { 0.0 } else { 1.0 }]),
                 },

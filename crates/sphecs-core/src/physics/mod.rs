@@ -5,7 +5,7 @@
 //! - [`eos`]: the equation of state
 //! - [`integrator`], [`timestep`]: integration in time
 //! - [`pair`]: a particle and a vector of its neighbours, as the pair terms take them
-//! - [`parameters`]: parameters that are out of bounds
+//! - [`parameter_fault`]: parameters that a method cannot work with
 //! - [`shifting`]: particle shifting
 //! - [`viscosity`]: viscous and turbulent stresses
 //! - [`wall`]: wall models
@@ -16,7 +16,7 @@ pub mod eos;
 pub mod integrator;
 pub mod momentum;
 pub mod pair;
-pub mod parameters;
+pub mod parameter_fault;
 pub mod shifting;
 pub mod summed_density;
 pub mod timestep;

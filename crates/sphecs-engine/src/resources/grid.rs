@@ -27,7 +27,7 @@ pub(crate) fn scene_grid<const D: usize>(
     pair: &PairSettings,
     seeds: &[ParticleSeed],
 ) -> CellGrid<D> {
-    let (support, cell_size) = (pair.support(), pair.cell_size());
+    let (support, cell_size) = (pair.discretisation.support, pair.discretisation.cell_size());
     let mut lower = [f64::INFINITY; D];
     let mut upper = [f64::NEG_INFINITY; D];
     for seed in seeds.iter().filter(|seed| seed.zone != Zone::Reservoir) {

@@ -27,7 +27,7 @@ pub(crate) fn pair_settings(scene: &Scene) -> PairSettings {
             pair.pressure = PressureLaw::Evolved(scheme.terms);
             // The transport velocity replaces shifting, and the mean pressure p̄ replaces the
             // tensile control.
-            pair.shifting = Shifting::Off;
+            pair.shifting = Shifting::NONE;
             pair.tensile_control = false;
         }
     }

@@ -4,7 +4,7 @@ use bevy_ecs::resource::Resource;
 use serde::{Deserialize, Serialize};
 
 use sphecs_core::math::real::Real;
-use sphecs_core::pass::rates::VelocityLevel;
+use sphecs_core::pass::rates::TimeLevel;
 use sphecs_core::pass::sums::PairSums;
 
 /// Sums of the pair passes, which are computed anew in every step.
@@ -39,7 +39,7 @@ pub struct StepsSinceCorrection(pub u32);
 impl StepsSinceCorrection {
     /// Returns the time level of the velocities in the dissipative terms of the present step: see
     /// `physics/integrator/verlet.rs`.
-    pub fn time_level(self) -> VelocityLevel {
-        if self.0 == 0 { VelocityLevel::Present } else { VelocityLevel::Previous }
+    pub fn time_level(self) -> TimeLevel {
+        if self.0 == 0 { TimeLevel::Present } else { TimeLevel::Previous }
     }
 }

@@ -34,13 +34,13 @@ use crate::systems::transitions::reservoir::FreeNumbers;
 use crate::transfer::count_roles;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::saved::{self, Order};
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
 /// Saves the particles of a world.
-pub(crate) fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
+pub(crate) fn save<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut Columns) {
     let order = match *world.resource::<StateLocation>() {
         StateLocation::Components => {
             // The next step starts from the components. Their order in the world depends on every
@@ -126,21 +126,29 @@ pub(crate) fn restore_grid<const D: usize>(
     let [lower, upper] =
         [from.take_exactly::<f64>("grid.lower", D)?, from.take_exactly::<f64>("grid.upper", D)?];
     // More cells than a `u32` can count are never saved.
-    let cells: f64 = (0..D).map(|axis| ((upper[axis] - lower[axis]) / pair.0.cell_size()).max(1.0)).product();
+    let cells: f64 = (0..D)
+        .map(|axis| ((upper[axis] - lower[axis]) / pair.0.discretisation.cell_size()).max(1.0))
+        .product();
     let is_valid = (0..D).all(|axis| lower[axis] < upper[axis] && (upper[axis] - lower[axis]).is_finite());
     if !is_valid || cells > f64::from(u32::MAX) {
         return Err(ColumnMismatch(format!("the grid from {lower:?} to {upper:?} m is empty or not finite")));
     }
     let axes = |corner: Vec<f64>| std::array::from_fn(|axis| corner[axis]);
     let periodic = std::array::from_fn(|axis| scene.periodic[axis].is_some());
-    Ok(CellGrid::new(axes(lower), axes(upper), periodic, pair.0.support(), pair.0.cell_size()))
+    Ok(CellGrid::new(
+        axes(lower),
+        axes(upper),
+        periodic,
+        pair.0.discretisation.support,
+        pair.0.discretisation.cell_size(),
+    ))
 }
 
 /// Spawns the particles of a state in a world without particles, and fills the arrays.
 ///
 /// # Errors
 /// [`ColumnMismatch`] if the columns do not fit the scene.
-pub(crate) fn restore<R: Real, const D: usize>(
+pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     world: &mut World,
     from: &mut Columns,
 ) -> Result<(), ColumnMismatch> {

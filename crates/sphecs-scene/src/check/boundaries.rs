@@ -8,10 +8,8 @@ use super::tables;
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::model::{Inlet, InletVelocity, Outlet};
-use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
-use sphecs_core::boundary::condition_fault::ConditionFault;
 use sphecs_core::boundary::outlet::OutletCondition;
 
 /// Layers of the zone of an inlet, as Alvarado-Rodríguez et al. (2017).
@@ -56,16 +54,9 @@ fn inlet(
     let half = patch.as_ref().map_or(1.0, |patch| patch.half_extent[0]);
     let velocity = velocity(&file.velocity, half, folder, check);
     for fault in file.pressure.faults() {
-        report(&fault, "an inlet", file.velocity.head, check);
+        check.report_parameter(&fault, "an inlet", file.velocity.head);
     }
     Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure, feed: file.feed })
-}
-
-/// Reports a parameter of a condition, of "an inlet" or "the outlet condition …".
-fn report(fault: &ConditionFault, condition: &str, span: Span, check: &mut Checker<'_>) {
-    let title = format!("`{}` of {condition} is out of range", fault.field);
-    let found = Fault::new(title, span, format!("is {}, must be {}", fault.value, fault.must_be));
-    check.report(if fault.advice.is_empty() { found } else { found.help(fault.advice) });
 }
 
 fn names<'a>(names: impl Iterator<Item = Option<&'a Text>>, kind: &str, check: &mut Checker<'_>) {
@@ -205,6 +196,6 @@ fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
     let parameters = file.value.parameters();
     let condition = format!("the outlet condition `{}`", parameters.name());
     for fault in parameters.faults() {
-        report(&fault, &condition, file.head, check);
+        check.report_parameter(&fault, &condition, file.head);
     }
 }

@@ -7,6 +7,7 @@ use crate::faults::Fault;
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{Formula, FormulaText, Number, Vector};
+use sphecs_core::physics::parameter_fault::ParameterFault;
 
 /// Collects faults; what it returns for a faulty value is harmless.
 pub struct Checker<'a> {
@@ -40,6 +41,13 @@ impl<'a> Checker<'a> {
         } else {
             self.faults.push(fault);
         }
+    }
+
+    /// Reports a parameter of `owner`, such as "the noise damping", that is out of range.
+    pub fn report_parameter(&mut self, fault: &ParameterFault, owner: &str, span: Span) {
+        let title = format!("`{}` of {owner} is out of range", fault.field);
+        let found = Fault::new(title, span, format!("is {}, must be {}", fault.value, fault.must_be));
+        self.report(if fault.advice.is_empty() { found } else { found.help(fault.advice) });
     }
 
     /// Counts a value that stands in for a faulty one.

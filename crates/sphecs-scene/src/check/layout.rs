@@ -114,11 +114,7 @@ pub fn fill(
             let jitter = jitter.as_ref().map_or(0.0, |jitter| {
                 if !(0.0..=MOST_JITTER).contains(&jitter.value) {
                     let label = format!("is `{}` spacings, must be from 0 to {MOST_JITTER}", jitter.value);
-                    check.report(Fault::new(
-                        "the jitter of the lattice is out of bounds",
-                        jitter.span,
-                        label,
-                    ));
+                    check.report(Fault::new("the jitter of the lattice is out of range", jitter.span, label));
                 }
                 jitter.value
             });

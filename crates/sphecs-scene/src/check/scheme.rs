@@ -3,12 +3,10 @@
 use super::checker::Checker;
 use crate::faults::Fault;
 use crate::model::{EdacTvf, Scheme, Wcsph};
-use crate::notation::tree::Span;
 use crate::schema::{Number, SchemeFile};
 use sphecs_core::math::kernel::Kernel;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::Integrator;
-use sphecs_core::physics::parameters::ParameterFault;
 
 /// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
 fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
@@ -25,7 +23,7 @@ fn ratio(number: Option<&Number>, kernel: Kernel, dimensions: usize, check: &mut
         Some(number) if !(0.8..=4.0).contains(&number.value) => {
             check.report(
                 Fault::new(
-                    "`smoothing_ratio` is out of bounds",
+                    "`smoothing_ratio` is out of range",
                     number.span,
                     format!("is `{}`, must be from `0.8` to `4`", number.value),
                 )
@@ -44,7 +42,7 @@ fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut
         Some(number) if !(0.0..=most).contains(&number.value) => {
             check.report(
                 Fault::new(
-                    format!("`{name}` of the scheme is out of bounds"),
+                    format!("`{name}` of the scheme is out of range"),
                     number.span,
                     format!("is `{}`, must be from `0` to `{most}`", number.value),
                 )
@@ -54,20 +52,6 @@ fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut
         }
         Some(number) => number.value,
         None => usual,
-    }
-}
-
-/// Reports the parameters of a method that are out of bounds.
-fn report_faults(faults: Vec<ParameterFault>, span: Span, check: &mut Checker<'_>) {
-    for fault in faults {
-        let (least, most) = fault.allowed.into_inner();
-        let bounds = if most == f64::MAX {
-            format!("at least `{least}`")
-        } else {
-            format!("from `{least}` to `{most}`")
-        };
-        let label = format!("is `{}`, must be {bounds}", fault.value);
-        check.report(Fault::new(fault.message, span, label).help(fault.usual));
     }
 }
 
@@ -95,13 +79,19 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
                 ));
             }
             if let Some(viscosity) = viscosity {
-                report_faults(viscosity.value.faults(), viscosity.span, check);
+                for fault in viscosity.value.faults() {
+                    check.report_parameter(&fault, "the viscous term", viscosity.span);
+                }
             }
             if let Some(shifting) = shifting {
-                report_faults(shifting.value.faults(), shifting.span, check);
+                for fault in shifting.value.faults() {
+                    check.report_parameter(&fault, "the shifting", shifting.span);
+                }
             }
             if let Some(damping) = noise_damping {
-                report_faults(damping.value.faults(), damping.span, check);
+                for fault in damping.value.faults() {
+                    check.report_parameter(&fault, "the noise damping", damping.span);
+                }
             }
             Scheme::Wcsph(Wcsph {
                 kernel,

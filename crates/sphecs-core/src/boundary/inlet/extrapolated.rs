@@ -17,7 +17,7 @@
 
 use super::InletMethod;
 use super::inflow_zone::InflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 
 /// Time over which an extrapolated pressure is followed, in travel times of sound over Δ.
 const LAG: f64 = 2.0;
@@ -27,7 +27,7 @@ const LAG: f64 = 2.0;
 pub struct Extrapolated;
 
 impl InletMethod for Extrapolated {
-    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
         let lag = LAG * zone.spacing / zone.sound_speed;
         let share = zone.time_step / (zone.time_step + lag);
         zone.fit_mirrored_pressure();

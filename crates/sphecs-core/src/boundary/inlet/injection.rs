@@ -93,23 +93,11 @@ impl InflowLine {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn patch(angle: f64) -> Patch {
-        let (s, c) = angle.sin_cos();
-        Patch {
-            name: "inlet".to_owned(),
-            at: DVec3::new(0.3, -0.2, 0.0),
-            towards: DVec3::new(c, s, 0.0),
-            across: [DVec3::new(-s, c, 0.0), DVec3::ZERO],
-            half_extent: [0.081, 0.0],
-            depth: 0.05,
-            area: 0.162,
-        }
-    }
+    use crate::boundary::patch::turned_patch;
 
     #[test]
     fn a_line_is_filled_up_to_the_end_of_its_zone() {
-        let patch = patch(0.3);
+        let patch = turned_patch(0.3);
         let point = patch.at + patch.across[0] * 0.023 + patch.towards * 0.001;
         let line = InflowLine::of(&patch, point, 0.01);
         assert!(line.holds(&patch, point) && !line.holds(&patch, point + patch.across[0] * 0.011));

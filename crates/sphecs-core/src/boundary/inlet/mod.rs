@@ -18,8 +18,8 @@ pub mod prescribed;
 
 use serde::{Deserialize, Serialize};
 
-use crate::boundary::condition_fault::ConditionFault;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
+use crate::physics::parameter_fault::ParameterFault;
 use extrapolated::Extrapolated;
 use inflow_zone::InflowZone;
 use prescribed::Prescribed;
@@ -65,22 +65,22 @@ macro_rules! with_pressure {
 /// A condition of the inflow pressure.
 pub trait InletMethod {
     /// Sets velocity, pressure and density of the inflow particles at the present time.
-    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
 
     /// Returns the parameters that the condition cannot work with.
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         Vec::new()
     }
 }
 
 impl InletPressure {
     /// Sets velocity, pressure and density of the inflow particles at the present time.
-    pub fn apply<R: Real, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
+    pub fn apply<R: PairReal<D>, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
         with_pressure!(self, method => method.apply(zone));
     }
 
     /// Returns the parameters that are out of range.
-    pub fn faults(self) -> Vec<ConditionFault> {
+    pub fn faults(self) -> Vec<ParameterFault> {
         with_pressure!(self, method => method.faults())
     }
 }

@@ -6,21 +6,21 @@
 
 use super::InletMethod;
 use super::inflow_zone::InflowZone;
-use crate::boundary::condition_fault::ConditionFault;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// The given pressure, Pa.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prescribed(pub f64);
 
 impl InletMethod for Prescribed {
-    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
         let pressure = self.0;
         zone.set(1.0, |_, _, _| pressure);
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
-        ConditionFault::unless_finite("pressure", self.0, "Pa").into_iter().collect()
+    fn faults(&self) -> Vec<ParameterFault> {
+        ParameterFault::unless_finite("pressure", self.0, "Pa").into_iter().collect()
     }
 }
 

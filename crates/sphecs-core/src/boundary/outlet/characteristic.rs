@@ -30,9 +30,9 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::boundary::condition_fault::ConditionFault;
-use crate::math::real::Real;
 use crate::pass::fits::PointFit;
+use crate::pass::pair_real::PairReal;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameters of the condition. They have no default: a stream of another velocity than this has a
 /// pressure of ρ0 c0 times the difference.
@@ -59,9 +59,9 @@ impl OutletParameters for Characteristic {
         References { velocity: self.velocity, pressure: self.pressure }
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
-        let velocity = ConditionFault::unless_finite("velocity", self.velocity, "m/s");
-        let pressure = ConditionFault::unless_finite("pressure", self.pressure, "Pa");
+    fn faults(&self) -> Vec<ParameterFault> {
+        let velocity = ParameterFault::unless_finite("velocity", self.velocity, "m/s");
+        let pressure = ParameterFault::unless_finite("pressure", self.pressure, "Pa");
         velocity.into_iter().chain(pressure).collect()
     }
 }
@@ -69,7 +69,7 @@ impl OutletParameters for Characteristic {
 impl OutletMethod for Characteristic {
     type Memory = ();
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let (normal, impedance, references) = (zone.normal(), zone.flow.impedance(), self.references());
         // The impedance is the same for all, so that the mean of J2 is that of velocity and
         // pressure.

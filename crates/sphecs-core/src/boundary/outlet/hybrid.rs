@@ -26,9 +26,9 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::boundary::condition_fault::ConditionFault;
-use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
+use crate::pass::pair_real::PairReal;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Length beyond the support, in spacings, over which the condition averages the fluid: a particle
 /// that crosses has been averaged long enough for its mean to settle.
@@ -95,12 +95,12 @@ impl OutletParameters for Hybrid {
         References { velocity: self.velocity.unwrap_or(0.0), pressure: self.pressure }
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         let velocity =
-            self.velocity.and_then(|velocity| ConditionFault::unless_positive("velocity", velocity, "m/s"));
-        let pressure = ConditionFault::unless_finite("pressure", self.pressure, "Pa");
+            self.velocity.and_then(|velocity| ParameterFault::unless_positive("velocity", velocity, "m/s"));
+        let pressure = ParameterFault::unless_finite("pressure", self.pressure, "Pa");
         let is_long_enough = self.steps.is_finite() && self.steps >= 1.0;
-        let steps = ConditionFault::unless(is_long_enough, "steps", self.steps, "", "finite and at least 1");
+        let steps = ParameterFault::unless(is_long_enough, "steps", self.steps, "", "finite and at least 1");
         velocity.into_iter().chain(pressure).chain(steps).collect()
     }
 }
@@ -108,7 +108,11 @@ impl OutletParameters for Hybrid {
 impl OutletMethod for Hybrid {
     type Memory = HybridMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut HybridMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut HybridMemory,
+    ) {
         self.average_upstream(zone, memory);
         let (normal, impedance) = (zone.normal(), zone.flow.impedance());
         let upstream = zone.upstream.iter().map(|&row| row as usize);
@@ -132,7 +136,7 @@ impl OutletMethod for Hybrid {
 
 impl Hybrid {
     /// Updates the means of the fluid within reach and finds its J2.
-    fn average_upstream<R: Real, const D: usize>(
+    fn average_upstream<R: PairReal<D>, const D: usize>(
         &self,
         zone: &OutflowZone<'_, R, D>,
         memory: &mut HybridMemory,
@@ -177,7 +181,7 @@ impl Hybrid {
 
 /// Returns the speed of the threshold, m/s: the time mean of the inflow speed, or of the scene's
 /// reference velocity if nothing flows in.
-fn inflow_speed<R: Real, const D: usize>(
+fn inflow_speed<R: PairReal<D>, const D: usize>(
     zone: &OutflowZone<'_, R, D>,
     share: f64,
     memory: &mut HybridMemory,

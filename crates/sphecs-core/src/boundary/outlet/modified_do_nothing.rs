@@ -27,8 +27,8 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::pass::fits::PointFit;
+use crate::pass::pair_real::PairReal;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,7 +62,7 @@ impl OutletParameters for ModifiedDoNothing {
 impl OutletMethod for ModifiedDoNothing {
     type Memory = ();
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let normal = zone.normal();
         zone.fit_fluid(PointFit::Mean { normal }, |point| point, empty());
         let others = zone.mean_fitted(|flow| flow.velocity).unwrap_or(zone.adjacent.velocity);

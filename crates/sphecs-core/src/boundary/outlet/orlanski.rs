@@ -13,8 +13,8 @@ use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, Ref
 use super::outflow_zone::OutflowZone;
 use super::pressure::OutletPressure;
 use super::wave_equation::{WaveCondition, WaveMemory};
-use crate::boundary::condition_fault::ConditionFault;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
+use crate::physics::parameter_fault::ParameterFault;
 use crate::physics::wave_sums::ReferenceFrame;
 
 /// Parameters of the condition.
@@ -44,7 +44,7 @@ impl OutletParameters for Orlanski {
         self.wave().references()
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         self.pressure.faults()
     }
 }
@@ -52,11 +52,19 @@ impl OutletParameters for Orlanski {
 impl OutletMethod for Orlanski {
     type Memory = WaveMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().apply(zone, memory);
     }
 
-    fn find_rates<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn find_rates<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().find_rates(zone, memory);
     }
 

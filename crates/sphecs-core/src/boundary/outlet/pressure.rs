@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::outflow_zone::OutflowZone;
-use crate::boundary::condition_fault::ConditionFault;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Pressure of outflow particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,19 +73,19 @@ impl OutletPressure {
     }
 
     /// Returns the parameters that are out of range.
-    pub fn faults(self) -> Vec<ConditionFault> {
+    pub fn faults(self) -> Vec<ParameterFault> {
         let time = match self {
             OutletPressure::Frozen | OutletPressure::Reference(_) => None,
             OutletPressure::Relaxed { time, .. } => Some(time),
             OutletPressure::NonReflecting { time, .. } => time,
         };
-        let time = time.and_then(|time| ConditionFault::unless_positive("time", time, "s"));
-        let target = ConditionFault::unless_finite("pressure", self.target(), "Pa");
+        let time = time.and_then(|time| ParameterFault::unless_positive("time", time, "s"));
+        let target = ParameterFault::unless_finite("pressure", self.target(), "Pa");
         time.into_iter().chain(target).collect()
     }
 
     /// Sets the pressures of a zone where they do not depend on the flow.
-    pub fn set<R: Real, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
+    pub fn set<R: PairReal<D>, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
         let (rows, pressures) = (zone.rows, &mut zone.arrays.pressure);
         match self {
             OutletPressure::Reference(pressure) => {

@@ -31,12 +31,12 @@ use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, Ref
 use super::non_reflecting::NonReflecting;
 use super::outflow_zone::OutflowZone;
 use super::pressure::OutletPressure;
-use crate::boundary::condition_fault::ConditionFault;
 use crate::math::lattice::ETA_SQUARED;
-use crate::math::real::Real;
 use crate::particles::rows::set_real_vector;
 use crate::pass::fits::PointFit;
-use crate::pass::waves::{WaveFound, sum_waves};
+use crate::pass::pair_real::PairReal;
+use crate::pass::waves::WaveFound;
+use crate::physics::parameter_fault::ParameterFault;
 use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator, WaveSetting};
 
 /// Smallest number of outflow particles per thread.
@@ -112,7 +112,7 @@ impl OutletParameters for WaveEquation {
         self.wave().references()
     }
 
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         self.pressure.faults()
     }
 }
@@ -120,11 +120,19 @@ impl OutletParameters for WaveEquation {
 impl OutletMethod for WaveEquation {
     type Memory = WaveMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().apply(zone, memory);
     }
 
-    fn find_rates<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn find_rates<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().find_rates(zone, memory);
     }
 
@@ -140,7 +148,11 @@ impl WaveCondition {
     }
 
     /// Sets pressure and density of the outflow particles and finds their convective velocities.
-    pub fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    pub fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.pressure.set(zone);
         self.fit_fluid(zone, &mut memory.non_reflecting);
         let mut moves = std::mem::take(&mut memory.moves);
@@ -168,7 +180,7 @@ impl WaveCondition {
 
     /// Fits the fluid upstream of the outflow particles and advances a nonreflecting pressure by a
     /// step.
-    fn fit_fluid<R: Real, const D: usize>(
+    fn fit_fluid<R: PairReal<D>, const D: usize>(
         &self,
         zone: &mut OutflowZone<'_, R, D>,
         non_reflecting: &mut NonReflecting,
@@ -188,7 +200,7 @@ impl WaveCondition {
     }
 
     /// Finds pressure, convective velocity and density of the outflow particles.
-    fn find_moves<R: Real, const D: usize>(
+    fn find_moves<R: PairReal<D>, const D: usize>(
         &self,
         zone: &OutflowZone<'_, R, D>,
         non_reflecting: &NonReflecting,
@@ -215,7 +227,7 @@ impl WaveCondition {
     }
 
     /// Finds the rates of the outflow particles and their shifting vectors.
-    pub fn find_rates<R: Real, const D: usize>(
+    pub fn find_rates<R: PairReal<D>, const D: usize>(
         &self,
         zone: &mut OutflowZone<'_, R, D>,
         memory: &mut WaveMemory,
@@ -228,16 +240,18 @@ impl WaveCondition {
             eta_squared: ETA_SQUARED,
             viscosity: zone.flow.viscosity,
         };
-        sum_waves(&setting, zone.pair, zone.grid, zone.arrays, zone.sums, zone.rows, &mut memory.sums);
+        R::sum_waves(&setting, zone.pair, zone.grid, zone.arrays, zone.sums, zone.rows, &mut memory.sums);
         for (&row, wave) in zone.rows.iter().zip(&memory.sums) {
             let row = row as usize;
             set_real_vector(&mut zone.arrays.acceleration, row, wave.sums.rate(&setting));
             let mut concentration = wave.concentration;
             // The support is empty beyond the far end: the normal part would empty the zone.
-            if zone.patch.along(zone.arrays.position_of(row)) > zone.patch.depth - zone.pair.support() {
+            if zone.patch.along(zone.arrays.position_of(row))
+                > zone.patch.depth - zone.pair.discretisation.support
+            {
                 concentration -= setting.normal * concentration.dot(setting.normal);
             }
-            set_real_vector(&mut zone.sums.shift, row, concentration);
+            zone.sums.set_outflow_shift(row, concentration);
         }
     }
 

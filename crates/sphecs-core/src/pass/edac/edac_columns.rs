@@ -2,6 +2,7 @@
 
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
+use crate::pass::column_access::EdacRates;
 use crate::pass::fused::LoopShape;
 use crate::pass::pack::{ColumnList, Scalar, Vector};
 use crate::pass::settings::PairSettings;
@@ -69,7 +70,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
         pressure: list.add_scalar(&particles.pressure),
         image_distance: has_walls.then(|| list.add_scalar(&sums.columns.image_distance)),
         normal: (has_walls && pair.has_free_slip()).then(|| list.add_vector(&particles.wall_normal)),
-        viscous_velocity: has_dummies.then(|| list.add_vector(&sums.velocity_seen)),
+        viscous_velocity: has_dummies.then(|| list.add_vector(sums.velocity_seen.read(EdacRates))),
         width: 0,
     };
     (EdacColumns { width: list.width(), ..places }, list)

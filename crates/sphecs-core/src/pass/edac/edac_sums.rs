@@ -68,7 +68,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
         let (pair, edac, source) = (settings.pair(), settings.edac, settings.source);
         let density = source.scalar(columns.density, row.row).to_f64();
         let pressure = source.scalar(columns.pressure, row.row).to_f64();
-        let (h, reference) = (pair.smoothing_length, pair.tait.reference_density);
+        let (h, reference) = (pair.discretisation.smoothing_length, pair.tait.reference_density);
         // Weights are of volumes over masses: V²/m ∇W is m ∇W times them.
         let scale = settings.gradient_scale;
         let [nu, nu_of_pressure] = self.viscous_scales(density);
@@ -121,7 +121,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
         for c in 0..3 {
             let of_pairs = sums.moments[0][c].mul_add(along_x_scale, sums.moments[1][c] * along_v_scale);
             let whole = sums.moments[2][c].mul_add(own_half, of_pairs);
-            moment[c] = self.settings.pair().smoothing_length * whole.sum().to_f64();
+            moment[c] = self.settings.pair().discretisation.smoothing_length * whole.sum().to_f64();
         }
         moment
     }
@@ -129,7 +129,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
     /// Returns the factors of the viscous sums of velocity and pressure at a density, kg/m³.
     #[inline(always)]
     fn viscous_scales(&self, density: f64) -> [f64; 2] {
-        let (scale, h) = (self.settings.gradient_scale, self.settings.pair().smoothing_length);
+        let (scale, h) = (self.settings.gradient_scale, self.settings.pair().discretisation.smoothing_length);
         self.settings.viscosity.map(|nu| 2.0 * nu * density * scale / h)
     }
 }

@@ -88,10 +88,14 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
         columns: EdacColumns,
     ) -> Self {
         let pair = inputs.pair;
-        let of_pressure = edac.pressure_viscosity(pair.smoothing_length, pair.tait.sound_speed);
+        let of_pressure =
+            edac.pressure_viscosity(pair.discretisation.smoothing_length, pair.tait.sound_speed);
         let viscosity = [pair.pair_viscosity(), of_pressure / pair.edac_coefficient(edac)];
-        let own_slope =
-            if edac.as_published { 0.0 } else { pair.kernel.slope(D, pair.smoothing_length, 0.0) };
+        let own_slope = if edac.as_published {
+            0.0
+        } else {
+            pair.discretisation.kernel.slope(D, pair.discretisation.smoothing_length, 0.0)
+        };
         Self {
             inputs,
             source,
@@ -103,10 +107,11 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
                 image_in_divergence: pair.wall_model.mirrors_velocity(),
             },
             cap: L::constant(pair.wall_model.largest_factor()),
-            limit: L::constant(pair.kernel.support_ratio().powi(2)),
-            gradient_scale: pair.mass * pair.slope_scale() / pair.smoothing_length,
+            limit: L::constant(pair.discretisation.kernel.support_ratio().powi(2)),
+            gradient_scale: pair.discretisation.mass * pair.discretisation.slope_scale()
+                / pair.discretisation.smoothing_length,
             viscosity,
-            own_damping: -2.0 * viscosity[0].max(viscosity[1]) * pair.mass * own_slope,
+            own_damping: -2.0 * viscosity[0].max(viscosity[1]) * pair.discretisation.mass * own_slope,
         }
     }
 

@@ -18,7 +18,7 @@ use edac_terms::EdacSettings;
 use super::body::{Body, BodyPass, BodySum};
 use super::fused::{
     BlockLoop, FluidRow, FusedBlock, FusedInputs, FusedPass, FusedScheme, General, GeneralWithMoments,
-    LoopShape, OutputColumns, Plain, PlainWithWalls, RateColumns, RowForce, Summary, sum_pairs,
+    LoopShape, OutputColumns, Plain, PlainWithWalls, RateColumns, RateScalars, RowForce, Summary, sum_pairs,
 };
 use super::pack::{Pack, Source};
 use super::rates::larger;
@@ -65,24 +65,15 @@ pub fn sum_rates<R: Real, const D: usize>(
 ) -> EdacSummary {
     sums.packs.prepare();
     let has_walls = sums.columns.find_images(pair, particles);
-    for column in sums.shift.iter_mut().chain([&mut sums.divergence, &mut sums.pressure_rate]) {
-        column.resize(particles.len(), R::default());
-    }
-    let mut outputs = RateColumns {
-        acceleration: std::mem::replace(&mut particles.acceleration, [const { Vec::new() }; D]),
-        shift: std::mem::replace(&mut sums.shift, [const { Vec::new() }; D]),
-        scalars: [std::mem::take(&mut sums.pressure_rate), std::mem::take(&mut sums.divergence)],
-    };
+    let mut outputs = RateColumns::take(RateScalars::PressureRateAndDivergence, particles, sums);
     let (places, list) = columns(pair, particles, sums, has_walls);
-    let summary = pair.kernel.with_shape(FusedPass {
+    let summary = pair.discretisation.kernel.with_shape(FusedPass {
         scheme: &EdacTvf { edac, columns: places },
         inputs: FusedInputs::new(pair, grid, particles, sums, list.as_slice()),
         packs: &sums.packs,
         outputs: outputs.as_outputs(),
     });
-    particles.acceleration = outputs.acceleration;
-    sums.shift = outputs.shift;
-    [sums.pressure_rate, sums.divergence] = outputs.scalars;
+    outputs.put_back(particles, sums);
     summary
 }
 
@@ -106,7 +97,13 @@ pub fn sum_body_force<R: Real, const D: usize>(
     let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());
     let scheme = EdacTvf { edac, columns: places };
     let of_body = &sums.columns.body;
-    pair.kernel.with_shape(BodyPass { scheme: &scheme, inputs, of_body, packs: &sums.packs, body })
+    pair.discretisation.kernel.with_shape(BodyPass {
+        scheme: &scheme,
+        inputs,
+        of_body,
+        packs: &sums.packs,
+        body,
+    })
 }
 
 /// The scheme `EdacTvf` for a fused pass.

@@ -7,9 +7,10 @@ use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::lattice::ETA_SQUARED;
 use crate::particles::zone::Zone;
+use crate::pass::column_access::AfterPasses;
 use crate::pass::density::sum_density;
 use crate::pass::neighbours::Neighbours;
-use crate::pass::samples::{SPACING, Sample, WATER, assert_close, dummy_velocity, noise, settings};
+use crate::pass::samples::{SPACING, Sample, WATER, assert_close, dummy_velocity, in_space, noise, settings};
 use crate::pass::settings::{PressureLaw, WallPartSettings};
 use crate::physics::wall::{WallModel, WallPressure};
 
@@ -77,7 +78,7 @@ struct Reference<const D: usize> {
 fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> {
     let (pair, particles) = (&sample.pair, &sample.particles);
     let edac = edac_of(pair);
-    let (h, m, c) = (pair.smoothing_length, pair.mass, WATER.sound_speed);
+    let (h, m, c) = (pair.discretisation.smoothing_length, pair.discretisation.mass, WATER.sound_speed);
     let nu_edac = edac.pressure_viscosity(h, c) / pair.edac_coefficient(&edac);
     let point: [f64; D] = std::array::from_fn(|d| particles.position[d][a]);
     let neighbours = Neighbours::new(&sample.grid, particles);
@@ -101,7 +102,7 @@ fn reference<const D: usize>(sample: &Sample<f64, D>, a: usize) -> Reference<D> 
         if a == b {
             return;
         }
-        let slope = pair.f(r2.sqrt());
+        let slope = pair.discretisation.f(r2.sqrt());
         let (rho_a, rho_b) = (particles.density[a], particles.density[b]);
         let (p_a, p_b) = (particles.pressure[a], pressure_of(b, x));
         let [v_a, v_b]: [[f64; D]; 2] = [a, b].map(|row| std::array::from_fn(|d| particles.velocity[d][row]));
@@ -179,12 +180,12 @@ fn check<const D: usize>(pair: PairSettings, counts: [usize; D]) {
         for d in 0..D {
             found[d].push(sample.particles.acceleration[d][row]);
             expected[d].push(acceleration[d]);
-            found[D + d].push(sample.sums.shift[d][row]);
+            found[D + d].push(sample.sums.shift.read(AfterPasses)[d][row]);
             expected[D + d].push(background[d]);
         }
-        found[2 * D].push(sample.sums.pressure_rate[row]);
+        found[2 * D].push(sample.sums.pressure_rate.read(AfterPasses)[row]);
         expected[2 * D].push(pressure_rate);
-        found[2 * D + 1].push(sample.sums.divergence[row]);
+        found[2 * D + 1].push(sample.sums.divergence.read(AfterPasses)[row]);
         expected[2 * D + 1].push(divergence);
         largest = largest.max(divergence.abs());
         fastest = fastest.max(damping);
@@ -212,12 +213,12 @@ fn rates_are_the_published_sums() {
             ..evolved(kernel, 2, 1.3, edac)
         };
         check(walled.clone(), [12, 9]);
-        check(PairSettings { dimensions: 3, ..walled.clone() }, [6, 9, 5]);
+        check(in_space(&walled), [6, 9, 5]);
         for wall_model in [WallModel::Dummy, WallModel::Ghost] {
             let walled = PairSettings { wall_model, ..walled.clone() };
             check(PairSettings { wall_parts: Vec::new(), ..walled.clone() }, [13, 9]);
             check(walled.clone(), [12, 9]);
-            check(PairSettings { dimensions: 3, ..walled }, [6, 9, 5]);
+            check(in_space(&walled), [6, 9, 5]);
         }
     }
 }
@@ -246,8 +247,8 @@ fn two_particles_push_and_drag_each_other_and_share_their_pressure() {
     assert!((across[first] + across[second]).abs() < 1e-12 * drag.abs());
     let nu_edac = 0.5 * h * WATER.sound_speed / 8.0;
     let shared = squares / m * 2.0 * nu_edac * rho_a * rho_b / (rho_a + rho_b) * (p_a - p_b) * slope;
-    assert!((sample.sums.pressure_rate[first] / shared - 1.0).abs() < 1e-12);
-    assert!((sample.sums.pressure_rate[second] / -shared - 1.0).abs() < 1e-12);
+    assert!((sample.sums.pressure_rate.read(AfterPasses)[first] / shared - 1.0).abs() < 1e-12);
+    assert!((sample.sums.pressure_rate.read(AfterPasses)[second] / -shared - 1.0).abs() < 1e-12);
 }
 
 #[test]
@@ -289,8 +290,8 @@ fn a_body_gains_the_momentum_that_the_fluid_loses() {
         let (mut lost, mut size) = (DVec3::ZERO, 0.0);
         for row in (0..particles.len()).filter(|&row| particles.zone[row] == Zone::Fluid) {
             let [x, y] = particles.acceleration.each_ref().map(|column| column[row]);
-            lost -= DVec3::new(x, y, 0.0) * pair.mass;
-            size += x.hypot(y) * pair.mass;
+            lost -= DVec3::new(x, y, 0.0) * pair.discretisation.mass;
+            size += x.hypot(y) * pair.discretisation.mass;
         }
         let force = found.pressure_force + found.viscous_force;
         assert!((force - lost).length() < 1e-12 * size, "{wall_model:?}: {force}, not {lost} of {size}");
@@ -307,7 +308,7 @@ fn dissipation_takes_energy_from_every_particle_that_moves_alone() {
     let middle = sample.row(6 * 13 + 6);
     sample.particles.pressure[middle] = 1.0;
     let damping = rates(&mut sample).damping;
-    let fallen = -sample.sums.pressure_rate[middle];
+    let fallen = -sample.sums.pressure_rate.read(AfterPasses)[middle];
     sample.particles.pressure[middle] = 0.0;
     sample.particles.velocity[0][middle] = 1.0;
     rates(&mut sample);
@@ -330,11 +331,11 @@ fn a_lattice_has_the_reference_density_and_stays_at_rest() {
                 let error = sample.particles.density[row] / WATER.reference_density - 1.0;
                 assert!(error.abs() < 1e-12, "{kernel:?}, {} lanes: {error}", set.name());
                 assert_eq!(sample.particles.pressure[row], 4000.0, "the sum leaves the pressure alone");
-                let fields = [&sample.particles.acceleration, &sample.sums.shift];
+                let fields = [&sample.particles.acceleration, sample.sums.shift.read(AfterPasses)];
                 for column in fields.into_iter().flatten() {
                     assert!(column[row].abs() < 1e-11 * 16.0 / SPACING, "{} m/s²", column[row]);
                 }
-                assert_eq!(sample.sums.pressure_rate[row], 0.0);
+                assert_eq!(sample.sums.pressure_rate.read(AfterPasses)[row], 0.0);
             }
         }
     }
@@ -348,9 +349,9 @@ fn the_pressure_relaxes_to_that_of_the_density() {
         sample.particles.pressure.fill(pressure);
         sample.particles.density.fill(1.01 * WATER.reference_density);
         rates(&mut sample);
-        let (h, c) = (sample.pair.smoothing_length, WATER.sound_speed);
+        let (h, c) = (sample.pair.discretisation.smoothing_length, WATER.sound_speed);
         let rate = 0.1 * c / h * (0.01 * WATER.reference_density * c * c - pressure);
-        for found in &sample.sums.pressure_rate {
+        for found in sample.sums.pressure_rate.read(AfterPasses) {
             assert!((found / rate - 1.0).abs() < 1e-12, "{found}, not {rate} Pa/s");
         }
     }

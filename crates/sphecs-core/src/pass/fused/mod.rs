@@ -10,12 +10,15 @@
 //! into it, so that the compiler keeps them in registers. One system per term would take 3.2 to
 //! 3.5 times as long.
 
+mod rate_columns;
 mod shape;
 mod wall_image;
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
+pub use rate_columns::FusedRates;
+pub(super) use rate_columns::{RateColumns, RateScalars};
 pub(super) use shape::{
     Damped, DampedWithWalls, DampedWithWallsDriftCorrected, General, GeneralWithMoments, LoopShape, Plain,
     PlainWithWalls,
@@ -56,24 +59,6 @@ pub(super) struct FusedInputs<'a, R: Real, const D: usize> {
 /// Output columns of the rows of a block: acceleration, shifting vector (under `EdacTvf` the
 /// acceleration by the background pressure) and two scalars of the scheme.
 pub(super) type FusedOutputs<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 2]);
-
-/// The columns that a fused pass writes, taken out of particles and sums while it reads the others.
-pub(super) struct RateColumns<R, const D: usize> {
-    pub acceleration: [Vec<R>; D],
-    pub shift: [Vec<R>; D],
-    pub scalars: [Vec<R>; 2],
-}
-
-impl<R, const D: usize> RateColumns<R, D> {
-    /// Returns the columns as outputs of all rows.
-    pub fn as_outputs(&mut self) -> FusedOutputs<'_, R, D> {
-        (
-            self.acceleration.each_mut().map(Vec::as_mut_slice),
-            self.shift.each_mut().map(Vec::as_mut_slice),
-            self.scalars.each_mut().map(Vec::as_mut_slice),
-        )
-    }
-}
 
 /// The output columns of a block, from the row `first` on.
 pub(super) struct OutputColumns<'a, R, const D: usize> {
@@ -217,9 +202,10 @@ impl<L: Lanes, const D: usize> OwnParticle<L, D> {
         for d in 0..D {
             x[d] = L::splat(row.point[d]);
             let force = inputs.body_force[d].get(row.row).map_or(pair.body_force[d], |force| force.to_f64());
-            hydrostatic[d] = L::constant(-density * force * pair.smoothing_length);
+            hydrostatic[d] = L::constant(-density * force * pair.discretisation.smoothing_length);
         }
-        let inverse_distance = pair.wall_model.inverse_distance(row.wall_distance, pair.spacing);
+        let inverse_distance =
+            pair.wall_model.inverse_distance(row.wall_distance, pair.discretisation.spacing);
         Self {
             x,
             v,
@@ -273,7 +259,7 @@ impl<'a, R: Real, const D: usize> FusedInputs<'a, R, D> {
             grid: self.grid,
             position: self.position,
             columns: self.columns,
-            inverse_h: 1.0 / self.pair.smoothing_length,
+            inverse_h: 1.0 / self.pair.discretisation.smoothing_length,
             support_ratio,
             only,
         }

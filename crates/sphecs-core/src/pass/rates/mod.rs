@@ -25,10 +25,11 @@ use wcsph_columns::{WcsphColumns, columns};
 use wcsph_terms::WcsphSettings;
 
 use super::body::{Body, BodyPass, BodySum};
+use super::column_access::WcsphRates;
 use super::fused::{
     BlockLoop, Damped, DampedWithWalls, DampedWithWallsDriftCorrected, FluidRow, FusedBlock, FusedInputs,
     FusedPass, FusedScheme, General, GeneralWithMoments, LoopShape, OutputColumns, Plain, PlainWithWalls,
-    RateColumns, RowForce, Summary, sum_pairs,
+    RateColumns, RateScalars, RowForce, Summary, sum_pairs,
 };
 use super::pack::{Pack, Source};
 use super::settings::PairSettings;
@@ -62,19 +63,19 @@ pub struct RatesSummary {
 
 /// Time level of the velocities that a pass takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VelocityLevel {
+pub enum TimeLevel {
     /// The present time.
     Present,
     /// One step earlier, for the dissipative terms of a leapfrog step.
     Previous,
 }
 
-impl VelocityLevel {
+impl TimeLevel {
     /// Returns the velocities of this level.
     pub fn columns<R: Real, const D: usize>(self, particles: &ParticleArrays<R, D>) -> &[Vec<R>; D] {
         match self {
-            VelocityLevel::Present => &particles.velocity,
-            VelocityLevel::Previous => &particles.previous_velocity,
+            TimeLevel::Present => &particles.velocity,
+            TimeLevel::Previous => &particles.previous_velocity,
         }
     }
 }
@@ -103,34 +104,25 @@ pub fn sum_rates<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &mut PairSums<R, D>,
 ) -> RatesSummary {
     sums.packs.prepare();
     let has_walls = sums.columns.find_images(pair, particles);
-    for column in sums.shift.iter_mut().chain([&mut sums.divergence]) {
-        column.resize(particles.len(), R::default());
-    }
     if !pair.shifting.keeps_drift() {
         sums.columns.find_fluid_volume(pair, particles);
     }
-    sums.damping.resize(if has_walls { particles.len() } else { 0 }, R::default());
-    let mut outputs = RateColumns {
-        acceleration: std::mem::replace(&mut particles.acceleration, [const { Vec::new() }; D]),
-        shift: std::mem::replace(&mut sums.shift, [const { Vec::new() }; D]),
-        scalars: [std::mem::take(&mut sums.divergence), std::mem::take(&mut sums.damping)],
-    };
+    let scalars = RateScalars::DivergenceAndDamping { per_row: has_walls };
+    let mut outputs = RateColumns::take(scalars, particles, sums);
     let (places, list) = columns(pair, particles, level, sums, has_walls);
-    let scheme = Wcsph { columns: places, eddy_viscosity: &sums.eddy_viscosity };
-    let summary = pair.kernel.with_shape(FusedPass {
+    let scheme = Wcsph { columns: places, eddy_viscosity: sums.eddy_viscosity.read(WcsphRates) };
+    let summary = pair.discretisation.kernel.with_shape(FusedPass {
         scheme: &scheme,
         inputs: FusedInputs::new(pair, grid, particles, sums, list.as_slice()),
         packs: &sums.packs,
         outputs: outputs.as_outputs(),
     });
-    particles.acceleration = outputs.acceleration;
-    sums.shift = outputs.shift;
-    [sums.divergence, sums.damping] = outputs.scalars;
+    outputs.put_back(particles, sums);
     summary
 }
 
@@ -140,7 +132,7 @@ pub fn sum_body_force<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &mut PairSums<R, D>,
     body: &mut Body,
 ) -> BodySum {
@@ -151,10 +143,16 @@ pub fn sum_body_force<R: Real, const D: usize>(
     sums.columns.find_body(body.part, particles);
     body.find_cells(grid, particles);
     let (places, list) = columns(pair, particles, level, sums, true);
-    let scheme = Wcsph { columns: places, eddy_viscosity: &sums.eddy_viscosity };
+    let scheme = Wcsph { columns: places, eddy_viscosity: sums.eddy_viscosity.read(WcsphRates) };
     let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());
     let of_body = &sums.columns.body;
-    pair.kernel.with_shape(BodyPass { scheme: &scheme, inputs, of_body, packs: &sums.packs, body })
+    pair.discretisation.kernel.with_shape(BodyPass {
+        scheme: &scheme,
+        inputs,
+        of_body,
+        packs: &sums.packs,
+        body,
+    })
 }
 
 /// The scheme `Wcsph` for a fused pass.

@@ -3,9 +3,10 @@
 use crate::math::real::Real;
 use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
+use crate::pass::column_access::WcsphRates;
 use crate::pass::fused::LoopShape;
 use crate::pass::pack::{ColumnList, Scalar, Symmetric, Vector};
-use crate::pass::rates::VelocityLevel;
+use crate::pass::rates::TimeLevel;
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
 
@@ -74,25 +75,25 @@ impl WcsphColumns {
 pub(super) fn columns<'a, R: Real, const D: usize>(
     pair: &PairSettings,
     particles: &'a ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &'a PairSums<R, D>,
     has_walls: bool,
 ) -> (WcsphColumns, WcsphColumnList<'a, R, D>) {
     let mut list = WcsphColumnList::empty();
     let sees_dummies = has_walls && pair.wall_model.sees_kernel_mean();
-    let velocity = if sees_dummies { &sums.velocity_seen } else { level.columns(particles) };
+    let velocity = if sees_dummies { sums.velocity_seen.read(WcsphRates) } else { level.columns(particles) };
     let places = WcsphColumns {
         velocity: list.add_vector(velocity),
         density: list.add_scalar(&particles.density),
         pressure: list.add_scalar(&particles.pressure),
-        strain: (pair.noise_damping != 0.0).then(|| list.add_symmetric(&sums.strain)),
+        strain: (pair.noise_damping != 0.0).then(|| list.add_symmetric(sums.strain.read(WcsphRates))),
         image_distance: has_walls.then(|| list.add_scalar(&sums.columns.image_distance)),
         concentration: (!pair.shifting.keeps_drift()).then(|| Concentration {
-            gradient: list.add_vector(&sums.concentration_gradient),
+            gradient: list.add_vector(sums.concentration_gradient.read(WcsphRates)),
             volume: list.add_scalar(&sums.columns.fluid_volume),
         }),
         normal: (has_walls && pair.has_free_slip()).then(|| list.add_vector(&particles.wall_normal)),
-        stress: pair.viscous_term.needs().stress.then(|| list.add_symmetric(&sums.stress)),
+        stress: pair.viscous_term.needs().stress.then(|| list.add_symmetric(sums.stress.read(WcsphRates))),
         width: 0,
     };
     (WcsphColumns { width: list.width(), ..places }, list)

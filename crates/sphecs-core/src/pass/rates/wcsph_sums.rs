@@ -121,7 +121,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
         }
         for c in 0..3 {
             let of_pairs = sums.moments[0][c].mul_add(along_x_scale, sums.moments[1][c] * along_v_scale);
-            moment[c] = self.settings.pair().smoothing_length * of_pairs.sum().to_f64();
+            moment[c] = self.settings.pair().discretisation.smoothing_length * of_pairs.sum().to_f64();
         }
         (pressure, moment)
     }

@@ -95,20 +95,25 @@ impl<'a, L: Lanes, const D: usize> WcsphSettings<'a, L, D> {
     ) -> Self {
         let pair = inputs.pair;
         let choices = WcsphChoices::new(pair);
-        let gradient_scale = pair.mass * pair.slope_scale() / pair.smoothing_length;
-        let own_slope =
-            if choices.viscous.as_published { 0.0 } else { pair.kernel.slope(D, pair.smoothing_length, 0.0) };
+        let gradient_scale = pair.discretisation.mass * pair.discretisation.slope_scale()
+            / pair.discretisation.smoothing_length;
+        let own_slope = if choices.viscous.as_published {
+            0.0
+        } else {
+            pair.discretisation.kernel.slope(D, pair.discretisation.smoothing_length, 0.0)
+        };
         Self {
             inputs,
             source,
             columns,
             choices,
             cap: L::constant(pair.wall_model.largest_factor()),
-            limit: L::constant(pair.kernel.support_ratio().powi(2)),
+            limit: L::constant(pair.discretisation.kernel.support_ratio().powi(2)),
             speed_scale: pair.tait.sound_speed / pair.tait.reference_density.powi(3),
             gradient_scale,
-            viscous_scale: 4.0 * pair.pair_viscosity() * gradient_scale / pair.smoothing_length,
-            own_damping: -2.0 * pair.pair_viscosity() * pair.mass * own_slope,
+            viscous_scale: 4.0 * pair.pair_viscosity() * gradient_scale
+                / pair.discretisation.smoothing_length,
+            own_damping: -2.0 * pair.pair_viscosity() * pair.discretisation.mass * own_slope,
         }
     }
 
@@ -155,7 +160,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
         other_strain: [L; 6],
         pair: &WcsphPair<L, D>,
     ) -> L {
-        let h = self.settings.pair().smoothing_length;
+        let h = self.settings.pair().discretisation.smoothing_length;
         let strains = [own.strain, other_strain];
         let term = reconstructed::pair_term(&pair.geometry, &pair.densities, strains, pair.product, h);
         let term = pair.image.without_walls(term * own.noise_scale);

@@ -30,7 +30,7 @@ use row::{RowSums, sum};
 
 use super::density::{LEAST_Q2, finish};
 use super::pack::{NeighbourMask, Only, TILE_VECTORS, mask_len};
-use super::rates::VelocityLevel;
+use super::rates::TimeLevel;
 use super::row_pass::{Block, BlockPass, PassInput};
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -45,6 +45,10 @@ use crate::particles::zone::Zone;
 /// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
 const MOST_COLUMNS: usize = 3 + 1 + 1;
 
+/// Writer of the columns of this pass.
+#[derive(Debug)]
+pub struct Strain(());
+
 /// Sums density and pressure of the fluid, and the rate of strain of fluid, inflow and outflow,
 /// into `sums.strain`.
 ///
@@ -55,16 +59,18 @@ pub fn sum_density_and_strain<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &mut PairSums<R, D>,
 ) {
     let has_shift_without_drift = !pair.shifting.keeps_drift();
     prepare(pair, particles, has_shift_without_drift, sums);
     let PairSums { strain, neighbour_gradient, concentration_gradient, near, columns, packs, .. } = sums;
+    let (strain, neighbour_gradient) = (strain.write(Strain(())), neighbour_gradient.write(Strain(())));
+    let concentration_gradient = concentration_gradient.write(Strain(()));
     let ParticleArrays { zone, position, velocity, previous_velocity, density, pressure, .. } = particles;
     let velocity = match level {
-        VelocityLevel::Present => &*velocity,
-        VelocityLevel::Previous => &*previous_velocity,
+        TimeLevel::Present => &*velocity,
+        TimeLevel::Previous => &*previous_velocity,
     };
     let mut neighbours: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
     for d in 0..D {
@@ -98,17 +104,17 @@ fn prepare<R: Real, const D: usize>(
     sums.near.resize(mask_len::<D>(rows), NeighbourMask::ALL);
     sums.columns.forget_densities();
     sums.columns.find_flow(particles);
-    for column in sums.strain.iter_mut().take(components(D)) {
+    for column in sums.strain.write(Strain(())).iter_mut().take(components(D)) {
         column.resize(rows, R::default());
     }
     let carried = if pair.shifting.carries_velocity() { rows } else { 0 };
-    for column in sums.neighbour_gradient.iter_mut().flatten() {
+    for column in sums.neighbour_gradient.write(Strain(())).iter_mut().flatten() {
         column.resize(carried, R::default());
     }
     if has_shift_without_drift {
         sums.columns.find_volume(pair, particles);
     }
-    for column in &mut sums.concentration_gradient {
+    for column in sums.concentration_gradient.write(Strain(())) {
         column.resize(if has_shift_without_drift { rows } else { 0 }, R::default());
     }
 }
@@ -137,7 +143,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
         let rows = block.rows();
         let Block { source, cells, pack } = block;
         // ∇W over slope · x_ab/h, 1/m^(D+1).
-        let gradient_scale = self.pair.slope_scale() * source.inverse_h;
+        let gradient_scale = self.pair.discretisation.slope_scale() * source.inverse_h;
         let (q, inverse_q) = L::constant(LEAST_Q2).roots();
         let own_weight = K::slope(q, inverse_q).largest().to_f64();
         let mut pending = PendingGradients::<D>::new(own_weight, source.inverse_h);

@@ -4,6 +4,7 @@ use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::symmetric::component;
+use crate::pass::column_access::AfterPasses;
 use crate::pass::samples::{SPACING, Sample, settings};
 use crate::physics::shifting::{DriftCorrection, Local, Shifting};
 
@@ -30,7 +31,7 @@ fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
         sample.density();
         let density = sample.particles.density.clone();
         sample.particles.density.fill(0.0);
-        for (level, factor) in [(VelocityLevel::Present, 1.0), (VelocityLevel::Previous, -2.0)] {
+        for (level, factor) in [(TimeLevel::Present, 1.0), (TimeLevel::Previous, -2.0)] {
             let Sample { pair, grid, particles, sums, .. } = &mut sample;
             sum_density_and_strain(pair, grid, particles, level, sums);
             for row in (0..particles.len()).filter(|&row| particles.zone[row] == Zone::Fluid) {
@@ -39,7 +40,7 @@ fn check<const D: usize>(kernel: Kernel, counts: [usize; D]) {
                 for i in 0..D {
                     for j in 0..=i {
                         let expected = 0.5 * factor * (SLOPES[i][j] + SLOPES[j][i]);
-                        let found = sums.strain[component::<D>(i, j)][row];
+                        let found = sums.strain.read(AfterPasses)[component::<D>(i, j)][row];
                         assert!((found - expected).abs() < 1e-11, "S_{i}{j} = {found}");
                     }
                 }
@@ -74,13 +75,13 @@ fn shifts(drift_correction: DriftCorrection, drawn: f64, noise: f64) -> [Vec<[f6
     let of = |columns: &[Vec<f64>; 2], row: usize| columns.each_ref().map(|column| column[row]);
     let rows = || (0..24 * 12).map(|id| sample.row(id));
     let concentration_gradient = if drift_correction == DriftCorrection::Off {
-        &sample.sums.shift
+        sample.sums.shift.read(AfterPasses)
     } else {
-        &sample.sums.concentration_gradient
+        sample.sums.concentration_gradient.read(AfterPasses)
     };
     [
         rows().map(|row| of(concentration_gradient, row)).collect(),
-        rows().map(|row| of(&sample.sums.shift, row)).collect(),
+        rows().map(|row| of(sample.sums.shift.read(AfterPasses), row)).collect(),
     ]
 }
 
@@ -130,7 +131,7 @@ fn a_particles_own_velocity_does_not_show_in_its_gradient_but_in_its_neighbours(
     let (own, other) = (sample.row(27), sample.row(28));
     let gradients = |sample: &mut Sample<f64, 2>| {
         sample.strain();
-        let gradient = &sample.sums.neighbour_gradient;
+        let gradient = sample.sums.neighbour_gradient.read(AfterPasses);
         [own, other].map(|row| [gradient[0][1][row], gradient[0][0][row], gradient[1][0][row]])
     };
     let before = gradients(&mut sample);
@@ -140,5 +141,8 @@ fn a_particles_own_velocity_does_not_show_in_its_gradient_but_in_its_neighbours(
         assert!((before - after).abs() < 1e-12, "{before} and {after}");
     }
     assert!((before[1][1] - after[1][1]).abs() > 1.0);
-    assert_eq!(sample.sums.strain[1][own], sample.sums.neighbour_gradient[1][1][own]);
+    assert_eq!(
+        sample.sums.strain.read(AfterPasses)[1][own],
+        sample.sums.neighbour_gradient.read(AfterPasses)[1][1][own]
+    );
 }

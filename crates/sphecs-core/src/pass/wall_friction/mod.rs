@@ -28,7 +28,7 @@ use glam::DVec3;
 use super::body::{Body, BodySum};
 use super::density::{LEAST_Q2, squared_distance};
 use super::pack::{Only, Pack, Source};
-use super::rates::VelocityLevel;
+use super::rates::TimeLevel;
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -49,13 +49,17 @@ const REACH: f64 = 1.0 - 1e-6;
 /// Least distance of the mean flow from the wall, over Δ.
 const LEAST_DISTANCE: f64 = 0.1;
 
+/// Writer of the friction.
+#[derive(Debug)]
+pub struct WallFriction(());
+
 /// Adds the friction of walls with a wall function to the accelerations of the fluid, by the
 /// velocities of a level.
 pub fn add_wall_friction<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
@@ -63,7 +67,9 @@ pub fn add_wall_friction<R: Real, const D: usize>(
         return;
     }
     sums.columns.find_fluid_volume(pair, particles);
-    for column in sums.friction.iter_mut().chain([&mut sums.friction_felt]) {
+    let PairSums { friction, friction_felt, .. } = sums;
+    let felt = friction_felt.write(WallFriction(()));
+    for column in friction.write(WallFriction(())).iter_mut().chain([felt]) {
         column.resize(particles.len(), R::default());
     }
     find_wall_friction(pair, grid, particles, level, sums);
@@ -75,7 +81,7 @@ fn find_wall_friction<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
     particles: &ParticleArrays<R, D>,
-    level: VelocityLevel,
+    level: TimeLevel,
     sums: &mut PairSums<R, D>,
 ) {
     let PairSums { friction, friction_felt, columns, packs, .. } = sums;
@@ -92,7 +98,8 @@ fn find_wall_friction<R: Real, const D: usize>(
         only: Only::NotPositive(&columns.image_distance, &columns.walls_before),
         packs,
     };
-    let outputs = (friction.each_mut().map(Vec::as_mut_slice), friction_felt.as_mut_slice());
+    let friction = friction.write(WallFriction(())).each_mut().map(Vec::as_mut_slice);
+    let outputs = (friction, friction_felt.write(WallFriction(())).as_mut_slice());
     input.run(&WallSidePass { pair, particles, velocity }, outputs);
 }
 
@@ -108,7 +115,7 @@ fn distribute_friction<R: Real, const D: usize>(
         pair,
         grid,
         position,
-        columns: &sums.friction.each_ref().map(Vec::as_slice),
+        columns: &sums.friction.read(WallFriction(())).each_ref().map(Vec::as_slice),
         only: Only::Positive(&sums.columns.image_distance, &sums.columns.walls_before),
         packs: &sums.packs,
     };
@@ -127,13 +134,15 @@ pub fn add_friction_on<R: Real, const D: usize>(
     if !pair.wall_part(body.part).wall_function {
         return;
     }
+    let friction = sums.friction.read(WallFriction(()));
+    let friction_felt = sums.friction_felt.read(WallFriction(()));
     // In the order of the rows, so that the sum is bitwise identical for any number of threads.
     for row in 0..particles.len() {
         if particles.zone[row] != Zone::Wall || particles.patch[row] != body.part {
             continue;
         }
         let (mut force, mut arm) = (DVec3::ZERO, DVec3::ZERO);
-        let felt = sums.friction_felt[row].to_f64();
+        let felt = friction_felt[row].to_f64();
         // The stress acts at the surface in front of the particle.
         let depth = particles.wall_distance[row].to_f64();
         let foot = std::array::from_fn(|d| {
@@ -141,7 +150,7 @@ pub fn add_friction_on<R: Real, const D: usize>(
         });
         let foot = grid.nearest_image(foot);
         for d in 0..D {
-            force[d] = -pair.mass * felt * sums.friction[d][row].to_f64();
+            force[d] = -pair.discretisation.mass * felt * friction[d][row].to_f64();
             arm[d] = foot[d];
         }
         sum.viscous_force += force;
@@ -166,7 +175,7 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallSidePass<'a, R, D> {
         let Self { pair, particles, .. } = self;
         particles.zone[row] == Zone::Wall
             && pair.wall_part(particles.patch[row]).wall_function
-            && particles.wall_distance[row].to_f64() < REACH * pair.spacing
+            && particles.wall_distance[row].to_f64() < REACH * pair.discretisation.spacing
     }
 
     #[inline(always)]
@@ -196,11 +205,12 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallSidePass<'a, R, D> {
         let normal: [f64; D] = std::array::from_fn(|d| particles.wall_normal[d][row].to_f64());
         let depth = particles.wall_distance[row].to_f64();
         let wall: [f64; D] = std::array::from_fn(|d| self.velocity[d][row].to_f64());
-        let area = pair.spacing.powi(D as i32 - 1);
-        let y = (flow.height * pair.smoothing_length - depth).max(LEAST_DISTANCE * pair.spacing);
+        let area = pair.discretisation.spacing.powi(D as i32 - 1);
+        let y = (flow.height * pair.discretisation.smoothing_length - depth)
+            .max(LEAST_DISTANCE * pair.discretisation.spacing);
         let stress = stress(pair, particles.density[row].to_f64(), y, normal, wall, flow.velocity);
         for d in 0..D {
-            friction[d][slot] = R::from_f64(-stress[d] * area / (pair.mass * flow.weights));
+            friction[d][slot] = R::from_f64(-stress[d] * area / (pair.discretisation.mass * flow.weights));
         }
         felt[slot] = R::from_f64(flow.felt);
     }

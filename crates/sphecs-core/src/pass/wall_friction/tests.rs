@@ -39,14 +39,15 @@ fn add_friction<R: Real, const D: usize>(sample: &mut Sample<R, D>) {
         column.clear();
         column.resize(particles.id.len(), R::default());
     }
-    add_wall_friction(pair, grid, particles, VelocityLevel::Present, sums);
+    add_wall_friction(pair, grid, particles, TimeLevel::Present, sums);
 }
 
 /// Momentum that the fluid gains per second, N.
 fn gained<R: Real, const D: usize>(sample: &Sample<R, D>) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for d in 0..D {
-        sum[d] = sample.pair.mass * sample.particles.acceleration[d].iter().map(|a| a.to_f64()).sum::<f64>();
+        sum[d] = sample.pair.discretisation.mass
+            * sample.particles.acceleration[d].iter().map(|a| a.to_f64()).sum::<f64>();
     }
     sum
 }
@@ -67,7 +68,7 @@ fn expected<R: Real, const D: usize>(sample: &Sample<R, D>) -> Vec<[f64; D]> {
         let (mut velocity, mut height, mut weights) = ([0.0; D], 0.0, 0.0);
         neighbours.for_each(place(w), |b, x, r2| {
             if flows(b) {
-                let weight = pair.w(r2.sqrt());
+                let weight = pair.discretisation.w(r2.sqrt());
                 weights += weight;
                 for d in 0..D {
                     velocity[d] +=
@@ -90,7 +91,8 @@ fn expected<R: Real, const D: usize>(sample: &Sample<R, D>) -> Vec<[f64; D]> {
         neighbours.for_each(place(w), |b, _, r2| {
             if particles.zone[b] == Zone::Fluid {
                 for d in 0..D {
-                    found[b][d] -= force * along[d] / speed * pair.w(r2.sqrt()) / (weights * pair.mass);
+                    found[b][d] -= force * along[d] / speed * pair.discretisation.w(r2.sqrt())
+                        / (weights * pair.discretisation.mass);
                 }
             }
         });

@@ -38,6 +38,10 @@ impl ShiftingMethod for Fickian {
         self.coefficient
     }
 
+    fn strength_field(&self) -> &'static str {
+        "coefficient"
+    }
+
     fn needs(&self) -> ShiftingNeeds {
         let concentration_gradient = self.drift_correction == DriftCorrection::On;
         ShiftingNeeds { concentration_gradient, ..ShiftingNeeds::default() }

@@ -39,6 +39,10 @@ impl ShiftingMethod for Local {
         self.coefficient
     }
 
+    fn strength_field(&self) -> &'static str {
+        "coefficient"
+    }
+
     fn needs(&self) -> ShiftingNeeds {
         let concentration_gradient = self.drift_correction == DriftCorrection::On;
         ShiftingNeeds { velocity_gradient: true, concentration_gradient, ..ShiftingNeeds::default() }

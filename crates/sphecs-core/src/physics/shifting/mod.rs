@@ -31,7 +31,7 @@ pub use fickian::Fickian;
 pub use local::Local;
 pub use vacondio::Vacondio;
 
-use super::parameters::ParameterFault;
+use super::parameter_fault::ParameterFault;
 use crate::math::real::Real;
 
 /// Parameters of the methods, for scenes that are described in Rust.
@@ -80,6 +80,9 @@ trait ShiftingMethod {
     /// Returns the dimensionless strength.
     fn strength(&self) -> f64;
 
+    /// Returns the name of the parameter that is the strength, in the scene notation.
+    fn strength_field(&self) -> &'static str;
+
     /// Returns what the passes must find for the method.
     fn needs(&self) -> ShiftingNeeds;
 
@@ -111,8 +114,16 @@ impl Default for Shifting {
 }
 
 impl Shifting {
+    /// No shifting.
+    pub const NONE: Self = Self::Off;
+
     /// Largest strength of a scene: above it the shifts of a step are at their limits everywhere.
     pub const LARGEST_STRENGTH: f64 = 1000.0;
+
+    /// Returns true if nothing is shifted.
+    pub fn is_off(&self) -> bool {
+        dispatch!(self, off => true, _method => false)
+    }
 
     /// Returns the dimensionless strength, 0 where it is off.
     pub fn strength(&self) -> f64 {
@@ -126,14 +137,11 @@ impl Shifting {
 
     /// Returns the parameters that are out of bounds.
     pub fn faults(&self) -> Vec<ParameterFault> {
-        let strength = ParameterFault {
-            field: "shifting",
-            message: "the strength of the shifting is out of bounds",
-            value: self.strength(),
-            allowed: 0.0..=Self::LARGEST_STRENGTH,
-            usual: "`Fickian(coefficient: 4)`, `Local(coefficient: 32)` and `Vacondio(beta: 0.04)` are usual",
-        };
-        strength.if_out_of_bounds().into_iter().collect()
+        let field = dispatch!(self, off => return Vec::new(), method => method.strength_field());
+        let fault = ParameterFault::unless_within(0.0..=Self::LARGEST_STRENGTH, field, self.strength());
+        let usual =
+            "`Fickian(coefficient: 4)`, `Local(coefficient: 32)` and `Vacondio(beta: 0.04)` are usual";
+        fault.map(|fault| fault.advise(usual)).into_iter().collect()
     }
 
     /// Returns true if the shift keeps the part that neighbours share. True where nothing is

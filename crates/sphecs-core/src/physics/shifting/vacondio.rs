@@ -38,6 +38,10 @@ impl ShiftingMethod for Vacondio {
         self.beta
     }
 
+    fn strength_field(&self) -> &'static str {
+        "beta"
+    }
+
     fn needs(&self) -> ShiftingNeeds {
         ShiftingNeeds { repulsion: true, ..ShiftingNeeds::default() }
     }

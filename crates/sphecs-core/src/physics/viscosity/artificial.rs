@@ -15,7 +15,7 @@ use crate::math::lanes::Lanes;
 use crate::math::lattice::LatticeSums;
 use crate::physics::eos;
 use crate::physics::pair::PairDensities;
-use crate::physics::parameters::ParameterFault;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameter of the artificial viscosity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,14 +39,8 @@ impl ViscousMethod for Artificial {
     }
 
     fn faults(&self) -> Vec<ParameterFault> {
-        let alpha = ParameterFault {
-            field: "alpha",
-            message: "`alpha` of the artificial viscosity is out of bounds",
-            value: self.alpha,
-            allowed: 0.0..=f64::MAX,
-            usual: "`0.01` to `0.1` is usual",
-        };
-        alpha.if_out_of_bounds().into_iter().collect()
+        let alpha = ParameterFault::unless_within(0.0..=f64::MAX, "alpha", self.alpha);
+        alpha.map(|fault| fault.advise("`0.01` to `0.1` is usual")).into_iter().collect()
     }
 }
 

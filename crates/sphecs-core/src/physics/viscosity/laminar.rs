@@ -14,7 +14,7 @@ use super::{ViscosityNeeds, ViscousMethod, ViscousTerms, yes};
 use crate::math::lanes::Lanes;
 use crate::math::lattice::LatticeSums;
 use crate::physics::pair::{PairDensities, PairGeometry};
-use crate::physics::parameters::ParameterFault;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameters of the laminar term.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

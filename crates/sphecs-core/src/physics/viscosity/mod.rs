@@ -23,7 +23,7 @@ pub use laminar::Laminar;
 pub use sps::Sps;
 
 use super::pair::{PairDensities, PairGeometry};
-use super::parameters::ParameterFault;
+use super::parameter_fault::ParameterFault;
 use crate::math::lanes::Lanes;
 use crate::math::lattice::LatticeSums;
 
@@ -151,41 +151,6 @@ fn yes() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
-
-    /// Source files below a folder that contain a text, relative to it.
-    fn files_with(folder: &Path, text: &str, found: &mut Vec<String>) {
-        for entry in std::fs::read_dir(folder).expect("the folder of the sources") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                if path.file_name().is_some_and(|name| name != "tests" && name != "target") {
-                    files_with(&path, text, found);
-                }
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let source = std::fs::read_to_string(&path).expect("a source file");
-                // Tests name variants to build them; only the code before them counts.
-                let code = source.split("#[cfg(test)]").next().unwrap_or_default();
-                if code.lines().any(|line| !line.trim_start().starts_with("//") && line.contains(text)) {
-                    found.push(path.to_string_lossy().replace('\\', "/"));
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn variants_are_named_in_no_other_file() {
-        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        for (enumeration, own_file) in
-            [("Viscosity::", "viscosity/mod.rs"), ("Shifting::", "shifting/mod.rs")]
-        {
-            for variant in ["Laminar", "Artificial", "Sps", "Fickian", "Local", "Vacondio"] {
-                let mut found = Vec::new();
-                files_with(&crates, &format!("{enumeration}{variant}"), &mut found);
-                found.retain(|path| !path.ends_with(own_file) && !path.ends_with("tests.rs"));
-                assert!(found.is_empty(), "{enumeration}{variant} is named in {found:?}");
-            }
-        }
-    }
 
     #[test]
     fn parameters_out_of_bounds_are_named() {

@@ -24,7 +24,7 @@ use crate::math::lanes::{Lanes, dot};
 use crate::math::symmetric;
 use crate::physics::eos;
 use crate::physics::pair::{PairDensities, PairGeometry};
-use crate::physics::parameters::ParameterFault;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Damping of the velocities that single particles have in addition to the flow's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -59,14 +59,8 @@ impl NoiseDamping {
 
     /// Returns the parameters that are out of bounds.
     pub fn faults(self) -> Vec<ParameterFault> {
-        let alpha = ParameterFault {
-            field: "alpha",
-            message: "`alpha` of the noise damping is out of bounds",
-            value: self.alpha(),
-            allowed: 0.0..=Self::LARGEST_ALPHA,
-            usual: "`0.05` to `0.3` is usual",
-        };
-        alpha.if_out_of_bounds().into_iter().collect()
+        let alpha = ParameterFault::unless_within(0.0..=Self::LARGEST_ALPHA, "alpha", self.alpha());
+        alpha.map(|fault| fault.advise("`0.05` to `0.3` is usual")).into_iter().collect()
     }
 }
 

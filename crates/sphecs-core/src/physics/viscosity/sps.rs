@@ -16,7 +16,7 @@ use super::{ViscosityNeeds, ViscousMethod, ViscousTerms, yes};
 use crate::math::lanes::Lanes;
 use crate::math::lattice::LatticeSums;
 use crate::math::symmetric::{self, component};
-use crate::physics::parameters::ParameterFault;
+use crate::physics::parameter_fault::ParameterFault;
 
 /// Constants of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,21 +61,15 @@ impl ViscousMethod for Sps {
     }
 
     fn faults(&self) -> Vec<ParameterFault> {
-        let smagorinsky = ParameterFault {
-            field: "smagorinsky",
-            message: "`smagorinsky` of the sub-particle-scale stress is out of bounds",
-            value: self.smagorinsky,
-            allowed: 0.0..=f64::MAX,
-            usual: "`0.12` is usual",
-        };
-        let isotropic = ParameterFault {
-            field: "isotropic",
-            message: "`isotropic` of the sub-particle-scale stress is out of bounds",
-            value: self.isotropic,
-            allowed: 0.0..=f64::MAX,
-            usual: "`0.0066` is usual",
-        };
-        [smagorinsky, isotropic].into_iter().filter_map(ParameterFault::if_out_of_bounds).collect()
+        let smagorinsky = ParameterFault::unless_within(0.0..=f64::MAX, "smagorinsky", self.smagorinsky);
+        let isotropic = ParameterFault::unless_within(0.0..=f64::MAX, "isotropic", self.isotropic);
+        [
+            smagorinsky.map(|fault| fault.advise("`0.12` is usual")),
+            isotropic.map(|fault| fault.advise("`0.0066` is usual")),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
     }
 
     fn stress_model(&self) -> Option<Sps> {

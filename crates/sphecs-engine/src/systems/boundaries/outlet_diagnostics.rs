@@ -13,9 +13,9 @@ use crate::resources::clock::Clock;
 use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
 use sphecs_core::boundary::outlet::outflow_zone::settling_time;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::fits::PointFlow;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Outlet, Scene};
 
 /// Share of the fluid that may be gained or lost. The density of the rest is as far off, and the
@@ -139,7 +139,7 @@ fn particles_per_layer(scene: &Scene, inflow: u64) -> f64 {
 }
 
 /// Updates the diagnostics of the outlets after a step.
-pub fn diagnose_outlets<R: Real, const D: usize>(
+pub fn diagnose_outlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     ledger: Res<Ledger>,

@@ -6,9 +6,9 @@ use std::fmt;
 use bevy_ecs::resource::Resource;
 
 use super::outlets::{RunningCondition, WithMemory};
-use sphecs_core::boundary::condition_fault::ConditionFault;
 use sphecs_core::boundary::outlet::method::OutletMethod;
-use sphecs_core::math::real::Real;
+use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::physics::parameter_fault::ParameterFault;
 
 /// Outlet conditions that plugins add, by the name that a scene gives to
 /// [`OutletCondition::Custom`](sphecs_core::boundary::outlet::OutletCondition::Custom).
@@ -29,19 +29,19 @@ impl std::error::Error for OutletFaults {}
 
 /// An added condition of any type.
 trait AddedOutlet: Send + Sync {
-    fn faults(&self) -> Vec<ConditionFault>;
+    fn faults(&self) -> Vec<ParameterFault>;
     /// Returns the condition ready to run, boxed for every precision and dimension.
     fn start(&self) -> [Box<dyn Any>; 4];
 }
 
 impl<M: OutletMethod> AddedOutlet for M {
-    fn faults(&self) -> Vec<ConditionFault> {
+    fn faults(&self) -> Vec<ParameterFault> {
         // Qualified: the method of this trait has the same name.
         sphecs_core::boundary::outlet::method::OutletParameters::faults(self)
     }
 
     fn start(&self) -> [Box<dyn Any>; 4] {
-        fn running<M: OutletMethod, R: Real, const D: usize>(method: &M) -> Box<dyn Any> {
+        fn running<M: OutletMethod, R: PairReal<D>, const D: usize>(method: &M) -> Box<dyn Any> {
             let running: Box<dyn RunningCondition<R, D>> = Box::new(WithMemory::new(method));
             Box::new(running)
         }
@@ -69,7 +69,7 @@ impl AddedOutlets {
     }
 
     /// Returns the condition of a name, ready to run.
-    pub(super) fn start<R: Real, const D: usize>(
+    pub(super) fn start<R: PairReal<D>, const D: usize>(
         &self,
         name: &str,
     ) -> Result<Box<dyn RunningCondition<R, D>>, Vec<String>> {

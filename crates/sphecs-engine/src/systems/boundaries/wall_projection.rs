@@ -18,10 +18,10 @@ use serde::{Deserialize, Serialize};
 use crate::arrays::Arrays;
 use crate::resources::grid::Grid;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// Number of times that a fluid particle was moved back to a wall since the start.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,7 +39,7 @@ const STEP: f64 = 1e-3;
 const IN_FRONT: f64 = 1e-6;
 
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
-pub fn project_to_walls<R: Real, const D: usize>(
+pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     grid: Res<Grid<D>>,
     mut projections: ResMut<WallProjections>,

@@ -14,6 +14,8 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
+use sphecs_core::pass::column_access::AfterPasses;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::sums::PairSums;
 use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 
@@ -21,7 +23,7 @@ use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 ///
 /// With a shifting that carries velocity, fluid particles take the velocity of their new position,
 /// at both time levels. The velocity of outflow particles is that of the outlet condition.
-pub(crate) fn shift<R: Real, const D: usize>(
+pub(crate) fn shift<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     found: Res<RatesFound>,
@@ -29,7 +31,7 @@ pub(crate) fn shift<R: Real, const D: usize>(
     sums: Res<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| scheme.shifting != Shifting::Off) else {
+    let Some(scheme) = scene.0.scheme.wcsph().filter(|scheme| !scheme.shifting.is_off()) else {
         return;
     };
     let shifting = scheme.shifting;
@@ -60,7 +62,7 @@ type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 2]
 /// Shifting of some rows.
 ///
 /// A vectorised task only to be compiled for the instruction set; its loops are scalar.
-struct ShiftPart<'a, R: Real, const D: usize> {
+struct ShiftPart<'a, R: PairReal<D>, const D: usize> {
     shifting: Shifting,
     step: ShiftStep,
     sums: &'a PairSums<R, D>,
@@ -71,7 +73,7 @@ struct ShiftPart<'a, R: Real, const D: usize> {
     drift: [&'a mut [R]; D],
 }
 
-impl<R: Real, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
     type Output = ();
 
     #[inline(always)]
@@ -107,13 +109,13 @@ impl<R: Real, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
     }
 }
 
-impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> ShiftPart<'_, R, D> {
     /// Changes the velocities of rows to those of their new positions.
     #[inline(always)]
     fn carry(&mut self, group: &Range<usize>, part: &Range<usize>, moved: &[[f64; GROUP]; D]) {
         let [now, before] = &mut self.velocities;
         for component in 0..D {
-            let slopes = &self.sums.neighbour_gradient[component];
+            let slopes = &self.sums.neighbour_gradient.read(AfterPasses)[component];
             let velocities =
                 now[component][part.clone()].iter_mut().zip(&mut before[component][part.clone()]);
             let mut changes = [0.0; GROUP];
@@ -136,7 +138,7 @@ impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
         let (scales, squared) = (&mut scales[..rows], &mut squared[..rows]);
         for axis in 0..D {
             add_squares(scales, &self.velocities[0][axis][part.clone()]);
-            add_squares(squared, &self.sums.shift[axis][group.clone()]);
+            add_squares(squared, &self.sums.shift.read(AfterPasses)[axis][group.clone()]);
         }
         self.shifting.scales(scales, self.step);
         let mut too_long = false;
@@ -154,7 +156,7 @@ impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
         }
         let mut moved = [[0.0; GROUP]; D];
         for axis in 0..D {
-            let vectors = &self.sums.shift[axis][group.clone()];
+            let vectors = &self.sums.shift.read(AfterPasses)[axis][group.clone()];
             for ((moved, scale), x) in moved[axis].iter_mut().zip(&*scales).zip(vectors) {
                 // Sums of rows that are not shifted may be left over from another step.
                 *moved = if *scale == 0.0 { 0.0 } else { scale * x.to_f64() };

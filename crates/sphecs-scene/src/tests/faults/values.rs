@@ -16,11 +16,11 @@ fn numbers_out_of_bounds_are_faults() {
     check("viscosity: 1.0e-3", "viscosity: -1e-3", "`viscosity` must be finite and not negative", "-1e-3");
     check("sound_speed: 10.0", "sound_speed: inf", "`sound_speed` must be finite", "inf");
     check("dimensions: 2", "dimensions: 4", "`dimensions` must be 2 or 3", "4");
-    check("smoothing_ratio: 1.5", "smoothing_ratio: 15", "`smoothing_ratio` is out of bounds", "15");
+    check("smoothing_ratio: 1.5", "smoothing_ratio: 15", "`smoothing_ratio` is out of range", "15");
     check(
         "Fickian()",
         "Local(coefficient: -1)",
-        "the strength of the shifting is out of bounds",
+        "`coefficient` of the shifting is out of range",
         "Local(coefficient: -1)",
     );
     check(
@@ -52,10 +52,10 @@ fn a_scheme_has_its_own_parameters_within_their_bounds() {
     let never = "Verlet(corrective_step_every: 0)";
     let set = format!("Wcsph(integrator: {never})");
     check(wcsph, &set, "`corrective_step_every` must be at least 1", never);
-    check(wcsph, "EdacTvf(alpha: -0.5)", "`alpha` of the scheme is out of bounds", "-0.5");
-    check(wcsph, "EdacTvf(background: 11)", "`background` of the scheme is out of bounds", "11");
-    check(wcsph, "EdacTvf(relaxation: 2)", "`relaxation` of the scheme is out of bounds", "2");
-    check(wcsph, "EdacTvf(smoothing_ratio: 15)", "`smoothing_ratio` is out of bounds", "15");
+    check(wcsph, "EdacTvf(alpha: -0.5)", "`alpha` of the scheme is out of range", "-0.5");
+    check(wcsph, "EdacTvf(background: 11)", "`background` of the scheme is out of range", "11");
+    check(wcsph, "EdacTvf(relaxation: 2)", "`relaxation` of the scheme is out of range", "2");
+    check(wcsph, "EdacTvf(smoothing_ratio: 15)", "`smoothing_ratio` is out of range", "15");
     check(wcsph, "EdacTfv()", "`EdacTfv` is not a choice for `scheme`", "EdacTfv");
 }
 

@@ -20,8 +20,8 @@ use super::pressure::Waves;
 use crate::boundary::flow::FlowProperties;
 use crate::boundary::patch::Patch;
 use crate::boundary::section_points::SectionPoints;
-use crate::math::real::Real;
 use crate::pass::fits::PointFlow;
+use crate::pass::pair_real::PairReal;
 use oblique_waves::{ObliqueSetting, ObliqueWaves};
 use plane_waves::{PlaneSetting, PlaneWaves};
 use propagation::Propagation;
@@ -70,7 +70,7 @@ impl NonReflecting {
     ///
     /// `target` (Pa) and `time` (s) are those of
     /// [`OutletPressure::NonReflecting`](super::pressure::OutletPressure::NonReflecting).
-    pub fn advance<R: Real, const D: usize>(
+    pub fn advance<R: PairReal<D>, const D: usize>(
         &mut self,
         zone: &OutflowZone<'_, R, D>,
         target: f64,

@@ -22,7 +22,7 @@ fn viscous(kernel: Kernel, dimensions: usize, ratio: f64) -> PairSettings {
 #[test]
 fn two_particles_push_and_drag_each_other() {
     let mut sample = Sample::<f64, 2>::lattice(viscous(Kernel::WendlandC2, 2, 1.3), [2, 1], false);
-    let h = sample.pair.smoothing_length;
+    let h = sample.pair.discretisation.smoothing_length;
     let slope = -5.0 * 7.0 / (4.0 * std::f64::consts::PI) / h.powi(4) * (1.0 - 0.5 * SPACING / h).powi(3);
     let (first, second) = (sample.row(0), sample.row(1));
     let (rho_a, rho_b, p_a, p_b) = (1000.0, 1010.0, 30.0, 170.0);
@@ -43,7 +43,7 @@ fn two_particles_push_and_drag_each_other() {
 fn body_of<const D: usize>(sample: &mut Sample<f64, D>, about: DVec3) -> BodySum {
     sample.rates();
     let mut body = Body::new(0, about);
-    let level = VelocityLevel::Present;
+    let level = TimeLevel::Present;
     sum_body_force(&sample.pair, &sample.grid, &sample.particles, level, &mut sample.sums, &mut body)
 }
 
@@ -72,7 +72,7 @@ fn a_body_of_one_particle_gains_the_momentum_of_its_neighbour() {
         let found = body_of(&mut sample, about);
         let of =
             |columns: &[Vec<f64>; 3], row: usize| DVec3::from(columns.each_ref().map(|column| column[row]));
-        let lost = of(&sample.particles.acceleration, fluid) * -sample.pair.mass;
+        let lost = of(&sample.particles.acceleration, fluid) * -sample.pair.discretisation.mass;
         let (force, torque) =
             (found.pressure_force + found.viscous_force, found.pressure_torque + found.viscous_torque);
         assert!((force - lost).length() < 1e-13 * lost.length(), "{force} {lost}");
@@ -112,7 +112,7 @@ fn bodies_gain_the_momentum_that_the_fluid_loses() {
         };
         let mut sample = Sample::<f64, 2>::lattice(pair, [13, 11], false);
         sample.stir(0.3, 1.0);
-        for column in sample.sums.stress.iter_mut().take(components(2)) {
+        for column in sample.sums.stress.choose().iter_mut().take(components(2)) {
             *column = sample.particles.id.iter().map(|id| 0.1 * noise(id * 64 + 5)).collect();
         }
         for row in 0..sample.particles.len() {
@@ -128,8 +128,8 @@ fn bodies_gain_the_momentum_that_the_fluid_loses() {
         let mut size = 0.0;
         for row in (0..sample.particles.len()).filter(|&row| sample.particles.zone[row] == Zone::Fluid) {
             let [x, y] = sample.particles.acceleration.each_ref().map(|column| column[row]);
-            lost -= DVec3::new(x, y, 0.0) * sample.pair.mass;
-            size += x.hypot(y) * sample.pair.mass;
+            lost -= DVec3::new(x, y, 0.0) * sample.pair.discretisation.mass;
+            size += x.hypot(y) * sample.pair.discretisation.mass;
         }
         let force = found.pressure_force + found.viscous_force;
         assert!(
