@@ -87,7 +87,7 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Returns the paths of all checked texts.
-pub fn texts() -> Vec<String> {
+pub(crate) fn texts() -> Vec<String> {
     let mut paths: Vec<PathBuf> = Vec::new();
     for place in TEXTS {
         let path = root().join(place);

@@ -19,7 +19,7 @@ use sphecs_scene::schema::{FormulaText, Text};
 const UNIT: f64 = 1e-3;
 
 /// Returns all faults of a case that was parsed.
-pub fn faults(case: &Case) -> Vec<Fault> {
+pub(crate) fn faults(case: &Case) -> Vec<Fault> {
     let file = &case.file;
     let mut check = Check { case, probes: HashMap::new(), bodies: HashMap::new(), faults: Vec::new() };
     check.unique("run", file.runs.iter().map(|run| &run.name));

@@ -14,10 +14,10 @@ use serde::de::{VariantAccess, Visitor};
 use crate::notation::tree::{Node, Value};
 
 /// Names as `Struct.field`, `Enum::Variant` and `Enum::Variant.field`.
-pub type Names = BTreeSet<String>;
+pub(super) type Names = BTreeSet<String>;
 
 /// Reads values of a type until all fields and variants have occurred; returns them and the names.
-pub fn all<T: DeserializeOwned>() -> (Vec<T>, Names) {
+pub(super) fn all<T: DeserializeOwned>() -> (Vec<T>, Names) {
     let found = RefCell::new(Names::new());
     let mut values = Vec::new();
     loop {
@@ -30,7 +30,7 @@ pub fn all<T: DeserializeOwned>() -> (Vec<T>, Names) {
 }
 
 /// Returns the names that a text gives.
-pub fn given<T: DeserializeOwned>(root: &Node) -> Names {
+pub(super) fn given<T: DeserializeOwned>(root: &Node) -> Names {
     let found = RefCell::new(Names::new());
     let read = T::deserialize(Recorder { source: Source::Text(root), found: &found });
     assert!(read.is_ok(), "{:?} in {root:?}", read.err());

@@ -12,7 +12,7 @@ fn folder() -> PathBuf {
 }
 
 /// Returns the paths of all shipped scenes.
-pub fn shipped() -> Vec<PathBuf> {
+pub(super) fn shipped() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder()).unwrap();
     let mut paths: Vec<PathBuf> = entries
         .map(|entry| entry.unwrap().path())
@@ -23,13 +23,13 @@ pub fn shipped() -> Vec<PathBuf> {
 }
 
 /// Returns the file names of all shipped scenes.
-pub fn names() -> Vec<String> {
+pub(super) fn names() -> Vec<String> {
     let name = |path: PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
     shipped().into_iter().map(name).collect()
 }
 
 /// Returns the path of a shipped scene.
-pub fn path(name: &str) -> PathBuf {
+pub(super) fn path(name: &str) -> PathBuf {
     folder().join(name)
 }
 
@@ -41,12 +41,12 @@ fn loaded(scene: Result<Scene, SceneErrors>) -> Scene {
 }
 
 /// Returns a shipped scene.
-pub fn scene(name: &str) -> Scene {
+pub(super) fn scene(name: &str) -> Scene {
     loaded(Scene::from_file(path(name)).load())
 }
 
 /// Returns a shipped scene at its smoke spacing.
-pub fn smoke(name: &str) -> Scene {
+pub(super) fn smoke(name: &str) -> Scene {
     loaded(Scene::from_file(path(name)).smoke().load())
 }
 
