@@ -15,7 +15,7 @@ use std::error::Error;
 
 use serde::{Deserialize, Serialize};
 use sphecs::glam::DVec3;
-use sphecs::outlet::{OutflowState, OutflowZone, OutletMethod, OutletParameters, ParameterFault, Real};
+use sphecs::outlet::{OutflowState, OutflowZone, OutletMethod, OutletParameters, PairReal, ParameterFault};
 use sphecs::{Plugin, PluginContext, Scene, Simulation};
 
 /// Outlet with the impedance of a channel that continues:
@@ -55,7 +55,11 @@ impl OutletParameters for Impedance {
 impl OutletMethod for Impedance {
     type Memory = ImpedanceMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut ImpedanceMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut ImpedanceMemory,
+    ) {
         let (normal, impedance, fluid) = (zone.normal(), zone.flow.impedance(), zone.adjacent);
         let flow_velocity = memory.flow_velocity.get_or_insert(fluid.velocity);
         let outgoing = fluid.pressure - self.pressure + impedance * (fluid.velocity - *flow_velocity);

@@ -34,7 +34,7 @@ impl SourceFile {
     /// Reads the tokens of a text.
     ///
     /// # Panics
-    /// If the text is no Rust.
+    /// If the text is not Rust.
     pub fn new(path: &str, text: &str) -> Self {
         let stream = TokenStream::from_str(text).unwrap_or_else(|error| panic!("{path}: {error}"));
         let mut tokens = Vec::new();

@@ -45,7 +45,7 @@ struct Check<'a> {
     case: &'a Case,
     /// Names of the probes in the scene of each run without faults.
     probes: HashMap<&'a str, Vec<String>>,
-    /// Names of the bodies with coefficients, likewise.
+    /// Names of the bodies with coefficients in the scene of each run without faults.
     bodies: HashMap<&'a str, Vec<String>>,
     faults: Vec<Fault>,
 }

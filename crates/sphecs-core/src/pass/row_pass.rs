@@ -10,7 +10,7 @@
 //!   `edac`).
 //! - [`PointPass`]: the sums are at a list of points, such as those of inlets and outlets.
 //!
-//! Every method that a trait asks for must be `#[inline(always)]`. Otherwise its body would be
+//! Every method that a trait requires must be `#[inline(always)]`. Otherwise its body would be
 //! compiled without the vector instructions.
 
 use std::marker::PhantomData;
@@ -70,7 +70,7 @@ impl<R: Real, const D: usize> Block<'_, R, D> {
 pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
     type Outputs: Columns;
-    /// Result of a block beside its columns.
+    /// Result of a block besides its columns.
     type Summary: Send;
 
     /// Sums for the particles of a block and stores the results.

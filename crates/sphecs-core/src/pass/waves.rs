@@ -16,7 +16,7 @@ use crate::particles::arrays::ParticleArrays;
 use crate::physics::wall::image;
 use crate::physics::wave_sums::{WaveLanes, WavePair, WaveSetting, WaveSums};
 
-/// Most columns beside the coordinates: velocity, density, image distance.
+/// Largest number of columns besides the coordinates: velocity, density, image distance.
 const MOST_COLUMNS: usize = 3 + 2;
 
 /// Sums of one particle.
