@@ -31,7 +31,8 @@ pub struct WaveFound {
 /// Sums over the neighbours of the particles of `rows`, which must be in ascending order, into
 /// `found`.
 ///
-/// Walls enter as the images that the fluid has of them.
+/// Walls enter as images without a velocity cap and without slip, whatever the wall model of the
+/// scene.
 pub fn sum_waves<R: Real, const D: usize>(
     setting: &WaveSetting,
     pair: &PairSettings,

@@ -6,7 +6,7 @@
 //! p̃_ab    = (ρ_b p_a + ρ_a p_b)/(ρ_a + ρ_b) − p̄_a,
 //! A = ρ v ⊗ w,   η̃_ab = 2 ν ρ_a ρ_b/(ρ_a + ρ_b)
 //! dp_a/dt = ρ_a c_s² Σ V_b v_ab·∇W + (1/m) Σ S_ab η̃ᵉ_ab (p_a − p_b) F
-//!           + r [c_s² (ρ_a − ρ0) − p_a],
+//!           + (r c_s/h) [c_s² (ρ_a − ρ0) − p_a],
 //!           ν_edac = α h c_s/8 in η̃ᵉ,   r = 0 by default
 //! dx_a/dt = v_a + w_a,   w_a = −Δt (p_b/m) Σ S_ab ∇W,   F = (dW/dr)/r ≤ 0
 //! ```
@@ -17,7 +17,7 @@
 //! * The last term of the pressure's equation is our own, the option `relaxation`. Without it the
 //!   volumes drift, because the pressure follows the divergence of v but the particles move with v
 //!   + w. In a strained flow their distances grow by 3 % (docs/edac.md). An acoustic wave keeps p =
-//!   c_s² (ρ − ρ0), so the term does not act on it; the difference decays at the rate r.
+//!   c_s² (ρ − ρ0), so the term does not act on it; the difference decays at the rate r c_s/h.
 //! * As p̄_a is the same for all pairs of a particle, Σ S p̃ ∇W = Σ S p_ab ∇W − p̄_a Σ S ∇W. The
 //!   last sum is also that of the transport velocity, so the mean pressure needs no extra pass. The
 //!   loop sums differences to p_a: in single precision the pressures themselves would cancel. The
@@ -50,7 +50,7 @@ pub struct Edac {
     pub average_pressure: bool,
     /// True if ν and ν_edac are divided by their lattice coefficient.
     pub lattice_normalised: bool,
-    /// Rate r at which the pressure relaxes to that of the summed density, over c_s/h,
+    /// r, the rate at which the pressure relaxes to that of the summed density, over c_s/h,
     /// dimensionless; 0 as published.
     pub relaxation: f64,
     /// True if the viscous sums have the published η² = 0.01 h² in the denominator.
@@ -91,7 +91,7 @@ impl Edac {
         self.alpha * smoothing_length * sound_speed / 8.0
     }
 
-    /// Returns r [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s, the
+    /// Returns (r c_s/h) [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s, the
     /// density minus ρ0, kg/m³, and the pressure, Pa.
     pub fn relaxing(&self, smoothing_length: f64, sound_speed: f64, excess: f64, pressure: f64) -> f64 {
         self.relaxation * sound_speed / smoothing_length * (sound_speed * sound_speed * excess - pressure)

@@ -19,6 +19,9 @@
 //! `Normalised` is 0 where no neighbour has a transverse distance from o. `Printed` has the sign
 //! corrected: as published a bump steepens. `Consistent` is that of Español & Revenga (2003).
 //!
+//! On a complete lattice `Normalised` returns ∇²_t v and 1/3 (in 3D 1/2) of ∂²v/∂n². `Printed`
+//! returns 3/4 of the transverse part and 1/4 of ∂²v/∂n² in 2D.
+//!
 //! In 3D the sums run over both transverse axes. `Consistent` diverges where the support is cut.
 //! The equation itself is in [`wave_equation`](crate::boundary::outlet::wave_equation).
 

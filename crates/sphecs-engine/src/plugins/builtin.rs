@@ -66,7 +66,7 @@ fn add_arrays<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
 fn add_wcsph<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.save_resource::<Clock>("clock");
     context.save_resource::<RatesFound>("rates_found");
-    context.save_resource::<StepsSinceCorrection>("steps_since_plain");
+    context.save_resource::<StepsSinceCorrection>("steps_since_correction");
     context.world.init_resource::<AddedForces>();
     context.world.init_resource::<Bodies>();
     context.world.insert_resource(Sums::<R, D>(Default::default()));

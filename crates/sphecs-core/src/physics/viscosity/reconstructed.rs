@@ -16,7 +16,7 @@
 //! mixes momentum like an eddy viscosity of 10 ν and smears every jet and boundary layer. A
 //! viscosity that damps it within a shear time would be 50 ν; this term has it for the noise and,
 //! by construction, none for a linear flow. It acts along the line of a pair and is antisymmetric:
-//! linear and angular momentum are conserved.
+//! linear and angular momentum are conserved. Pairs with walls are not damped.
 
 use serde::{Deserialize, Serialize};
 
