@@ -17,13 +17,14 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{ParticleRow, real_vector, vector};
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///
 /// A particle whose velocity, and under `EdacTvf` pressure, the caller left unchanged keeps its
 /// previous velocity and pressure and its drift. A changed or new particle takes a corrective step
 /// next: the integrator would start from the previous velocity and lose the change.
-pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
+pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
     let history = History::take(arrays);
     arrays.clear();
     let mut state = world.query_filtered::<(
@@ -86,7 +87,7 @@ struct Past {
     needs_restart: bool,
 }
 
-impl<R: Real, const D: usize> History<R, D> {
+impl<R: PairReal<D>, const D: usize> History<R, D> {
     fn take(arrays: &mut ParticleArrays<R, D>) -> Self {
         let columns = |columns: &mut [Vec<R>; D]| columns.each_mut().map(std::mem::take);
         Self {
@@ -120,7 +121,7 @@ impl<R: Real, const D: usize> History<R, D> {
 const CHUNK: usize = 8192;
 
 /// Writes the state of every row to the components of its particle.
-pub(crate) fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
+pub(crate) fn scatter<R: PairReal<D>, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
     let row_of = rows_by_number(&arrays.id);
     let mut state = world.query_filtered::<(
         &ParticleId,

@@ -35,7 +35,7 @@ use threads::on_threads;
 use sphecs_output::folder::check_free;
 use sphecs_scene::model::Scene;
 
-/// Options of a run beside its scene.
+/// Options of a run that are not part of its scene.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
     /// Folder for the results.

@@ -19,7 +19,7 @@ use sphecs_output::header::Header;
 use sphecs_output::pack::Packed;
 use sphecs_output::summary::Status;
 use sphecs_scene::model::{Patch, Scene};
-use sphecs_scene::summary::{Summary, summary};
+use sphecs_scene::summary::{SceneSummary, summary};
 
 /// Returns the summary of a run to `until`, s, printed before its first step.
 pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOptions) -> String {
@@ -40,7 +40,7 @@ pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOp
 /// Returns particles, resolution, flow and steps of a run to `until`, s, as rows of a table.
 pub fn scene_rows(
     scene: &Scene,
-    figures: &Summary,
+    figures: &SceneSummary,
     by_zone: [u64; 5],
     until: f64,
     max_steps: Option<u64>,
@@ -65,7 +65,7 @@ pub fn scene_rows(
 }
 
 /// Returns a table of rows below the title of the scene, followed by the notes on the scene.
-pub fn scene_table(scene: &Scene, figures: &Summary, rows: &[(&str, String)]) -> String {
+pub fn scene_table(scene: &Scene, figures: &SceneSummary, rows: &[(&str, String)]) -> String {
     let notes: String = figures.notes.iter().map(|note| format!("\n  note: {note}")).collect();
     format!("{} ({}D)\n{}{notes}", scene.title, scene.dimensions, two_columns(rows))
 }

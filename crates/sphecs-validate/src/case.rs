@@ -85,9 +85,9 @@ impl Case {
     }
 
     fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, CaseFaults> {
-        let reader::Reading { root, mut faults, lost } = reader::read(text);
+        let reader::Parsed { root, mut faults, unbalanced } = reader::read(text);
         let shown = format!("{name}.ron");
-        if lost {
+        if unbalanced {
             return Err(CaseFaults::new(&shown, text, faults));
         }
         let constants = constants::read(&root, &mut faults);

@@ -17,7 +17,7 @@ use crate::math::lanes::{self, Lanes};
 use crate::math::linear::solve;
 use crate::math::real::Real;
 
-/// Columns beside the coordinates: volume of the fluid, pressure, velocity.
+/// Columns besides the coordinates: volume of the fluid, pressure, velocity.
 pub(super) const COLUMNS: usize = 2 + 3;
 /// Index of the fluid's volume among the columns behind the coordinates.
 pub(super) const VOLUME: usize = 0;
@@ -34,8 +34,8 @@ pub enum PointFit {
     /// The kernel mean of the pressure, and the velocity along the normal of a section.
     ///
     /// The basis of the velocity is linear along the normal and quadratic across it. A kernel mean
-    /// would lower the peak of a Poiseuille profile with 25 particles across by 3 %, and raise the
-    /// velocity of the layer at the wall, which no outlet can follow.
+    /// would lower the peak of a Poiseuille profile with 25 particles across by 3 %. It would also
+    /// raise the velocity of the layer at the wall, which no outlet can follow.
     Section {
         /// Unit normal of the section.
         normal: DVec3,

@@ -21,6 +21,8 @@
 //! particle depend on the pack of its cell alone, so they are bitwise identical for any number of
 //! threads. Each ordered pair is computed for its own particle: no scatter, no lock.
 //!
+//! The engine calls them through [`pair_real`], where they are compiled for every precision.
+//!
 //! Beside the passes: [`blocks`] (parallel loops over blocks and parts), [`body`] (force and torque
 //! on a body), [`column_access`] (which pass reads which columns), [`neighbours`] (neighbours of a point, one by one), [`settings`] (the scene in the
 //! form of plain values), [`sums`] (columns that the passes write) and [`wall_velocity`]
@@ -36,6 +38,7 @@ pub(crate) mod fused;
 pub mod gradients;
 pub mod neighbours;
 pub mod pack;
+pub mod pair_real;
 pub mod points;
 pub mod rates;
 mod row_pass;

@@ -10,7 +10,7 @@
 //!   `edac`).
 //! - [`PointPass`]: the sums are at a list of points, such as those of inlets and outlets.
 //!
-//! Every method that a trait asks for must be `#[inline(always)]`. Otherwise its body would be
+//! Every method that a trait requires must be `#[inline(always)]`. Otherwise its body would be
 //! compiled without the vector instructions.
 
 use std::marker::PhantomData;
@@ -60,7 +60,7 @@ pub(super) struct Block<'a, R, const D: usize> {
 impl<R: Real, const D: usize> Block<'_, R, D> {
     /// Returns the rows of the block.
     #[inline(always)]
-    pub fn rows(&self) -> Range<usize> {
+    pub(super) fn rows(&self) -> Range<usize> {
         let grid = self.source.grid;
         grid.rows(self.cells.start).start..grid.rows(self.cells.end - 1).end
     }
@@ -70,7 +70,7 @@ impl<R: Real, const D: usize> Block<'_, R, D> {
 pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
     type Outputs: Columns;
-    /// Result of a block beside its columns.
+    /// Result of a block besides its columns.
     type Summary: Send;
 
     /// Sums for the particles of a block and stores the results.
@@ -185,17 +185,17 @@ pub(super) trait PointPass<R: Real, const D: usize>: Sync {
 
 impl<'a, R: Real, const D: usize> PassInput<'a, R, D> {
     /// Runs a pass over all cells, in parallel, particle by particle.
-    pub fn run<P: RowPass<R, D>>(self, pass: &P, outputs: P::Outputs) {
+    pub(super) fn run<P: RowPass<R, D>>(self, pass: &P, outputs: P::Outputs) {
         self.run_blocks(&EachRow(pass), outputs);
     }
 
     /// Runs a pass over all cells, in parallel, block by block; returns the joined summaries.
-    pub fn run_blocks<P: BlockPass<R, D>>(self, pass: &P, outputs: P::Outputs) -> P::Summary {
+    pub(super) fn run_blocks<P: BlockPass<R, D>>(self, pass: &P, outputs: P::Outputs) -> P::Summary {
         self.pair.discretisation.kernel.with_shape(OverBlocks { input: self, pass, outputs })
     }
 
     /// Runs a pass over the points of a list, in parallel.
-    pub fn run_at<P: PointPass<R, D>>(self, pass: &P, points: &[P::Point], found: &mut [P::Found]) {
+    pub(super) fn run_at<P: PointPass<R, D>>(self, pass: &P, points: &[P::Point], found: &mut [P::Found]) {
         self.pair.discretisation.kernel.with_shape(OverPoints { input: self, pass, points, found });
     }
 

@@ -1,10 +1,10 @@
 //! Sub-particle stress of all particles, as the rates need it.
 //!
 //! Fluid, inflow and outflow have the stress of their velocity gradient
-//! ([`gradients`](super::gradients)). Walls have none of their own: they take the kernel mean of
-//! the flow's T/ρ², as they take its pressure, so that a uniform stress exerts no force on the
-//! fluid beside a wall. With T = 0 in the wall the cut of the stress at the surface would push
-//! particles off it.
+//! ([`gradients`](super::gradients)). Walls have no stress of their own. They take the kernel mean
+//! of T/ρ² of the flow, as they take its pressure, so a uniform stress exerts no force on the fluid
+//! next to a wall. With T = 0 in the wall the cut of the stress at the surface would push particles
+//! off it.
 
 use std::ops::Range;
 

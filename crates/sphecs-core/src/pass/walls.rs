@@ -27,7 +27,7 @@ use crate::particles::zone::Zone;
 /// contributes.
 pub(super) const LEAST_WEIGHT: f64 = 1e-20;
 
-/// Columns of the pack beside the coordinates: density and pressure of the flow.
+/// Columns of the pack besides the coordinates: density and pressure of the flow.
 const COLUMNS: usize = 2;
 
 /// Sets pressure and density of the wall particles from the flow around them.
@@ -38,7 +38,7 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
-    force: &(impl Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync),
+    force: &WallForce<'_, R, D>,
 ) {
     sums.packs.prepare();
     if sums.columns.find_walls(pair, particles) == 0 {
@@ -86,16 +86,16 @@ fn set_wall_states<R: Real, const D: usize>(
     for_each_part(0..zone.len(), [&mut particles.pressure[..], &mut particles.density[..]], &work);
 }
 
-struct WallPressurePass<'a, F, R: Real, const D: usize> {
+/// Returns g − a_wall at the wall particle of a row, m/s².
+type WallForce<'a, R, const D: usize> = dyn Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync + 'a;
+
+struct WallPressurePass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
     particles: &'a ParticleArrays<R, D>,
-    force: &'a F,
+    force: &'a WallForce<'a, R, D>,
 }
 
-impl<'a, F, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, F, R, D>
-where
-    F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync,
-{
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, R, D> {
     type Outputs = &'a mut [R];
     /// Pressure, Pa.
     type Sum = f64;

@@ -34,13 +34,13 @@ use crate::systems::transitions::reservoir::FreeNumbers;
 use crate::transfer::count_roles;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::saved::{self, Order};
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
 /// Saves the particles of a world.
-pub(crate) fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
+pub(crate) fn save<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut Columns) {
     let order = match *world.resource::<StateLocation>() {
         StateLocation::Components => {
             // The next step starts from the components. Their order in the world depends on every
@@ -148,7 +148,7 @@ pub(crate) fn restore_grid<const D: usize>(
 ///
 /// # Errors
 /// [`ColumnMismatch`] if the columns do not fit the scene.
-pub(crate) fn restore<R: Real, const D: usize>(
+pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     world: &mut World,
     from: &mut Columns,
 ) -> Result<(), ColumnMismatch> {
@@ -286,7 +286,7 @@ fn restore_components(
         let wall = particles.get_mut(id as usize).and_then(Option::as_mut);
         let wall = wall.filter(|particle| particle.zone == Zone::Wall);
         let wall = wall.ok_or_else(|| {
-            ColumnMismatch(format!("particle {id} has a wall surface, but is no wall particle"))
+            ColumnMismatch(format!("particle {id} has a wall surface but is not a wall particle"))
         })?;
         wall.surface = WallSurface { distance: distance[at], normal: normal[at] };
     }

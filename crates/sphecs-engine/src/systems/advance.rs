@@ -14,10 +14,10 @@ use crate::resources::clock::Clock;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::join_parts;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::timestep::TimeStepLimits;
 
 /// Rows per task of a thread.
@@ -46,7 +46,7 @@ impl StepSettings<'_> {
 
 /// Clock, inflow and outflow zones: everything that a step advances besides the fluid.
 #[derive(SystemParam)]
-pub(crate) struct ZoneMotion<'w, 's, R: Real, const D: usize> {
+pub(crate) struct ZoneMotion<'w, 's, R: PairReal<D>, const D: usize> {
     scene: Res<'w, ActiveScene>,
     rows: Res<'w, PatchRows>,
     outlets: Res<'w, Outlets<R, D>>,
@@ -55,7 +55,7 @@ pub(crate) struct ZoneMotion<'w, 's, R: Real, const D: usize> {
     velocities: Local<'s, Vec<DVec3>>,
 }
 
-impl<R: Real, const D: usize> ZoneMotion<'_, '_, R, D> {
+impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
     /// Moves inflow and outflow particles over a time step, s, and advances the clock.
     pub(crate) fn finish_step(&mut self, time_step: f64, arrays: &mut ParticleArrays<R, D>) {
         let (scene, clock) = (&*self.scene.0, &mut *self.clock);
@@ -89,7 +89,7 @@ pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
 ///
 /// It is not found by the pair pass, since body forces, walls and plugins add to the accelerations
 /// afterwards. A maximum does not depend on the order of its operands.
-pub(crate) fn largest_acceleration<R: Real, const D: usize>(
+pub(crate) fn largest_acceleration<R: PairReal<D>, const D: usize>(
     arrays: &ParticleArrays<R, D>,
     lanes: InstructionSet,
 ) -> f64 {
@@ -111,7 +111,7 @@ struct LargestSquare<'a, R, const D: usize> {
 /// Number of independent maxima: a single one would be a chain of dependent comparisons.
 const MAXIMA: usize = 16;
 
-impl<R: Real, const D: usize> Vectorised<R> for LargestSquare<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> Vectorised<R> for LargestSquare<'_, R, D> {
     type Output = f64;
 
     #[inline(always)]

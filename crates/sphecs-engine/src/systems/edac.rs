@@ -14,13 +14,11 @@ use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{RatesFound, Sums};
 use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
 use sphecs_core::pass::column_access::AfterPasses;
-use sphecs_core::pass::density;
-use sphecs_core::pass::edac;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::kick_drift::{self, KickDrift};
 use sphecs_scene::model::{BodyForce, Patch, Scene, Scheme};
@@ -38,7 +36,7 @@ fn terms(scene: &Scene) -> Option<&Edac> {
 /// At the outer end of a zone the support is truncated, and the sum with it. Particles there get
 /// the reference density; otherwise their volumes would double and push their neighbours into the
 /// fluid.
-pub(crate) fn sum_volumes<R: Real, const D: usize>(
+pub(crate) fn sum_volumes<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -46,7 +44,7 @@ pub(crate) fn sum_volumes<R: Real, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+    R::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
     let scene = &*scene.0;
     let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, -1.0)).zip(&rows.inflow);
     let outlets = scene.outlets.iter().map(|outlet| (&outlet.patch, 1.0)).zip(&rows.outflow);
@@ -62,7 +60,7 @@ pub(crate) fn sum_volumes<R: Real, const D: usize>(
 
 /// Computes pair forces, pressure rate and acceleration by the background pressure, and the
 /// extremes that limit the time step.
-pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
+pub(crate) fn sum_edac_rates<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -71,7 +69,7 @@ pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
     mut found: ResMut<RatesFound>,
 ) {
     let Some(terms) = terms(&scene.0) else { return };
-    let summary = edac::sum_rates(&pair.0, terms, &grid.0, &mut arrays, &mut sums.0);
+    let summary = R::sum_edac_rates(&pair.0, terms, &grid.0, &mut arrays, &mut sums.0);
     *found = RatesFound {
         largest_signal: scene.0.fluid.sound_speed + summary.speed,
         largest_speed: summary.speed,
@@ -83,7 +81,7 @@ pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
 }
 
 /// Chooses the time step and advances velocity, pressure and position.
-pub(crate) fn kick_and_drift<R: Real, const D: usize>(
+pub(crate) fn kick_and_drift<R: PairReal<D>, const D: usize>(
     (scene, settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
     mut zones: ZoneMotion<R, D>,
@@ -113,7 +111,7 @@ pub(crate) fn kick_and_drift<R: Real, const D: usize>(
 }
 
 /// Advances velocity, pressure, drift and position of the fluid; other rows have no drift.
-fn advance_fluid<R: Real, const D: usize>(
+fn advance_fluid<R: PairReal<D>, const D: usize>(
     scheme: KickDrift,
     arrays: &mut ParticleArrays<R, D>,
     background: &[Vec<R>; D],
@@ -187,7 +185,7 @@ struct DriftPart<'a, R, const D: usize> {
     pressures: [&'a mut [R]; 2],
 }
 
-impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
     type Output = ();
 
     #[inline(always)]
@@ -214,7 +212,7 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
     }
 }
 
-impl<R: Real, const D: usize> DriftPart<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> DriftPart<'_, R, D> {
     /// Advances fluid rows, which are `part` of the written columns and either all to be restarted
     /// or all not.
     #[inline(always)]
@@ -247,7 +245,7 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
 /// (p_b/ρ0) ∇C.
 ///
 /// For a uniform distribution, Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0.
-pub(crate) fn shift_outlets<R: Real, const D: usize>(
+pub(crate) fn shift_outlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     rows: Res<PatchRows>,

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! over the n members of the run. A formula of figures of one ensemble is evaluated member by
-//! member; a formula of several ensembles treats their errors as independent, error² = Σ_k (f(…,
+//! member. A formula of several ensembles treats their errors as independent, error² = Σ_k (f(…,
 //! x_k + e_k, …) − f)².
 
 use std::collections::BTreeMap;

@@ -5,10 +5,10 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use crate::boundary::patch::Patch;
 use crate::math::grid::CellGrid;
-use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
 use crate::pass::fits::{PointFit, PointFlow};
+use crate::pass::pair_real::PairReal;
 use crate::pass::points::PointFlows;
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
@@ -27,7 +27,7 @@ pub trait InflowMotion: Sync {
 }
 
 /// Inflow particles of one inlet, with what a condition may read and write.
-pub struct InflowZone<'a, R: Real, const D: usize> {
+pub struct InflowZone<'a, R: PairReal<D>, const D: usize> {
     /// Opening of the inlet.
     pub patch: &'a Patch,
     /// Rows of the inflow particles in the arrays.
@@ -73,7 +73,7 @@ struct InflowState {
     density: Option<f64>,
 }
 
-impl<R: Real, const D: usize> InflowZone<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
     /// Fits the pressure of the fluid at the mirror images of the inflow particles in the plane.
     pub fn fit_mirrored_pressure(&mut self) {
         let InflowBuffers { fits, .. } = &mut *self.buffers;

@@ -18,7 +18,7 @@ pub mod prescribed;
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 use extrapolated::Extrapolated;
 use inflow_zone::InflowZone;
@@ -65,7 +65,7 @@ macro_rules! with_pressure {
 /// A condition of the inflow pressure.
 pub trait InletMethod {
     /// Sets velocity, pressure and density of the inflow particles at the present time.
-    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
 
     /// Returns the parameters that the condition cannot work with.
     fn faults(&self) -> Vec<ParameterFault> {
@@ -75,7 +75,7 @@ pub trait InletMethod {
 
 impl InletPressure {
     /// Sets velocity, pressure and density of the inflow particles at the present time.
-    pub fn apply<R: Real, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
+    pub fn apply<R: PairReal<D>, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
         with_pressure!(self, method => method.apply(zone));
     }
 

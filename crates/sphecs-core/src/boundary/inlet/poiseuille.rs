@@ -11,9 +11,9 @@
 
 use std::f64::consts::PI;
 
-/// Returns the velocity, m/s, at a distance `y` (m) from the middle and a time `t` (s) between
-/// walls at ± `half_width` (m), for a force per mass `body_force` (m/s²) and a kinematic viscosity
-/// (m²/s). It is 0 outside the gap.
+/// Returns the velocity, m/s, at a distance `y` (m) from the centre and a time `t` (s). The walls
+/// are at ± `half_width` (m); `body_force` is per mass (m/s²), the viscosity kinematic (m²/s). It
+/// is 0 outside the gap.
 pub fn startup_velocity(y: f64, t: f64, half_width: f64, body_force: f64, viscosity: f64) -> f64 {
     let d = half_width;
     if y.abs() >= d || t <= 0.0 {

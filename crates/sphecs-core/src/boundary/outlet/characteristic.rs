@@ -30,8 +30,8 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::pass::fits::PointFit;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameters of the condition. They have no default: a stream of another velocity than this has a
@@ -69,7 +69,7 @@ impl OutletParameters for Characteristic {
 impl OutletMethod for Characteristic {
     type Memory = ();
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let (normal, impedance, references) = (zone.normal(), zone.flow.impedance(), self.references());
         // The impedance is the same for all, so that the mean of J2 is that of velocity and
         // pressure.

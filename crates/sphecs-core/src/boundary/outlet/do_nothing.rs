@@ -22,7 +22,7 @@ use glam::DVec3;
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 
 /// The condition; it has no parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl OutletParameters for DoNothing {
 impl OutletMethod for DoNothing {
     type Memory = ();
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let normal = zone.normal();
         for &row in zone.rows {
             let (velocity, pressure) = zone.state(row as usize);

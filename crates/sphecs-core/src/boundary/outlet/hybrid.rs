@@ -9,9 +9,9 @@
 //! Negi et al. (2020), Eqs. 28–31. Their mean is that of the last N steps, with N about the number
 //! of steps in which sound travels one spacing (Eq. 29: 4, they take 6). Here it is the recursive
 //! mean of the same mean age, (N − 1)/2 steps: one value per particle instead of N. The threshold
-//! is that of the acoustic intensity p²/(2 ρ c), Eq. 30, about a reference pressure p_ref of the
-//! scene: a duct whose outlet is not at 0 Pa would otherwise be sound throughout. Tangential
-//! velocities are not averaged.
+//! is one of acoustic intensity, p²/(2 ρ c), Eq. 30, relative to a reference pressure p_ref of the
+//! scene. Without it the mean pressure of a duct would count as sound. Tangential velocities are
+//! not averaged.
 //!
 //! Only fluid within reach of the outlet has means. A particle that comes within reach has the mean
 //! sound of those already there. So a flow that is never below the threshold, such as one that
@@ -26,8 +26,8 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// Length beyond the support, in spacings, over which the condition averages the fluid: a particle
@@ -108,7 +108,11 @@ impl OutletParameters for Hybrid {
 impl OutletMethod for Hybrid {
     type Memory = HybridMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut HybridMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut HybridMemory,
+    ) {
         self.average_upstream(zone, memory);
         let (normal, impedance) = (zone.normal(), zone.flow.impedance());
         let upstream = zone.upstream.iter().map(|&row| row as usize);
@@ -132,7 +136,7 @@ impl OutletMethod for Hybrid {
 
 impl Hybrid {
     /// Updates the means of the fluid within reach and finds its J2.
-    fn average_upstream<R: Real, const D: usize>(
+    fn average_upstream<R: PairReal<D>, const D: usize>(
         &self,
         zone: &OutflowZone<'_, R, D>,
         memory: &mut HybridMemory,
@@ -177,7 +181,7 @@ impl Hybrid {
 
 /// Returns the speed of the threshold, m/s: the time mean of the inflow speed, or of the scene's
 /// reference velocity if nothing flows in.
-fn inflow_speed<R: Real, const D: usize>(
+fn inflow_speed<R: PairReal<D>, const D: usize>(
     zone: &OutflowZone<'_, R, D>,
     share: f64,
     memory: &mut HybridMemory,

@@ -28,8 +28,8 @@ use serde::{Deserialize, Serialize};
 use super::do_nothing::frozen;
 use super::method::{OutflowState, OutletMethod, OutletParameters};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::pass::fits::{Image, PointFit};
+use crate::pass::pair_real::PairReal;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,7 +62,7 @@ impl OutletMethod for Mirror {
     type Memory = ();
 
     /// Sets each particle from its image; one whose image is not in the fluid keeps its state.
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let (normal, patch) = (zone.normal(), zone.patch);
         zone.fit_fluid(PointFit::Image { normal }, |point| patch.mirrored(point), empty());
         for (at, &row) in zone.rows.iter().enumerate() {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// Pressure of outflow particles.
@@ -64,11 +64,11 @@ impl OutletPressure {
         }
     }
 
-    /// Tells whether the pressure is set anew in each step, not kept from step to step.
+    /// Returns true if the pressure is set in each step, not kept from step to step.
     ///
     /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it again
     /// and again.
-    pub fn is_set_anew(self) -> bool {
+    pub fn is_set_each_step(self) -> bool {
         matches!(self, OutletPressure::Reference(_) | OutletPressure::NonReflecting { .. })
     }
 
@@ -85,7 +85,7 @@ impl OutletPressure {
     }
 
     /// Sets the pressures of a zone where they do not depend on the flow.
-    pub fn set<R: Real, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
+    pub fn set<R: PairReal<D>, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
         let (rows, pressures) = (zone.rows, &mut zone.arrays.pressure);
         match self {
             OutletPressure::Reference(pressure) => {

@@ -214,8 +214,8 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
     }
 }
 
-/// Lower end of an interval up to twice this number in which all `f64` are integers: a number added
-/// to it is rounded to an integer, which is in the lowest bits of the sum.
+/// Lower end of an interval, up to twice this number, in which all `f64` are integers. Adding a
+/// number to it rounds the number to an integer in the lowest bits of the sum.
 const INTEGERS: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
 /// Returns the largest integer not above a number from 0 to [`INTEGERS`]; for other numbers the

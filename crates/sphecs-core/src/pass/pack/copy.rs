@@ -94,7 +94,8 @@ impl<R: Real> Pack<R> {
 /// from the first row on.
 ///
 /// # Safety
-/// If `WHOLE`, the columns must have so many rows. There must be space for whole vectors at `to`.
+/// If `WHOLE`, the columns must have enough rows for whole vectors. There must be space for whole
+/// vectors at `to`.
 #[inline(always)]
 unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
     source: &Source<L::Real, D>,

@@ -2,10 +2,10 @@
 //!
 //! Once per cell the particles of all cells within reach are copied, column by column, into a small
 //! buffer that stays in the first-level cache. Positions are relative to the centre of the rows
-//! that sum, in units of h and in the precision of the sums; periodic images are shifted; in 3D
+//! that sum, in units of h and in the precision of the sums. Periodic images are shifted. In 3D
 //! particles out of reach of all rows are left out (culled). The tail is padded with particles far
-//! away. So the pair loop has no gathers and one form for 2D and 3D, periodic or narrow boxes, and
-//! single precision loses only the last digits of a distance, wherever in the domain it is.
+//! away. So the pair loop has no gathers and one form for 2D and 3D, periodic and narrow boxes.
+//! Single precision loses only the last digits of a distance, anywhere in the domain.
 //!
 //! | file | subject |
 //! |---|---|
@@ -243,9 +243,8 @@ impl<R: Real> Pack<R> {
     }
 }
 
-/// One pack per thread, kept from pass to pass. Each has its own cache lines: the fields of a pack
-/// are written at every cell and read at every row, and two threads that share a line take half as
-/// long again.
+/// One pack per thread, kept from pass to pass. Each has its own cache lines. The fields of a pack
+/// are written at every cell and read at every row; two threads that share a line take 50 % longer.
 #[derive(Debug, Default)]
 pub struct PackPool<R>(Vec<CachePadded<Mutex<Pack<R>>>>);
 

@@ -11,7 +11,7 @@ pub struct Source<'a, R, const D: usize> {
     pub grid: &'a CellGrid<D>,
     /// Position, m.
     pub position: &'a [Vec<f64>; D],
-    /// Further columns, in the order in which the pair loop asks for them.
+    /// Further columns, in the order in which the pair loop uses them.
     pub columns: &'a [&'a [R]],
     /// 1/h, 1/m.
     pub inverse_h: f64,

@@ -14,11 +14,11 @@
 //! mean. The velocity of the particle itself does not enter, so neither the damping nor the
 //! shifting can amplify its noise. The sums are over fluid, inflow and outflow. Walls are left out
 //! (except in s), since the images of a particle close to a wall multiply its noise. The gradient
-//! is exact for linear fields whatever the weights of the neighbours. So all weigh the same, and
-//! the density of the step need not be known yet. s needs volumes and takes those of the step
-//! before, which differ by what acoustic waves change in a step. With equal volumes s would contain
-//! the gradient of the pressure, of which the mean over the support leaves the short waves, next to
-//! edges (docs/noise.md).
+//! is exact for linear fields whatever the weights of the neighbours. So all weights are equal, and
+//! the density of the step need not be known yet. The sum s needs volumes and takes those of the
+//! previous step, which differ only by the acoustic change of one step. With equal volumes s would
+//! contain the gradient of the pressure. Subtracting its mean over the support leaves the short
+//! waves next to edges (docs/notebook/2026-11-23-noise.md).
 
 mod pending;
 mod row;
@@ -42,7 +42,8 @@ use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
+/// Largest number of columns besides the coordinates: velocity in 3D, flow flag and volume of the
+/// neighbour.
 const MOST_COLUMNS: usize = 3 + 1 + 1;
 
 /// Writer of the columns of this pass.

@@ -11,9 +11,9 @@
 //! Sums over b are over the flow around a wall particle. The stress is that of the mean flow in its
 //! support, about one spacing away. The force on the wall acts with opposite sign on the same
 //! particles, by the same weights, so momentum is conserved. Of the layers behind a flat wall one
-//! is nearer than Δ, wherever the lattice is cut, so it has the stress of its own area. In the edge
-//! of two walls the particle behind both has the stress of another Δ^(D−1): 1/N of the stress of a
-//! square duct with N particles across in plug flow.
+//! is nearer than Δ, wherever the lattice is cut, so it has the stress of its own area. At the edge
+//! of two walls the particle behind both adds the stress of another Δ^(D−1). In a square duct with
+//! N particles across in plug flow this is 1/N of the stress.
 //!
 //! A stress per wall particle that the kernel distributes is our own way to give it to the
 //! particles. Its purpose: docs/walls.md.

@@ -8,8 +8,8 @@
 //! Adami et al. (2012), Eqs. 22 and 23, over fluid, inflow and outflow. The kernel mean at a wall
 //! particle is the velocity of the fluid some way in front of the surface, not at the mirror image
 //! of the particle. So the profile is not continued as a straight line, and the effective surface
-//! is slightly displaced (0.45 % of the peak of a Poiseuille flow with 25 particles across, where
-//! the image has 0.26 %: docs/walls.md). In return no factor becomes large for a particle that
+//! is slightly displaced. The peak of a Poiseuille flow with 25 particles across is off by 0.45 %,
+//! with the image by 0.26 % (docs/walls.md). In return no factor becomes large for a particle that
 //! touches the wall.
 //!
 //! Only the viscous term uses v_w. In the equation of an evolved pressure the divergence uses the

@@ -151,7 +151,7 @@ pub enum WallPressure {
     /// Adami et al. (2012): kernel mean of the pressure of the fluid, with its hydrostatic part.
     #[default]
     Extrapolated,
-    /// Per pair: p_a + ρ_a (g − a_wall)·(x_w − x_a).
+    /// Per pair: p_a + ρ_a g·(x_w − x_a).
     Mirrored,
 }
 

@@ -1,7 +1,7 @@
 //! Detection of a diverging flow after each step.
 //!
-//! A flow has diverged if a value is not finite, if a density, a speed or the time step is out of
-//! bounds, or if a particle is outside the grid.
+//! A flow has diverged if a value is not finite or a particle is outside the grid. Densities,
+//! speeds and the time step must also be within bounds.
 //!
 //! - `failure`: the reasons to stop that a step found
 //! - `neighbourhood`: the particles around a diverged particle
@@ -25,6 +25,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::join_parts;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::integrator::friction;
 use sphecs_core::physics::timestep::TimeStepLimits;
 use sphecs_scene::model::{Scene, Scheme};
@@ -44,7 +45,7 @@ const SMALLEST_STEP: f64 = 1e-3;
 
 /// Checks every particle after the step, and records the one with the smallest number that has
 /// diverged.
-pub fn check_state<R: Real, const D: usize>(
+pub fn check_state<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     pair: Res<Pair>,
@@ -91,7 +92,10 @@ impl Bounds {
     }
 
     /// Returns the row with the smallest particle number that violates the bounds.
-    fn first_violation<R: Real, const D: usize>(&self, arrays: &ParticleArrays<R, D>) -> Option<usize> {
+    fn first_violation<R: PairReal<D>, const D: usize>(
+        &self,
+        arrays: &ParticleArrays<R, D>,
+    ) -> Option<usize> {
         let smaller_number =
             |a: Option<usize>, b: Option<usize>| a.into_iter().chain(b).min_by_key(|&row| arrays.id[row]);
         let quick = QuickBounds::<R>::new(self);
@@ -106,7 +110,7 @@ impl Bounds {
     }
 
     /// Returns true if a row is within the bounds.
-    fn hold<R: Real, const D: usize>(&self, arrays: &ParticleArrays<R, D>, row: usize) -> bool {
+    fn hold<R: PairReal<D>, const D: usize>(&self, arrays: &ParticleArrays<R, D>, row: usize) -> bool {
         let mut squared = 0.0;
         for axis in 0..D {
             let v = arrays.velocity[axis][row].to_f64();
@@ -123,7 +127,7 @@ impl Bounds {
     }
 
     /// Describes the violation of a row, with advice to the user.
-    fn finding<R: Real, const D: usize>(
+    fn finding<R: PairReal<D>, const D: usize>(
         &self,
         scene: &Scene,
         arrays: &ParticleArrays<R, D>,
@@ -197,7 +201,7 @@ fn step_at_rest(scene: &Scene) -> f64 {
 }
 
 /// Returns the fluid row with the largest acceleration.
-fn most_accelerated<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>) -> Option<usize> {
+fn most_accelerated<R: PairReal<D>, const D: usize>(arrays: &ParticleArrays<R, D>) -> Option<usize> {
     let fluid = (0..arrays.len()).filter(|&row| arrays.zone[row] == Zone::Fluid);
     let size = |row: &usize| arrays.acceleration_of(*row).length_squared();
     fluid.max_by(|a, b| size(a).total_cmp(&size(b)).then(arrays.id[*b].cmp(&arrays.id[*a])))

@@ -10,11 +10,11 @@ use crate::resources::clock::Clock;
 use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
 use crate::resources::ledger::{InflowCapacity, Ledger};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
 /// Smallest distance, over the spacing, from an injected particle to the others: closer pairs would
@@ -40,7 +40,7 @@ pub(super) struct Injection {
 }
 
 /// Injects a particle if its place is free and the reservoir has a particle.
-pub(super) fn inject<R: Real, const D: usize>(
+pub(super) fn inject<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
@@ -89,7 +89,7 @@ pub(super) fn inject<R: Real, const D: usize>(
 
 /// Returns true if the zone of an injection has lost particles, for an inlet, and its place is
 /// free.
-fn is_possible<R: Real, const D: usize>(
+fn is_possible<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
@@ -105,7 +105,7 @@ fn is_possible<R: Real, const D: usize>(
 /// Returns true if no particle is within `distance`, m, of a place.
 ///
 /// Rows from `sorted` on were added after the last sort.
-fn is_free<R: Real, const D: usize>(
+fn is_free<R: PairReal<D>, const D: usize>(
     world: &World,
     arrays: &ParticleArrays<R, D>,
     sorted: usize,

@@ -20,15 +20,15 @@ use super::pressure::Waves;
 use crate::boundary::flow::FlowProperties;
 use crate::boundary::patch::Patch;
 use crate::boundary::section_points::SectionPoints;
-use crate::math::real::Real;
 use crate::pass::fits::PointFlow;
+use crate::pass::pair_real::PairReal;
 use oblique_waves::{ObliqueSetting, ObliqueWaves};
 use plane_waves::{PlaneSetting, PlaneWaves};
 use propagation::Propagation;
 
-/// Travel times of sound along the section over which the velocity at its points is followed.
-/// Longer, and more of a vortex counts as sound; shorter, and less of the sound does
-/// (docs/outlets.md).
+/// Travel times of sound along the section over which the velocity at its points is followed. A
+/// longer time takes more of a vortex for sound, a shorter one less of the sound
+/// (docs/notebook/2026-11-24-outlets.md).
 const CROSSINGS: f64 = 1.0;
 
 /// Layers upstream of the sampled points that their mean represents: the outer part of the support
@@ -70,7 +70,7 @@ impl NonReflecting {
     ///
     /// `target` (Pa) and `time` (s) are those of
     /// [`OutletPressure::NonReflecting`](super::pressure::OutletPressure::NonReflecting).
-    pub fn advance<R: Real, const D: usize>(
+    pub fn advance<R: PairReal<D>, const D: usize>(
         &mut self,
         zone: &OutflowZone<'_, R, D>,
         target: f64,
