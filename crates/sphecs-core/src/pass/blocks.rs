@@ -7,11 +7,11 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelI
 
 use crate::math::grid::CellGrid;
 
-/// Most rows of a block of several cells: enough to hide the cost of a task, few enough to balance
-/// the threads.
+/// Largest number of rows of a block of several cells: enough to amortise a task, few enough to
+/// balance the threads.
 const ROWS: usize = 1024;
 
-/// Most rows of a part. A row of a part costs little, so there are more than in a block.
+/// Largest number of rows of a part. A row costs less here, so it is more than for a block.
 const PART: usize = 4096;
 
 /// Rows that are processed together: the compiler vectorises a loop over them without branches.
@@ -101,7 +101,7 @@ pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn
     );
 }
 
-/// Rows of a part that is searched for a list, of which few rows are part.
+/// Rows of a part that is searched for a list of few rows.
 const LISTED: usize = 1024;
 
 /// Runs `work` over the rows in parts, in parallel, each with a list of its own.
@@ -153,7 +153,8 @@ fn split<C: Columns, S: Send>(
     if rows <= ROWS || cells.len() == 1 {
         return work(cells, columns);
     }
-    // Half of the rows, not of the cells: most cells of a bent domain's box may be empty.
+    // The halves have equal numbers of rows, not cells: most cells around a bent domain may be
+    // empty.
     let middle_row = starts[cells.start] + rows as u32 / 2;
     let inner = &starts[cells.start + 1..cells.end];
     let middle = cells.start + 1 + inner.partition_point(|&start| start < middle_row).min(inner.len() - 1);

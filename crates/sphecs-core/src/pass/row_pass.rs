@@ -4,8 +4,7 @@
 //! where the result goes. The driver packs the neighbourhood of every cell once and runs the sums
 //! inside the function that has the vector instructions.
 //!
-//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. Nearly every pass is
-//!   one.
+//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. This is the usual kind.
 //! - [`BlockPass`]: particles are finished in batches, or a block has a summary (`strain`, `rates`,
 //!   `edac`).
 //! - [`PointPass`]: the sums are at a list of points, such as those of inlets and outlets.
@@ -30,7 +29,7 @@ use crate::math::real::Real;
 /// Points that a thread takes at a time.
 const POINTS: usize = 64;
 
-/// Everything that a pass reads of the neighbours.
+/// Neighbour data that a pass reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassInput<'a, R, const D: usize> {
     /// Settings of the pair passes.
