@@ -18,7 +18,7 @@ use std::ops::Range;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
-use super::blocks::{Columns, for_each_block};
+use super::blocks::{SplittableColumns, for_each_block};
 use super::pack::{Only, Pack, PackPool, Source};
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
@@ -68,7 +68,7 @@ impl<R: Real, const D: usize> Block<'_, R, D> {
 /// A pass with a state of its own within a block of cells.
 pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: Columns;
+    type Outputs: SplittableColumns;
     /// Result of a block besides its columns.
     type Summary: Send;
 
@@ -86,7 +86,7 @@ pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
 /// A pass whose sum for a particle depends on the neighbourhood alone.
 pub(super) trait RowPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: Columns;
+    type Outputs: SplittableColumns;
     /// Result for one particle.
     type Sum;
 

@@ -89,7 +89,7 @@ pub(crate) fn kick_and_drift<R: PairReal<D>, const D: usize>(
 ) {
     let gravity = match &scene.0.body_force {
         BodyForce::Constant(force) => force.length(),
-        // The accelerations already contain it.
+        // The accelerations already contain a force that varies in space.
         BodyForce::Expression(_) => 0.0,
     };
     let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
@@ -131,7 +131,7 @@ fn advance_fluid<R: PairReal<D>, const D: usize>(
         ..
     } = arrays;
     let (zone, needs_restart, acceleration) = (&**zone, &**needs_restart, &*acceleration);
-    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): RowColumns<R, D>| {
         let rates = Rates { acceleration, background, pressure: pressure_rate };
         R::dispatch(
             lanes,
@@ -159,7 +159,7 @@ fn advance_fluid<R: PairReal<D>, const D: usize>(
 
 /// Columns of some rows: positions; velocities, now and half a step earlier, and drifts; pressures,
 /// now and half a step earlier.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
 
 /// Rates that the passes summed.
 #[derive(Clone, Copy)]
