@@ -17,8 +17,10 @@
 //! * [`summary`]: figures of `sphecs check`
 //! * [`disk_estimate`]: disk space of its run
 //! * [`faults`]: faults of its text
+//! * [`builder`]: a scene described in Rust, written as the text of a scene file
 
 pub mod body;
+pub mod builder;
 pub mod check;
 pub mod constants;
 pub mod disk_estimate;
@@ -44,6 +46,7 @@ pub mod wall_particles;
 #[cfg(test)]
 mod tests;
 
+pub use builder::SceneBuilder;
 pub use faults::SceneErrors;
 pub use loader::{SceneLoader, SceneValue};
 pub use model::Scene;

@@ -185,7 +185,8 @@ fn text_of(path: &Path) -> Result<String, SceneErrors> {
 fn smoke_spacing(text: &str, sets: &[(String, String)]) -> Option<f64> {
     let edited = paths::apply(text, sets).ok()?;
     let (_, file, _) = sections(&edited.text).ok()?;
-    let [spacing, smoke] = file.map(|file| [file.spacing.value, file.smoke.value])?;
+    let file = file?;
+    let (spacing, smoke) = (file.spacing.value, file.smoke?.value);
     (spacing.is_finite() && spacing > 0.0 && smoke.is_finite() && smoke > 0.0).then_some(smoke)
 }
 

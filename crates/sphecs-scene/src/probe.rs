@@ -5,7 +5,7 @@ use glam::DVec3;
 use sphecs_core::particles::zone::Zone;
 
 /// Particles that a probe sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ProbeSight {
     /// Fluid particles only, none beyond the plane of an inlet or outlet.
     #[default]

@@ -11,14 +11,14 @@
 //! of a cylinder of radius R + Δ/2. In 2D.
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::fill::{Place, wall_thickness};
 use super::model::Scene;
 use sphecs_core::particles::zone::Zone;
 
 /// Place of the first ring of a cylinder.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FirstRing {
     /// Half a spacing behind the surface.
     #[default]

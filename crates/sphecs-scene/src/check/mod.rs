@@ -85,7 +85,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         check.report(fault);
         is_valid = false;
     }
-    let smoke_spacing = check.positive(&file.smoke, "m");
+    let smoke_spacing = file.smoke.as_ref().map_or(spacing, |smoke| check.positive(smoke, "m"));
     let (fluid, body_force, initial) = fluid(file, check);
     let before_time = check.fault_count();
     let time = settings::time(&file.time, &scheme, check);

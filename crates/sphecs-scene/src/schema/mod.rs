@@ -78,8 +78,9 @@ pub struct SceneFile {
     pub precision: Precision,
     /// Particle spacing Δ, m.
     pub spacing: Number,
-    /// Coarser spacing for quick tests, m.
-    pub smoke: Number,
+    /// Coarser spacing for quick tests, m, default `spacing`.
+    #[serde(default)]
+    pub smoke: Option<Number>,
     /// Named constants: `{"v0": 4.45e-2, "D1": "2*R"}`, read before everything else.
     #[serde(default)]
     pub constants: Option<IgnoredAny>,

@@ -34,6 +34,11 @@ pub use vacondio::Vacondio;
 use super::parameter_fault::ParameterFault;
 use crate::math::real::Real;
 
+/// Parameters of the methods, for scenes that are described in Rust.
+pub mod parameters {
+    pub use super::{DriftCorrection, Fickian, Local, Vacondio};
+}
+
 /// Method by which fluid particles are moved towards an even distribution after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Shifting {
