@@ -262,7 +262,8 @@ impl RunFolder {
         let ended = frames.map_or(Ok(0), FrameWriter::finish);
         summary.frames = *ended.as_ref().unwrap_or(&written.unwrap_or(0));
         summary.run = self.header.clone();
-        // The summary is written first, so that it has the reason of the end even if the disk is too full to pack.
+        // The summary is written first, so that it has the reason of the end even if the disk is
+        // too full to pack.
         summary.write(&self.path)?;
         ended?;
         pack_locked(&self.path, &self.header)

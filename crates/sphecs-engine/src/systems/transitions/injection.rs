@@ -54,7 +54,8 @@ pub(super) fn inject<R: PairReal<D>, const D: usize>(
     let time = world.resource::<Clock>().time;
     let velocity = match zone {
         Zone::Inflow => scene.inlets[usize::from(patch)].velocity_at(scene.fluid.viscosity, place, time),
-        // The injected particle has the velocity of the one at the plane, as have the particles between.
+        // The injected particle has the velocity of the one at the plane, as have the particles
+        // between.
         _ => injection.velocity,
     };
     arrays.push(&ParticleRow {
