@@ -20,13 +20,10 @@ pub const fn density(dimensions: usize) -> usize {
 }
 
 /// Returns the operations of the basic loop in `pass/rates/row.rs`.
-///
-/// ```text
-/// x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division and its products 10, x·v and the
-/// signal 2 D, divergence 3, pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2
-/// D
-/// ```
 pub const fn rates(dimensions: usize) -> usize {
+    // x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division and its products 10, x·v and the
+    // signal 2 D, divergence 3, pressure 2, viscous factor and damping 2, acceleration 4 D,
+    // shifting 2 D.
     12 * dimensions + 23
 }
 
@@ -41,11 +38,8 @@ pub const WALLS: usize = 4;
 pub const WALLS_IN_GRADIENTS: usize = 2;
 
 /// Returns the operations added by the damping of noise to the rates.
-///
-/// ```text
-/// S_a + S_b by component, x·S·x 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7
-/// ```
 pub const fn damping(dimensions: usize) -> usize {
+    // S_a + S_b by component, x·S·x 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7.
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 9
 }
 
@@ -66,33 +60,24 @@ pub const fn stress(dimensions: usize) -> usize {
 }
 
 /// Returns the operations of the loop in `pass/gradients.rs`.
-///
-/// ```text
-/// x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, volume 2, the factors of the sums 3 D, gradient and
-/// moments 2 D² each
-/// ```
 pub const fn gradients(dimensions: usize) -> usize {
+    // x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, volume 2, the factors of the sums 3 D, gradient and
+    // moments 2 D² each.
     4 * dimensions * dimensions + 7 * dimensions + 8
 }
 
 /// Returns the operations of the loop in `pass/strain/row.rs`, density included.
-///
-/// ```text
-/// density 3 D + 10, F 5, x_ab once more, v_ab and the factors of the sums 4 D, the sums themselves
-/// 2 D + 1, gradient 2 D², moments D² + D
-/// ```
 pub const fn density_and_strain(dimensions: usize) -> usize {
+    // density 3 D + 10, F 5, x_ab once more, v_ab and the factors of the sums 4 D, the sums
+    // themselves 2 D + 1, gradient 2 D², moments D² + D.
     3 * dimensions * dimensions + 10 * dimensions + 16
 }
 
 /// Returns the operations of the basic loop in `pass/edac/row.rs`.
-///
-/// ```text
-/// x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division and its products 5, weight 4, x·v
-/// and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and damping 4,
-/// pressure 1, the neighbour's stress 3, acceleration 6 D, background 2 D
-/// ```
 pub const fn evolved_rates(dimensions: usize) -> usize {
+    // x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division and its products 5, weight 4,
+    // x·v and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and
+    // damping 4, pressure 1, the neighbour's stress 3, acceleration 6 D, background 2 D.
     16 * dimensions + 27
 }
 

@@ -65,14 +65,14 @@ pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: 
     }
 }
 
-/// Columns of the arrays that only the integrator needs, before the arrays are filled from the
-/// components.
+/// Columns of the arrays that only the integrator needs, saved before the arrays are filled from
+/// the components.
 struct History<R, const D: usize> {
     row_of: Vec<u32>,
     needs_restart: Vec<bool>,
     present: [Vec<R>; D],
     before: [Vec<R>; D],
-    /// Present pressure, Pa; empty if the pressure follows from the density.
+    /// Current pressure, Pa; empty if the pressure follows from the density.
     pressure: Vec<R>,
     previous_pressure: Vec<R>,
     /// Drift, m/s; empty if it is not stored.
@@ -101,8 +101,8 @@ impl<R: PairReal<D>, const D: usize> History<R, D> {
         }
     }
 
-    /// Returns the past of a particle if its velocity (m/s) and, under `EdacTvf`, its pressure (Pa)
-    /// are unchanged.
+    /// Returns the previous values of a particle if its velocity (m/s) and, under `EdacTvf`, its
+    /// pressure (Pa) are unchanged.
     fn of(&self, id: u32, velocity: DVec3, pressure: f64) -> Option<Past> {
         let row = *self.row_of.get(id as usize).filter(|&&row| row != u32::MAX)? as usize;
         let evolves = !self.pressure.is_empty();

@@ -1,4 +1,4 @@
-//! Tables as CSV: one header line of `name [unit]` that pandas reads, and one flushed line per row.
+//! CSV tables with a header line of `name [unit]` that pandas reads and one flushed line per row.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -10,12 +10,12 @@ use super::error::OutputError;
 
 /// Column with its name and its unit in UDUNITS notation; text columns have no unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Column {
+pub(crate) struct TableColumn {
     pub name: String,
     pub unit: Option<String>,
 }
 
-impl Column {
+impl TableColumn {
     pub(crate) fn new(name: impl Into<String>, unit: &str) -> Self {
         Self { name: name.into(), unit: Some(unit.to_owned()) }
     }
@@ -60,14 +60,14 @@ pub(crate) struct TableWriter {
 
 impl TableWriter {
     /// Creates a file with its header.
-    pub(crate) fn create(path: &Path, columns: &[Column]) -> Result<Self, OutputError> {
+    pub(crate) fn create(path: &Path, columns: &[TableColumn]) -> Result<Self, OutputError> {
         let file = File::create(path).map_err(OutputError::io(path, "write"))?;
         let mut writer = Self { path: path.to_path_buf(), file, length: 0 };
-        writer.append([columns.iter().map(Column::title).collect::<Vec<_>>()])?;
+        writer.append([columns.iter().map(TableColumn::title).collect::<Vec<_>>()])?;
         Ok(writer)
     }
 
-    /// Opens a file and cuts it off after its first `length` bytes.
+    /// Opens a file and truncates it to its first `length` bytes.
     pub(crate) fn resume(path: &Path, length: u64) -> Result<Self, OutputError> {
         let refused = || OutputError::io(path, "cut back");
         let mut file = File::options().write(true).open(path).map_err(refused())?;
@@ -116,7 +116,7 @@ pub(crate) fn line(cells: &[String]) -> String {
 /// A CSV file in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Table {
-    pub columns: Vec<Column>,
+    pub columns: Vec<TableColumn>,
     pub rows: Vec<Vec<String>>,
 }
 
@@ -141,7 +141,7 @@ impl Table {
 pub(crate) fn for_each_row(
     path: &Path,
     mut visit: impl FnMut(&StringRecord),
-) -> Result<Vec<Column>, OutputError> {
+) -> Result<Vec<TableColumn>, OutputError> {
     let open = || {
         let mut file = File::open(path)?;
         let length = whole_lines(&mut file)?;
@@ -151,7 +151,7 @@ pub(crate) fn for_each_row(
     let damaged =
         |error: csv::Error| OutputError::Damaged { path: path.to_path_buf(), what: error.to_string() };
     let mut reader = csv::Reader::from_reader(open().map_err(OutputError::io(path, "read"))?);
-    let columns = reader.headers().map_err(damaged)?.iter().map(Column::from_title).collect();
+    let columns = reader.headers().map_err(damaged)?.iter().map(TableColumn::from_title).collect();
     let mut row = StringRecord::new();
     while reader.read_record(&mut row).map_err(damaged)? {
         visit(&row);
@@ -176,7 +176,7 @@ fn whole_lines(file: &mut File) -> std::io::Result<u64> {
     Ok(0)
 }
 
-/// Returns distinct names of letters, digits and `_` for patches and probes, as parts of variable
+/// Returns unique names of letters, digits and `_` for patches and probes, for use in variable
 /// names.
 pub(crate) fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut safe: Vec<String> = Vec::new();
@@ -212,7 +212,7 @@ mod tests {
     fn incomplete_last_line_is_omitted() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table.csv");
-        let columns = vec![Column::new("time", "s"), Column::of_text("probe, or so")];
+        let columns = vec![TableColumn::new("time", "s"), TableColumn::of_text("probe, or so")];
         let mut writer = TableWriter::create(&path, &columns).expect("created");
         writer.append([vec!["0.5".to_owned(), "a \"b\"".to_owned()]]).expect("written");
         writer.file.write_all(b"0.75,cut o").expect("written");
@@ -226,7 +226,7 @@ mod tests {
     fn rows_beyond_the_length_are_cut_off_and_new_ones_follow() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table.csv");
-        let mut writer = TableWriter::create(&path, &[Column::new("time", "s")]).expect("created");
+        let mut writer = TableWriter::create(&path, &[TableColumn::new("time", "s")]).expect("created");
         writer.append([vec!["0.5".to_owned()]]).expect("written");
         let length = writer.length();
         writer.append([vec!["0.75".to_owned()], vec!["1".to_owned()]]).expect("written");

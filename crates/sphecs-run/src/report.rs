@@ -23,8 +23,8 @@ use sphecs_scene::summary::{SceneSummary, summary};
 
 /// Returns the summary of a run to `until`, s, printed before its first step.
 pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOptions) -> String {
-    // The ledger has the particles: placing them once more would take as long as filling the
-    // domain.
+    // The counts come from the ledger, since placing the particles again would take as long as
+    // filling the domain.
     let figures = summary(scene, &[]);
     let mut rows = scene_rows(scene, &figures, ledger.by_zone, until, options.max_steps);
     let machine = format!(
@@ -133,7 +133,7 @@ fn reached(clock: &Clock, wall_time: f64) -> String {
     )
 }
 
-/// Returns the wall time by stage in the order of the step, with its share of the whole.
+/// Returns the wall time by stage in the order of the step, with its share of the total.
 fn stages(times: &[(&str, f64)], total: f64) -> String {
     let rows: Vec<(&str, String)> = times
         .iter()
@@ -251,10 +251,9 @@ pub fn failure_report(
     }
 }
 
-/// Returns a line on the outlet near a particle that diverged, whose condition is the first
-/// suspect.
+/// Returns a line on the outlet near a particle that diverged, whose condition is a likely cause.
 ///
-/// Near means in the zone of the outlet or within two kernel supports upstream of it.
+/// The outlet counts as near if the particle is in its zone or within two kernel supports of it.
 fn near_outlet(scene: &Scene, diverged: &DivergedParticle) -> Option<String> {
     let reach = 2.0 * scene.discretisation.support;
     let near = |patch: &Patch| {

@@ -130,7 +130,7 @@ impl Case {
         }
     }
 
-    /// Returns the text of a table beside the case.
+    /// Returns the text of a table in the folder of the case.
     ///
     /// # Errors
     /// Reason why it cannot be read.

@@ -1,8 +1,8 @@
 //! Concurrent runs of a validation.
 //!
-//! Each thread of one pool takes a run after the other. While there are at least as many runs as
-//! threads, each run has one thread, which avoids the overhead of parallel loops over small steps.
-//! A thread without a run helps the remaining ones. The results are bitwise identical either way.
+//! Each thread of one pool takes one run after another. While there are at least as many runs as
+//! threads, each run has one thread, which avoids the overhead of parallel loops in small steps. A
+//! thread without a run helps the remaining ones. The results are bitwise identical either way.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};

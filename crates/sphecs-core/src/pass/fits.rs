@@ -5,7 +5,8 @@
 //! →   f(x) = c_0,   φ_0 = 1, the others 0 at x
 //! ```
 //!
-//! Moving least squares; with φ_0 alone it is the kernel mean, Σ V W f/Σ V W, over the fluid.
+//! These are moving least squares over the fluid; with φ_0 alone they are the kernel mean, Σ V W
+//! f/Σ V W.
 
 use glam::DVec3;
 
@@ -187,7 +188,7 @@ fn section<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     let right = lanes::sums(right).map(|sum| sum / weight);
     let fitted = solve(moments.map(|row| row.map(|moment| moment / weight)), right);
     Some(PointFlow {
-        // Where the neighbours do not span the basis, the kernel mean.
+        // The kernel mean applies where the neighbours do not span the basis.
         velocity: fitted.map_or(right[0], |coefficients| coefficients[0]),
         pressure: pressure.sum().to_f64() / weight,
         ..PointFlow::default()

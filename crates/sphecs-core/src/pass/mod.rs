@@ -23,10 +23,15 @@
 //!
 //! The engine calls them through [`pair_real`], where they are compiled for every precision.
 //!
-//! Beside the passes: [`blocks`] (parallel loops over blocks and parts), [`body`] (force and torque
-//! on a body), [`column_access`] (which pass reads which columns), [`neighbours`] (neighbours of a point, one by one), [`settings`] (the scene in the
-//! form of plain values), [`sums`] (columns that the passes write) and [`wall_velocity`]
-//! (velocities of dummy walls).
+//! Modules that are not passes:
+//!
+//! - [`blocks`]: parallel loops over blocks and parts
+//! - [`body`]: force and torque on a body
+//! - [`column_access`]: which pass reads which columns
+//! - [`neighbours`]: neighbours of a point, one by one
+//! - [`settings`]: the scene in the form of plain values
+//! - [`sums`]: columns that the passes write
+//! - [`wall_velocity`]: velocities of dummy walls
 
 pub mod blocks;
 pub mod body;

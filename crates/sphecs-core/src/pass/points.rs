@@ -1,9 +1,8 @@
 //! Fields of the fluid at the points of inlets and outlets, by the [`fits`](super::fits).
 //!
 //! [`sampling`](super::sampling) does the same neighbour by neighbour for probes. Here there are
-//! thousands of points a step: they are put into the order of the cells that they lie in, and the
-//! points of one cell share its pack. The result at a point depends on that pack alone, not on the
-//! other points.
+//! thousands of points per step. They are sorted by cell, and the points of one cell share its
+//! pack. The result at a point depends on that pack alone, not on the other points.
 
 use super::fits::{COLUMNS, PRESSURE, PointFit, PointFlow, VELOCITY, VOLUME};
 use super::pack::{Only, Pack, Source};

@@ -4,8 +4,7 @@
 //! where the result goes. The driver packs the neighbourhood of every cell once and runs the sums
 //! inside the function that has the vector instructions.
 //!
-//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. Nearly every pass is
-//!   one.
+//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. This is the usual kind.
 //! - [`BlockPass`]: particles are finished in batches, or a block has a summary (`strain`, `rates`,
 //!   `edac`).
 //! - [`PointPass`]: the sums are at a list of points, such as those of inlets and outlets.
@@ -19,7 +18,7 @@ use std::ops::Range;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
-use super::blocks::{Columns, for_each_block};
+use super::blocks::{SplittableColumns, for_each_block};
 use super::pack::{Only, Pack, PackPool, Source};
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
@@ -30,7 +29,7 @@ use crate::math::real::Real;
 /// Points that a thread takes at a time.
 const POINTS: usize = 64;
 
-/// Everything that a pass reads of the neighbours.
+/// Neighbour data that a pass reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassInput<'a, R, const D: usize> {
     /// Settings of the pair passes.
@@ -69,7 +68,7 @@ impl<R: Real, const D: usize> Block<'_, R, D> {
 /// A pass with a state of its own within a block of cells.
 pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: Columns;
+    type Outputs: SplittableColumns;
     /// Result of a block besides its columns.
     type Summary: Send;
 
@@ -87,7 +86,7 @@ pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
 /// A pass whose sum for a particle depends on the neighbourhood alone.
 pub(super) trait RowPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: Columns;
+    type Outputs: SplittableColumns;
     /// Result for one particle.
     type Sum;
 

@@ -1,4 +1,4 @@
-//! Plugins that every simulation has: the assignment of systems to sets.
+//! Built-in systems of every simulation and their sets.
 
 use bevy_ecs::schedule::IntoScheduleConfigs;
 use bevy_ecs::world::World;
@@ -84,8 +84,8 @@ fn add_wcsph<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.step.add_systems(shift::<R, D>.in_set(StepSet::Shift));
 }
 
-/// Returns true if the displacements of the shifting are stored, which only the mass flow through a
-/// section needs.
+/// Returns true if the displacements by shifting are stored; only the mass flow through a section
+/// needs them.
 fn stores_drift(scene: &Scene) -> bool {
     let has_sections =
         scene.output.probes.iter().any(|probe| matches!(probe.kind, ProbeKind::Section { .. }));

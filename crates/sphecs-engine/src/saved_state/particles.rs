@@ -1,4 +1,4 @@
-//! Particles of a saved state: the arrays, and the values that only the components have.
+//! Particles of a saved state: the arrays and the values that exist only in the components.
 //!
 //! ```text
 //! arrays.*      rows in their order, or by number after a caller changed components:
@@ -11,8 +11,8 @@
 //! grid.*        the box of the cell grid, which follows from the initial particles
 //! ```
 //!
-//! Everything else of a particle follows from these columns: its other components are its row, the
-//! sub-particle stress is computed before it is read, and the entities are new.
+//! All else follows from these columns. The other components repeat the row, the sub-particle
+//! stress is computed before it is read, and the entities are new.
 
 use bevy_ecs::entity::Entity;
 use bevy_ecs::query::Has;
@@ -156,13 +156,12 @@ pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     let arrays = saved::restore::<R, D>(from)?;
     if arrays.evolves_pressure != world.resource::<Arrays<R, D>>().evolves_pressure {
         return Err(ColumnMismatch(
-            "the columns of the pressure are those of another scheme than the scene's".to_owned(),
+            "the columns of the pressure belong to another scheme than the scene has".to_owned(),
         ));
     }
     if arrays.drifts != world.resource::<Arrays<R, D>>().drifts {
         return Err(ColumnMismatch(
-            "the columns of the drift are those of another scheme or other probes than the scene's"
-                .to_owned(),
+            "the columns of the drift belong to another scheme or other probes than the scene has".to_owned(),
         ));
     }
     let stored = from.take::<u32>("stored.id")?;

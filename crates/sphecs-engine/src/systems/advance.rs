@@ -77,7 +77,8 @@ impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
     }
 }
 
-/// Returns true if all rows are fluid that needs no restart: a loop over them has no branches.
+/// Returns true if all rows are fluid without need of a restart, so that a loop over them has no
+/// branches.
 #[inline(always)]
 pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
     zone.iter()
@@ -87,7 +88,7 @@ pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
 
 /// Returns the largest |dv/dt| of fluid particles, m/s².
 ///
-/// It is not found by the pair pass, since body forces, walls and plugins add to the accelerations
+/// The pair pass cannot find it, since body forces, walls and plugins add to the accelerations
 /// afterwards. A maximum does not depend on the order of its operands.
 pub(crate) fn largest_acceleration<R: PairReal<D>, const D: usize>(
     arrays: &ParticleArrays<R, D>,
@@ -101,7 +102,7 @@ pub(crate) fn largest_acceleration<R: PairReal<D>, const D: usize>(
 
 /// Finds the largest |dv/dt|² of some rows.
 ///
-/// A vectorised task only to be compiled for the instruction set; its loops are scalar.
+/// A vectorised task so that it is compiled for the instruction set; its loops are scalar.
 struct LargestSquare<'a, R, const D: usize> {
     zone: &'a [Zone],
     acceleration: &'a [Vec<R>; D],

@@ -33,9 +33,9 @@ fn terms(scene: &Scene) -> Option<&Edac> {
 
 /// Computes the density of fluid, inflow and outflow particles by summation.
 ///
-/// At the outer end of a zone the support is truncated, and the sum with it. Particles there get
-/// the reference density; otherwise their volumes would double and push their neighbours into the
-/// fluid.
+/// At the outer end of a zone the support is truncated, and the sum is too small. Particles there
+/// get the reference density; otherwise their volumes would double and push their neighbours into
+/// the fluid.
 pub(crate) fn sum_volumes<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
@@ -89,7 +89,7 @@ pub(crate) fn kick_and_drift<R: PairReal<D>, const D: usize>(
 ) {
     let gravity = match &scene.0.body_force {
         BodyForce::Constant(force) => force.length(),
-        // The accelerations already contain it.
+        // The accelerations already contain a force that varies in space.
         BodyForce::Expression(_) => 0.0,
     };
     let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
@@ -131,7 +131,7 @@ fn advance_fluid<R: PairReal<D>, const D: usize>(
         ..
     } = arrays;
     let (zone, needs_restart, acceleration) = (&**zone, &**needs_restart, &*acceleration);
-    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): RowColumns<R, D>| {
         let rates = Rates { acceleration, background, pressure: pressure_rate };
         R::dispatch(
             lanes,
@@ -157,9 +157,9 @@ fn advance_fluid<R: PairReal<D>, const D: usize>(
     for_each_part(0..zone.len(), columns, &work);
 }
 
-/// Columns of some rows: positions; velocities, velocities half a step earlier, drifts; pressures,
-/// pressures half a step earlier.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
+/// Columns of some rows: positions; velocities, now and half a step earlier, and drifts; pressures,
+/// now and half a step earlier.
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
 
 /// Rates that the passes summed.
 #[derive(Clone, Copy)]
@@ -171,7 +171,7 @@ struct Rates<'a, R, const D: usize> {
 
 /// Kick and drift of some rows.
 ///
-/// A vectorised task only to be compiled for the instruction set; its loops are scalar.
+/// A vectorised task so that it is compiled for the instruction set; its loops are scalar.
 struct DriftPart<'a, R, const D: usize> {
     scheme: KickDrift,
     zone: &'a [Zone],
@@ -213,8 +213,7 @@ impl<R: PairReal<D>, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
 }
 
 impl<R: PairReal<D>, const D: usize> DriftPart<'_, R, D> {
-    /// Advances fluid rows, which are `part` of the written columns and either all to be restarted
-    /// or all not.
+    /// Advances fluid rows, `part` of the written columns; all or none of them need a restart.
     #[inline(always)]
     fn advance(&mut self, rows: Range<usize>, part: Range<usize>, needs_restart: bool) {
         let scheme = self.scheme;

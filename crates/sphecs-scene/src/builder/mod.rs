@@ -1,10 +1,10 @@
 //! Scenes described in Rust.
 //!
 //! A [`SceneBuilder`] holds the fields of a scene file as typed values and is written as the text
-//! of one. The loader reads that text, so that a built scene passes the checks of a file, a fault
-//! shows its place in the text, and the run folder holds a scene that can be run again. The crate
+//! of one. The loader reads that text. So a built scene passes the checks of a file, a fault shows
+//! its position in the text, and the run folder holds a scene that can be run again. The crate
 //! `ron` writes the text; it is read by [`notation`](super::notation), because `ron` gives no
-//! places and stops at the first fault.
+//! positions and stops at the first fault.
 //!
 //! * [`numbers`]: numbers, formulas, vectors
 //! * [`regions`]: regions of space
@@ -95,7 +95,7 @@ pub struct SceneBuilder {
 /// The walls as the scene file distinguishes them.
 #[derive(Clone, Debug, PartialEq)]
 enum WallChoice {
-    /// Those of a file without the field.
+    /// Walls of a file without the field.
     Standard,
     /// `None`.
     Absent,

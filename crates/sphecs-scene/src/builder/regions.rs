@@ -94,8 +94,7 @@ impl Shape {
         Self(Kind::Polygon { points: points.into_iter().map(Into::into).collect() })
     }
 
-    /// Returns the polygon of corners (x, y) in order, m, drawn out from one z to another, m, in
-    /// 3D.
+    /// Returns the polygon of corners (x, y) in order, m, extruded from one z to another, m, in 3D.
     pub fn extruded(
         points: impl IntoIterator<Item = impl Into<Vector>>,
         from: impl Into<Number>,
@@ -105,8 +104,8 @@ impl Shape {
         Self(Kind::Extruded { points, from: from.into(), to: to.into() })
     }
 
-    /// Returns a section swept along an arc, in 3D: centre of the section at the beginning, m, and
-    /// direction of the pipe there; centre of the arc, m; angle turned through, degrees.
+    /// Returns a section swept along an arc, in 3D. Arguments: centre of the section at the
+    /// beginning (m), direction of the pipe there, centre of the arc (m), angle (°).
     pub fn bend(
         start: impl Into<Vector>,
         direction: impl Into<Vector>,

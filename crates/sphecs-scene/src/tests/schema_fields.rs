@@ -80,7 +80,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Elements of a list or tuple; without a text as many as are asked for.
+    /// Returns the elements of a list or tuple, or `count` elements if there is no text.
     fn elements(self, count: usize) -> Vec<Self> {
         match (self.source, self.value()) {
             (_, Some(Value::List(items) | Value::Tuple(_, items))) => {

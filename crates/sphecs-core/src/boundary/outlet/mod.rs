@@ -15,8 +15,8 @@
 //!
 //! To add a condition: write a file with a parameter type that implements [`OutletParameters`] and
 //! [`OutletMethod`]. Add a variant of [`OutletCondition`], an arm of its dispatch and a line of
-//! [`parameters`] below, and the source in docs/REFERENCES.md. A plugin adds a condition without any of these, under a name for
-//! [`OutletCondition::Custom`].
+//! [`parameters`] below, and the source in docs/REFERENCES.md. A plugin adds a condition without
+//! any of these, under a name for [`OutletCondition::Custom`].
 
 pub mod characteristic;
 pub mod convection;

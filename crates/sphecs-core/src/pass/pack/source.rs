@@ -21,7 +21,7 @@ pub struct Source<'a, R, const D: usize> {
     pub only: Only<'a, R>,
 }
 
-/// Rows that a pack takes. A pass over walls alone, or over all others, has less to loop over.
+/// Rows that are packed. A pass over walls alone, or over all other particles, has shorter loops.
 #[derive(Clone, Copy, Debug)]
 pub enum Only<'a, R> {
     /// All rows.

@@ -125,7 +125,7 @@ impl<M: OutletMethod, R: PairReal<D>, const D: usize> RunningCondition<R, D> for
     }
 }
 
-/// Makes a condition of the engine ready to run.
+/// Adds an empty memory to a condition of the engine.
 struct Start<R, const D: usize>(PhantomData<R>);
 
 impl<R: PairReal<D>, const D: usize> OutletVisitor for Start<R, D> {
@@ -213,7 +213,7 @@ fn restore<R: PairReal<D>, const D: usize>(world: &mut World, bytes: &[u8]) -> R
             let found = &saved.condition;
             return Err(format!("{patch} has the condition `{found}`, the scene has `{condition}`"));
         }
-        let misread = |fault| format!("{patch}: the memory of `{condition}` does not read: {fault}");
+        let misread = |fault| format!("{patch}: the memory of `{condition}` cannot be read: {fault}");
         running.condition.restore(&saved.memory).map_err(misread)?;
         running.adjacent.velocity = saved.fluid_velocity;
         running.adjacent.pressure = saved.fluid_pressure;
@@ -296,7 +296,7 @@ fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
     rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
 }
 
-/// Finds the mean flow next to an outlet; without fluid there it stays.
+/// Finds the mean flow next to an outlet; without fluid there the earlier mean is kept.
 fn find_adjacent<R: PairReal<D>, const D: usize>(
     adjacent: &mut PointFlow,
     normal: DVec3,

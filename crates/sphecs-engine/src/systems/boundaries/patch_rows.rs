@@ -24,10 +24,10 @@ pub struct PatchRows {
     pub outflow: Vec<Vec<u32>>,
     /// Fluid rows in the last three layers before each outlet.
     pub before_outlet: Vec<Vec<u32>>,
-    /// Fluid rows upstream of each outlet that its condition follows; empty if it follows none.
+    /// Fluid rows upstream of each outlet that its condition uses; empty if it uses none.
     pub upstream: Vec<Vec<u32>>,
-    /// Rows of the cells near inlets and outlets: all others, and all that cross a plane, are among
-    /// them.
+    /// Rows of the cells near inlets and outlets. They contain the rows above and all rows that
+    /// cross a plane.
     pub near: PatchCells,
     /// Lists of each part of the rows, kept so that collecting allocates nothing.
     parts: Vec<PatchRows>,

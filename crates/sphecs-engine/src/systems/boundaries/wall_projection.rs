@@ -57,7 +57,7 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
         velocity.each_mut().map(Vec::as_mut_slice),
         previous_velocity.each_mut().map(Vec::as_mut_slice),
     );
-    let work = |rows: Range<usize>, (position, mut now, mut before): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, mut now, mut before): RowColumns<R, D>| {
         // Most parts are far from all walls; a loop without branches finds this fast.
         if wall_distance[rows.clone()].iter().fold(true, |clear, &distance| clear & (distance >= near)) {
             return;
@@ -99,4 +99,4 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
 }
 
 /// Positions and velocities, present and previous, of the rows of a part.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);

@@ -75,7 +75,7 @@ fn set_surface_velocity<R: PairReal<D>, const D: usize>(
     } = arrays;
     let (zone, patch, position) = (&*zone, &*patch, &*position);
     let (wall_distance, wall_normal) = (&*wall_distance, &*wall_normal);
-    let work = |rows: Range<usize>, (velocity, before): Columns<R, D>| {
+    let work = |rows: Range<usize>, (velocity, before): RowColumns<R, D>| {
         for (at, row) in rows.enumerate() {
             if zone[row] != Zone::Wall {
                 continue;
@@ -148,4 +148,4 @@ fn find_body_force<R: PairReal<D>, const D: usize>(
 }
 
 /// Velocities, present and previous, of the rows of a part.
-type Columns<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D]);

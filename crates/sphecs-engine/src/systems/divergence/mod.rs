@@ -31,7 +31,7 @@ use sphecs_core::physics::timestep::TimeStepLimits;
 use sphecs_scene::model::{Scene, Scheme};
 
 /// Largest speed of a flow that has not diverged, over the sound speed. Weakly compressible flow
-/// needs a tenth of the sound speed.
+/// stays below a tenth.
 const LARGEST_MACH: f64 = 3.0;
 
 /// Largest deviation of the density of a flow that has not diverged, over the reference density.
@@ -39,8 +39,8 @@ const LARGEST_MACH: f64 = 3.0;
 const LARGEST_DENSITY_DEVIATION: f64 = 0.5;
 
 /// Smallest time step of a flow that has not diverged, over the step that sound speed and viscosity
-/// allow in a fluid at rest. Only an acceleration a million times as large as a physical one causes
-/// a smaller step, with which the run would not end.
+/// allow in a fluid at rest. Only an acceleration a million times the physical one causes a smaller
+/// step, with which the run would never end.
 const SMALLEST_STEP: f64 = 1e-3;
 
 /// Checks every particle after the step, and records the one with the smallest number that has
@@ -75,7 +75,7 @@ pub fn check_state<R: PairReal<D>, const D: usize>(
     }
 }
 
-/// Advice for forces that are too large.
+/// Advice on forces that are too large.
 const START_ADVICE: &str = "check for particles that overlap at the start and for a wall that intersects the fluid, or start with a smoother ramp";
 
 /// Bounds of density and speed in a flow that has not diverged.
@@ -117,12 +117,11 @@ impl Bounds {
             squared += v * v;
         }
         let deviation = (arrays.density[row].to_f64() / self.density - 1.0).abs();
-        // Under `EdacTvf` the pressure does not follow from the density, and an outflow zone that
-        // its condition does not keep uniform may have any density, such as one at rest that an
-        // impulsively started flow enters.
+        // Under `EdacTvf` the pressure does not follow from the density. So an outflow zone may
+        // have any density unless its condition keeps it uniform, as at an impulsive start.
         let has_any_density = arrays.evolves_pressure && arrays.zone[row] == Zone::Outflow;
         let limit = if has_any_density { f64::INFINITY } else { LARGEST_DENSITY_DEVIATION };
-        // The comparisons are false for a NaN.
+        // Comparisons with a NaN are false.
         squared <= self.speed * self.speed && deviation <= limit && arrays.pressure[row].to_f64().is_finite()
     }
 
@@ -167,15 +166,15 @@ struct QuickBounds<R> {
 
 impl<R: Real> QuickBounds<R> {
     fn new(Bounds { density, speed }: &Bounds) -> Self {
-        // The bound of a component is half the largest speed: a velocity of three such components
-        // is below it.
+        // The bound of a component is half the largest speed, so a velocity of three such
+        // components is below it.
         let [speed, density, deviation] =
             [0.5 * speed, *density, 0.98 * LARGEST_DENSITY_DEVIATION * density].map(R::from_f64);
         Self { speed, density, deviation }
     }
 
-    /// Returns true if all rows are within the bounds. Without branches, so that the compiler
-    /// vectorises the loops; false if a value is a NaN.
+    /// Returns true if all rows are within the bounds and no value is a NaN. Without branches, so
+    /// that the compiler vectorises the loops.
     fn hold<const D: usize>(&self, arrays: &ParticleArrays<R, D>, rows: Range<usize>) -> bool {
         let is_slow = arrays.velocity.iter().fold(true, |slow, column| {
             column[rows.clone()].iter().fold(slow, |all, v| all & (v.abs() <= self.speed))

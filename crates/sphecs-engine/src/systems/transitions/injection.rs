@@ -39,7 +39,7 @@ pub(super) struct Injection {
     pub returned: bool,
 }
 
-/// Injects a particle if its place is free and the reservoir has a particle.
+/// Injects a particle if its position is free and the reservoir has a particle.
 pub(super) fn inject<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
@@ -54,7 +54,8 @@ pub(super) fn inject<R: PairReal<D>, const D: usize>(
     let time = world.resource::<Clock>().time;
     let velocity = match zone {
         Zone::Inflow => scene.inlets[usize::from(patch)].velocity_at(scene.fluid.viscosity, place, time),
-        // The velocity of the particle at the plane: the particles between the two move with it.
+        // The injected particle has the velocity of the one at the plane, as have the particles
+        // between.
         _ => injection.velocity,
     };
     arrays.push(&ParticleRow {
@@ -87,8 +88,8 @@ pub(super) fn inject<R: PairReal<D>, const D: usize>(
     }
 }
 
-/// Returns true if the zone of an injection has lost particles, for an inlet, and its place is
-/// free.
+/// Returns true if the position of an injection is free and, at an inlet, the zone has lost
+/// particles.
 fn is_possible<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
@@ -102,7 +103,7 @@ fn is_possible<R: PairReal<D>, const D: usize>(
     is_free(world, arrays, sorted, injection.place, MIN_DISTANCE * scene.spacing)
 }
 
-/// Returns true if no particle is within `distance`, m, of a place.
+/// Returns true if no particle is within `distance`, m, of a position.
 ///
 /// Rows from `sorted` on were added after the last sort.
 fn is_free<R: PairReal<D>, const D: usize>(

@@ -1,4 +1,4 @@
-//! Changes of zone: the only place where roles change during a run.
+//! Changes of zone; no other system changes the role of a particle.
 //!
 //! - `injection`: injection of a particle into a zone
 //! - `reservoir`: storage and creation of particles
@@ -12,13 +12,14 @@
 //! Outflow → Reservoir  beyond the downstream end of the zone, with zero velocity
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; they do not treat backflow. A particle that
-//! oscillates across a plane would inject a particle at each crossing (test
-//! `oscillation_across_a_plane_injects_once`). For a particle that returned, an injection therefore
-//! needs a free position within half a spacing. At an inlet the zone must also have lost particles
-//! at its upstream end. All other crossings inject always: an omitted injection would leave a
-//! permanent gap in the zone. An oblique inlet keeps its lines of particles as long as its zone. An
-//! inlet that is filled once injects nothing, and the run stops when it is drained.
+//! The transitions are those of Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4, who do not
+//! treat backflow. A particle that oscillates across a plane would inject a particle at each
+//! crossing (test `oscillation_across_a_plane_injects_once`). For a particle that returned, an
+//! injection therefore needs a free position within half a spacing. At an inlet the zone must also
+//! have lost particles at its upstream end. All other crossings always inject, since an omitted
+//! injection would leave a permanent gap in the zone. An oblique inlet keeps its lines of particles
+//! as long as its zone. An inlet that is filled once injects nothing, and the run stops when it is
+//! drained.
 
 pub(crate) mod injection;
 pub(crate) mod reservoir;
@@ -97,7 +98,7 @@ fn wrap_periodic<R: PairReal<D>, const D: usize>(world: &mut World, scene: &Scen
         let column = arrays.position[axis].as_mut_slice();
         for_each_part(0..column.len(), column, &|_, column| {
             for group in column.chunks_mut(GROUP) {
-                // Nearly all rows are inside, which this check finds without branches.
+                // Nearly all rows are inside; this check confirms it without branches.
                 if group.iter().fold(true, |inside, x| inside & (*x >= lower) & (*x < upper)) {
                     continue;
                 }

@@ -105,7 +105,7 @@ fn kick_fluid<A: Advance, R: PairReal<D>, const D: usize>(
     let ParticleArrays { zone, needs_restart, position, velocity, previous_velocity, acceleration, .. } =
         arrays;
     let (zone, needs_restart, acceleration) = (&**zone, &**needs_restart, &*acceleration);
-    let work = |rows: Range<usize>, (position, velocity, before): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, velocity, before): RowColumns<R, D>| {
         R::dispatch(
             lanes,
             KickPart { scheme, zone, needs_restart, acceleration, rows, position, velocity, before },
@@ -120,7 +120,7 @@ fn kick_fluid<A: Advance, R: PairReal<D>, const D: usize>(
 }
 
 /// Positions, velocities and previous velocities of some rows.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
 
 /// Kick of some rows.
 ///

@@ -46,7 +46,7 @@ pub(crate) fn shift<R: PairReal<D>, const D: usize>(
     let position = position.each_mut().map(Vec::as_mut_slice);
     let velocities = [velocity, previous_velocity].map(|columns| columns.each_mut().map(Vec::as_mut_slice));
     let drift = drift.each_mut().map(Vec::as_mut_slice);
-    let work = |rows: Range<usize>, (position, velocities, drift): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, velocities, drift): RowColumns<R, D>| {
         R::dispatch(
             pair.0.lanes,
             ShiftPart { shifting, step, sums, zone, rows, position, velocities, drift },
@@ -57,7 +57,7 @@ pub(crate) fn shift<R: PairReal<D>, const D: usize>(
 
 /// Columns of some rows: positions; present and previous velocities; drifts, empty if they are not
 /// stored.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 2], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 2], [&'a mut [R]; D]);
 
 /// Shifting of some rows.
 ///
