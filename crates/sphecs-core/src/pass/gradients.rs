@@ -29,7 +29,7 @@ use crate::physics::wall::image;
 /// in 3D.
 const MOST_COLUMNS: usize = 3 + 2 + 3;
 
-/// Walls as the neighbour columns describe them, behind velocity and density.
+/// Columns of the neighbours that describe walls, after velocity and density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum WallColumns {
     /// No walls: no column.

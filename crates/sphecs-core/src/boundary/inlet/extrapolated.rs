@@ -5,15 +5,15 @@
 //! ```
 //!
 //! The first term is the pressure of the fluid at the mirror image of the particle in the plane. It
-//! is a first-order corrected sum: Negi et al. (2020), Eq. 22. The second carries it back over the
-//! distance by the pressure gradient that the prescribed motion needs. Extrapolating the sampled
+//! is a first-order corrected sum: Negi et al. (2020), Eq. 22. The second continues it to the
+//! particle by the pressure gradient that the prescribed motion needs. Extrapolating the sampled
 //! gradient instead would multiply its noise by the distance.
 //!
 //! The pressure of a particle follows p_o over the time in which sound travels two spacings. If it
 //! followed at once, the inlet would reflect sound with a gain, because the sums extrapolate where
 //! the first layer of fluid is away from the plane. Poiseuille flow at c0 = 2 m/s then diverged
-//! when its first particles crossed the plane. A wall whose pressure lags yields to the wave and
-//! absorbs its energy: the flow stays within 0.1 % of the series.
+//! when its first particles crossed the plane. An inlet whose pressure lags yields to the wave and
+//! absorbs its energy. The flow then stays within 0.1 % of the series.
 
 use super::InletMethod;
 use super::inflow_zone::InflowZone;

@@ -5,9 +5,9 @@
 //!         − Σ_n 16 (−1)^n d² f/(ν π³ (2n+1)³) cos((2n+1)πy/(2d)) exp(−(2n+1)² π² ν t/(4d²))
 //! ```
 //!
-//! Morris et al. (1997), as in Alvarado-Rodríguez et al. (2017), Eq. 31, for walls at y = ± d and a
-//! force per mass f along the flow. The paper's F is −f: with F = −2 ν v0/d² its series is this
-//! one.
+//! This is the series of Morris et al. (1997), as in Alvarado-Rodríguez et al. (2017), Eq. 31. The
+//! walls are at y = ± d, and f is the force per mass along the flow. With F = −f = −2 ν v0/d² their
+//! series is this one.
 
 use std::f64::consts::PI;
 

@@ -17,12 +17,12 @@
 //!
 //! The second term makes the outgoing characteristic J2 = p + ρ0 c0 v_n equal on both sides of the
 //! plane. Where the pressure of the fluid exceeds that of the zone, the rods yield. Without it the
-//! rods repeat the motion of the fluid and nothing holds its density.
+//! rods repeat the motion of the fluid, and nothing controls its density.
 //!
-//! Backflow is drawn from a reservoir at rest, so the sum of static and dynamic pressure is the
-//! outlet's: the directional condition of Braack & Mucha (2014). With the static pressure alone a
-//! backflow amplifies itself. An outlet whose pressure is frozen or relaxed has no such level and
-//! uses p unchanged.
+//! Backflow is drawn from a reservoir at rest, so the sum of static and dynamic pressure equals the
+//! outlet pressure. This is the directional condition of Braack & Mucha (2014). With the static
+//! pressure alone a backflow amplifies itself. An outlet whose pressure is frozen or relaxed has no
+//! such level and uses p unchanged.
 
 /// Returns the convective velocity v̄_n, m/s. Arguments: normal velocity (m/s) and pressure (Pa) of
 /// the fluid at the foot, pressure of the zone (Pa), impedance ρ0 c0 (kg/(m² s)).
@@ -35,7 +35,7 @@ pub fn convective_velocity(
     fluid_velocity + (fluid_pressure - zone_pressure) / impedance
 }
 
-/// Returns the pressure of an outflow particle, Pa: that of the outlet, less the dynamic pressure
+/// Returns the pressure of an outflow particle, Pa: the outlet pressure minus the dynamic pressure
 /// of backflow.
 pub fn backflow_pressure(pressure: f64, convective_velocity: f64, density: f64) -> f64 {
     let back = convective_velocity.min(0.0);

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! Negi et al. (2020), Eqs. 14–16: ∂u/∂t + u ∂u/∂x = 0 for the fields that a particle carries,
-//! after Federico et al. (2012). It moves along the normal n of the outlet only, with its own
-//! normal velocity.
+//! after Federico et al. (2012). A particle moves along the normal n of the outlet only, with its
+//! own normal velocity.
 //!
-//! Consequences: the initial state of the zone stays. A zone at rest blocks a flow that starts from
+//! The initial state of the zone stays. Therefore a zone at rest blocks a flow that starts from
 //! rest until the fluid pushes its own particles across. Acoustic waves are reflected, since
 //! neither pressure nor velocity of the zone responds. A particle that has crossed never returns,
 //! so that a vortex loses its backflow. Nothing anchors the pressure. Particles of one column cross

@@ -22,13 +22,12 @@ pub trait OutletParameters: Debug + Send + Sync {
         Needs::default()
     }
 
-    /// Returns velocity and pressure that the scene states for the surroundings; 0 where it states
-    /// none.
+    /// Returns velocity and pressure of the surroundings that the scene gives; 0 by default.
     fn references(&self) -> References {
         References::default()
     }
 
-    /// Returns the parameters that the condition cannot work with.
+    /// Returns the parameters that are out of range.
     fn faults(&self) -> Vec<ParameterFault> {
         Vec::new()
     }

@@ -5,10 +5,10 @@
 //! v_o(n) = v_o(n−1),   p_o(n) = p_o(n−1)
 //! ```
 //!
-//! Negi et al. (2020), Eqs. 17 and 18, with volumes in the mean: in single precision and for
-//! disordered particles they are more accurate than bare kernels. Particles without fluid in their
-//! support take the mean v_ex of the others, in the same step. The zone moves along the normal
-//! only.
+//! These are Eqs. 17 and 18 of Negi et al. (2020), with volumes in the mean. In single precision
+//! and for disordered particles volumes are more accurate than bare kernels. Particles without
+//! fluid in their support take the mean v_ex of the others, in the same step. The zone moves along
+//! the normal only.
 //!
 //! With `shown: Frozen`, as published, the fluid sees the velocity of the crossing, which is not
 //! the velocity of the motion. One might expect v_ex, `shown: Carried`, to suit the pressure of
@@ -34,12 +34,12 @@ use crate::pass::pair_real::PairReal;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModifiedDoNothing {
-    /// Normal velocity that the fluid sees of the outflow particles.
+    /// Normal velocity of the outflow particles in the sums of the fluid.
     #[serde(default)]
     pub shown: ShownVelocity,
 }
 
-/// Normal velocity that the fluid sees of the zone.
+/// Normal velocity of the zone in the sums of the fluid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ShownVelocity {
     /// The velocity of the crossing, as published.

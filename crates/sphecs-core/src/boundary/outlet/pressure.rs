@@ -54,7 +54,7 @@ impl Default for OutletPressure {
 }
 
 impl OutletPressure {
-    /// Returns the pressure that the scene states for the surroundings, Pa; 0 where it states none.
+    /// Returns the pressure of the surroundings that the scene gives, Pa; 0 by default.
     pub fn target(self) -> f64 {
         match self {
             OutletPressure::Frozen => 0.0,
@@ -66,8 +66,8 @@ impl OutletPressure {
 
     /// Returns true if the pressure is set in each step, not kept from step to step.
     ///
-    /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it again
-    /// and again.
+    /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it
+    /// repeatedly.
     pub fn is_set_each_step(self) -> bool {
         matches!(self, OutletPressure::Reference(_) | OutletPressure::NonReflecting { .. })
     }
@@ -100,7 +100,7 @@ impl OutletPressure {
                     pressures[row as usize] = R::from_f64(pressure + share * (target - pressure));
                 }
             }
-            // The second is found from the flow: `non_reflecting`.
+            // A nonreflecting pressure follows from the flow: `non_reflecting`.
             OutletPressure::Frozen | OutletPressure::NonReflecting { .. } => {}
         }
     }

@@ -42,8 +42,8 @@ use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator, WaveSetting}
 /// Smallest number of outflow particles per thread.
 const CHUNK: usize = 64;
 
-/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would have no
-/// fluid.
+/// Layers inside the plane at which the fluid is sampled; closer to it, half of the kernel would
+/// have no fluid.
 const LAYERS_INSIDE: f64 = 1.0;
 
 /// Parameters of the condition.
@@ -164,9 +164,9 @@ impl WaveCondition {
             zone.speeds.push(velocity);
             match density {
                 Some(density) => zone.arrays.density[row] = R::from_f64(density),
-                // The divergence drives an evolved pressure: it must see the velocity with which
-                // the zone moves, not that of the crossing, or the outlet reflects a quarter of an
-                // acoustic pulse.
+                // The divergence drives an evolved pressure. With the velocity of the crossing
+                // instead of that with which the zone moves, the outlet would reflect a quarter of
+                // an acoustic pulse.
                 None if self.frame == ReferenceFrame::Moving => {
                     let own = zone.arrays.velocity_of(row);
                     let moved = own + normal * (velocity - own.dot(normal));
@@ -245,7 +245,7 @@ impl WaveCondition {
             let row = row as usize;
             set_real_vector(&mut zone.arrays.acceleration, row, wave.sums.rate(&setting));
             let mut concentration = wave.concentration;
-            // The support is empty beyond the far end: the normal part would empty the zone.
+            // The support is empty beyond the far end, so the normal part would empty the zone.
             if zone.patch.along(zone.arrays.position_of(row))
                 > zone.patch.depth - zone.pair.discretisation.support
             {

@@ -1,7 +1,7 @@
 //! Velocity gradient among the neighbours of a particle, summed together with its density.
 //!
-//! Its symmetric part, the rate of strain, serves the damping of noise; all of it carries the
-//! velocity of a shifted particle. The same loop sums ∇C for a shift without drift.
+//! The damping of noise uses its symmetric part, the rate of strain; shifting uses the full
+//! gradient to carry velocities. The same loop sums ∇C for a shift without drift.
 //!
 //! ```text
 //! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,
@@ -10,8 +10,8 @@
 //! s_a  = Σ_b V_b ∇W,   V_b = m/ρ_b of the step before
 //! ```
 //!
-//! The weights are those of Bonet & Lok (1999); the least squares are about the neighbours' own
-//! mean. The velocity of the particle itself does not enter, so neither the damping nor the
+//! The weights are those of Bonet & Lok (1999); the least squares are about the mean of the
+//! neighbours. The velocity of the particle itself does not enter, so neither the damping nor the
 //! shifting can amplify its noise. The sums are over fluid, inflow and outflow. Walls are left out
 //! (except in s), since the images of a particle close to a wall multiply its noise. The gradient
 //! is exact for linear fields whatever the weights of the neighbours. So all weights are equal, and

@@ -16,15 +16,15 @@
 //! cos θ ≈ 1 − ½ sin² θ,   R = ((1 − cos θ)/(1 + cos θ))²
 //! ```
 //!
-//! 0.03 at 45° and 0.11 at 60°. A field that varies along the plane and slowly in time is a vortex:
-//! there J3 = −J2, and the outlet does not act on the pressure. Their third approximation is R =
-//! ((1 − cos θ)/(1 + cos θ))³. It responds to a slow vortex with ⅓ ρ0 c0 v', orders of magnitude
-//! above its pressure, which reverses the vortex before it leaves. It reflects a fifth less at 45°
-//! (docs/notebook/2026-11-24-outlets.md).
+//! R is 0.03 at 45° and 0.11 at 60°. A field that varies along the plane but slowly in time is a
+//! vortex. There J3 = −J2, and the outlet does not act on the pressure. Their third approximation
+//! is R = ((1 − cos θ)/(1 + cos θ))³. It responds to a slow vortex with ⅓ ρ0 c0 v', orders of
+//! magnitude above its pressure, which reverses the vortex before it leaves. It reflects a fifth
+//! less at 45° (docs/notebook/2026-11-24-outlets.md).
 //!
-//! u' follows the flow in two stages within τ, the travel time of sound along the section: nothing
-//! of a vortex that stays is taken for sound. Waves that are not plane propagate along a channel
-//! only above the frequency c0/(2 width), so that little is lost.
+//! The velocity u' follows the flow in two stages within τ, the travel time of sound along the
+//! section. So a stationary vortex is not taken for sound. Waves that are not plane propagate along
+//! a channel only above the frequency c0/(2 width), so that little is lost.
 //!
 //! By itself J3 oscillates with ω = ½ c0 k, below the c0 k of any sound of the wave number k along
 //! the plane. So only the flow next to the plane responds to it. With the third approximation waves
@@ -174,8 +174,8 @@ mod tests {
         let end = periods * TAU / omega;
         for step in 0..(end / time_step) as usize {
             let time = step as f64 * time_step;
-            // Smooth at both ends: a wave that starts at once has all frequencies, and the waves
-            // along the plane that it excites stay.
+            // The ramp is smooth at both ends, since an abrupt start has all frequencies and
+            // excites waves along the plane that remain.
             let rise = (1.25 * time / end).min(1.0);
             let amplitude = rise.powi(3) * (10.0 - 15.0 * rise + 6.0 * rise * rise);
             let wave =
@@ -208,8 +208,7 @@ mod tests {
 
     #[test]
     fn slow_vortex_is_not_taken_for_a_wave() {
-        // A vortex that hardly moves: its velocity is taken for that of the flow, its pressure is
-        // released.
+        // The velocity of a slow vortex counts as that of the flow, and its pressure is released.
         let setting = setting(0.04);
         let shape = |point: usize| (TAU * point as f64 / POINTS as f64).sin();
         let velocity: Vec<f64> = (0..POINTS).map(|point| 0.1 * shape(point)).collect();

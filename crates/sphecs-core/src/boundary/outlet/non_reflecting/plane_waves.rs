@@ -8,15 +8,16 @@
 //!
 //! p̄ and v̄ are means over uniform points of the section a layer inside the plane.
 //!
-//! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009),
-//! for the mean over the section only. In a nearly incompressible flow the velocity of a passing
-//! vortex is orders of magnitude too large to be taken for sound. For a jet with v' = 0.1 m/s at c0
-//! = 4 m/s, ½ ρ0 c0 v' is 200 Pa, its true pressure 5 Pa. A channel carries only plane waves below
-//! its cut-on frequency c0/(2 width), and the mean over the section is exactly that part.
+//! These are the characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al.
+//! (2009), for the mean over the section only. In a nearly incompressible flow the velocity of a
+//! passing vortex is orders of magnitude too large to be taken for sound. For a jet with v' = 0.1
+//! m/s at c0 = 4 m/s, ½ ρ0 c0 v' is 200 Pa, its true pressure 5 Pa. A channel carries only plane
+//! waves below its cut-on frequency c0/(2 width), and the mean over the section is exactly that
+//! part.
 //!
 //! The mean velocity u follows the flow over a time τ, so that the target p_t holds in the long
 //! run. It does so in two stages, so that a passing pulse leaves no offset. A fixed pressure would
-//! reflect every wave and, with a prescribed inlet velocity, make a resonator of the channel.
+//! reflect every wave and, with a prescribed inlet velocity, turn the channel into a resonator.
 
 use serde::{Deserialize, Serialize};
 
