@@ -56,10 +56,11 @@ pub mod parameters {
 
 /// Condition at an outlet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum OutletCondition {
     /// Outgoing wave equation with transverse diffusion: Alvarado-Rodríguez et al. (2017), Eqs. 27,
-    /// 29 and 30.
+    /// 29 and 30. Take it unless a case below applies.
     WaveEquation(WaveEquation),
     /// Outgoing wave equation without diffusion: Alvarado-Rodríguez et al. (2017), Eq. 28.
     Orlanski(Orlanski),
@@ -71,7 +72,7 @@ pub enum OutletCondition {
     /// Velocity and pressure of the fluid's mirror image: Negi et al. (2020), Eqs. 22–24.
     Mirror(Mirror),
     /// Outgoing characteristic about reference values, no wave enters: Negi et al. (2020), Eqs.
-    /// 25–27.
+    /// 25–27. Take it for plane sound on a uniform stream of known velocity.
     Characteristic(Characteristic),
     /// Frozen base flow, with acoustic waves transmitted by their outgoing characteristic: Negi et
     /// al. (2020), Eqs. 28–31.

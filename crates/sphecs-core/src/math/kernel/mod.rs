@@ -23,6 +23,7 @@ use super::lanes::{Array, Lanes};
 
 /// Smoothing kernel W(r, h) of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Kernel {
     /// Wendland (1995) C2, support 2h, as in Alvarado-Rodríguez et al. (2017), Eq. 15.
     WendlandC2,

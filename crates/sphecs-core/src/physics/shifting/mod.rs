@@ -41,8 +41,9 @@ pub mod parameters {
 
 /// Method by which fluid particles are moved towards an even distribution after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Shifting {
-    /// No shifting.
+    /// Particles are not shifted, for flows in which they stay in order.
     Off,
     /// Lind et al. (2012): down the concentration gradient, with the largest speed of the fluid.
     Fickian(Fickian),

@@ -23,11 +23,13 @@ use image::Image;
 
 /// Model of a wall in the sums of a fluid particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum WallModel {
-    /// Image particles, Morris et al. (1997).
+    /// Image particles, Morris et al. (1997). Take it wherever a boundary layer matters.
     Image {
-        /// Largest factor 1 + d_w/d_a of the image velocity; Morris et al. take 1.5. None: no cap.
+        /// Largest factor 1 + d_w/d_a of the image velocity, dimensionless, default no cap; Morris
+        /// et al. take 1.5.
         #[serde(default)]
         velocity_cap: Option<f64>,
         /// Source of the pressure of a wall particle.
@@ -147,16 +149,18 @@ impl WallModel {
 
 /// Source of the pressure of a wall particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WallPressure {
     /// Adami et al. (2012): kernel mean of the pressure of the fluid, with its hydrostatic part.
     #[default]
     Extrapolated,
-    /// Per pair: p_a + ρ_a g·(x_w − x_a).
+    /// The pressure of each fluid particle with its hydrostatic part, p_a + ρ_a g·(x_w − x_a).
     Mirrored,
 }
 
 /// Slip condition of a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Slip {
     /// The fluid has the velocity of the wall at its surface.
     #[default]
