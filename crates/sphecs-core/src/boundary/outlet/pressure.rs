@@ -13,7 +13,7 @@ use crate::physics::parameter_fault::ParameterFault;
 pub enum OutletPressure {
     /// The pressure that the particle had when it crossed the plane.
     Frozen,
-    /// A given pressure, Pa.
+    /// A given pressure, Pa. Take it for a mean flow that accelerates for good.
     Reference(f64),
     /// The pressure of the crossing, relaxed towards `target` (Pa) over `time` (s).
     Relaxed {
@@ -23,7 +23,7 @@ pub enum OutletPressure {
         time: f64,
     },
     /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) and the mean
-    /// velocity followed over `time` (s).
+    /// velocity followed over `time` (s). Take it for other flows.
     NonReflecting {
         /// Mean pressure approached, Pa, default 0.
         #[serde(default)]

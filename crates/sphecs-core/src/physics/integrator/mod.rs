@@ -22,7 +22,8 @@ use crate::math::real::Real;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum Integrator {
-    /// Verlet's scheme with a corrective step: Alvarado-Rodríguez et al. (2017).
+    /// Verlet's scheme with a corrective step: Alvarado-Rodríguez et al. (2017). Take it to compare
+    /// with them.
     Verlet {
         /// Number of steps from one corrective (Euler) step, which replaces the leapfrog, to the
         /// next, at least 1, default 50.

@@ -37,10 +37,11 @@ pub enum WallModel {
         pressure: WallPressure,
     },
     /// Dummy particles, Adami et al. (2012): velocity and pressure continue the kernel mean of the
-    /// fluid.
+    /// fluid. Take it for sharp corners and few particles across.
     Dummy,
     /// Ghost particles of Simcenter STAR-CCM+: for each fluid particle its own velocity reversed
-    /// relative to the wall, and its own pressure with the weight of the fluid between both.
+    /// relative to the wall, and its own pressure with the weight of the fluid between both. Take
+    /// it to compare with codes that have it.
     Ghost,
 }
 
@@ -162,10 +163,10 @@ pub enum WallPressure {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Slip {
-    /// The fluid has the velocity of the wall at its surface.
+    /// The fluid has the velocity of the wall at its surface. Take it for resolved boundary layers.
     #[default]
     NoSlip,
-    /// The wall takes no tangential stress.
+    /// The wall takes no tangential stress. Take it for symmetry planes and distant side walls.
     FreeSlip,
     /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing
     /// away; pairs with it exert none. For boundary layers that the spacing does not resolve.
