@@ -53,11 +53,7 @@ fn section(text: &mut String, command: &Command) {
 
 fn row(text: &mut String, argument: &Arg) {
     let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-    // A default in words stands at the end of the help.
-    let (meaning, in_words) = match help.split_once(" [default: ") {
-        Some((meaning, default)) => (meaning, Some(default.trim_end_matches(']').to_owned())),
-        None => (help.as_str(), None),
-    };
+    let (meaning, in_words) = without_default(&help);
     let values = argument.get_default_values().iter().map(|value| value.to_string_lossy().into_owned());
     let value = values.filter(|value| !value.is_empty()).map(|value| format!("`{value}`")).next();
     let takes_value = argument.get_action().takes_values();
@@ -73,7 +69,17 @@ fn row(text: &mut String, argument: &Arg) {
         false => Vec::new(),
     };
     let allowed = if allowed.is_empty() { String::new() } else { format!(": {}", allowed.join(", ")) };
-    let _infallible = writeln!(text, "| {} | {default} | {}{allowed} |", notation(argument), cell(meaning));
+    let _infallible = writeln!(text, "| {} | {default} | {}{allowed} |", notation(argument), cell(&meaning));
+}
+
+/// Splits a help into its meaning and its default in words, `[default: …]`.
+fn without_default(help: &str) -> (String, Option<String>) {
+    let parts =
+        help.split_once(" [default: ").and_then(|(before, rest)| Some((before, rest.split_once(']')?)));
+    match parts {
+        Some((before, (default, after))) => (format!("{before}{after}"), Some(default.to_owned())),
+        None => (help.to_owned(), None),
+    }
 }
 
 /// Returns an argument as it is written, such as `-o`, `--output <FILE>`.
