@@ -105,7 +105,8 @@ fn links_between_pages_lead_to_files_and_headings() {
     let names = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"];
     pages.extend(names.map(|name| root().join(name)).into_iter().filter(|page| page.exists()));
     let mut faults = Vec::new();
-    for page in &pages {
+    // The build of the manual generates some of its pages and checks its links.
+    for page in pages.iter().filter(|page| !relative(page).starts_with("docs/book/")) {
         let text = read(page);
         let folder = page.parent().unwrap_or(Path::new(""));
         for (line, target) in links(&text) {

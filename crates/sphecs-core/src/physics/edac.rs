@@ -91,8 +91,8 @@ impl Edac {
         self.alpha * smoothing_length * sound_speed / 8.0
     }
 
-    /// Returns (r c_s/h) [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s, the
-    /// density minus ρ0, kg/m³, and the pressure, Pa.
+    /// Returns (r c_s/h) [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s,
+    /// the density minus ρ0, kg/m³, and the pressure, Pa.
     pub fn relaxing(&self, smoothing_length: f64, sound_speed: f64, excess: f64, pressure: f64) -> f64 {
         self.relaxation * sound_speed / smoothing_length * (sound_speed * sound_speed * excess - pressure)
     }
