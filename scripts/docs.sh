@@ -6,4 +6,6 @@ if ! command -v cargo >/dev/null; then
     echo "cargo is not installed: get Rust from https://rustup.rs, then run this again" >&2
     exit 1
 fi
-cargo run --quiet --package sphecs-manual --locked -- target/book
+# With the features of the whole workspace, so that the dependencies which the tests share are compiled once.
+cargo build --quiet --workspace --bin sphecs-manual --locked
+"${CARGO_TARGET_DIR:-target}/debug/sphecs-manual" target/book

@@ -90,7 +90,8 @@ fn mathml(latex: &str, mode: DisplayMode) -> Result<String, String> {
     let mut mathml = String::new();
     let config = RenderConfig { display_mode: mode, ..RenderConfig::default() };
     push_mathml(&mut mathml, events.into_iter(), config).map_err(|error| error.to_string())?;
-    Ok(mathml)
+    // Browsers put space around a slash, which TeX does not.
+    Ok(mathml.replace("<mo>/</mo>", "<mo lspace=\"0\" rspace=\"0\">/</mo>"))
 }
 
 /// Shortens a message of many lines to its problem and the source text that it quotes last.
@@ -149,6 +150,7 @@ mod tests {
         let block = render("$$\n\\frac{dv}{dt} = 0\n$$\n");
         assert!(block.starts_with("<math display=\"block\"><mfrac>"), "{block}");
         assert_eq!(block.trim_end().lines().count(), 1, "{block}");
+        assert!(render("$a/b$").contains("<mi>a</mi><mo lspace=\"0\" rspace=\"0\">/</mo><mi>b</mi>"));
     }
 
     #[test]
