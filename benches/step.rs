@@ -93,7 +93,8 @@ fn time(bencher: Bencher, name: &str) {
     time_flow(bencher, name.to_owned(), case.scene(), tile, case.plan().warm_up);
 }
 
-/// Times steps of a scene, filled_with_tiles with the tile if there is one, after so many others.
+/// Times steps of a scene after a number of warm-up steps; the scene is filled with the tile, if
+/// there is one.
 fn time_flow(
     bencher: Bencher,
     name: String,

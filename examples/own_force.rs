@@ -50,7 +50,7 @@ fn record_inflow(clock: Res<Clock>, ledger: Res<Ledger>, mut record: ResMut<Infl
 }
 
 /// Runs a scene with the spring until a time, s; returns the record of the inflow.
-pub fn run(scene: Scene, until: f64) -> Result<Vec<(f64, u64)>, Box<dyn Error>> {
+pub(crate) fn run(scene: Scene, until: f64) -> Result<Vec<(f64, u64)>, Box<dyn Error>> {
     let mut simulation =
         Simulation::builder(scene).plugin(Spring { stiffness: 2.0 }).plugin(InflowRecorder).build()?;
     simulation.run_until(until)?;

@@ -15,7 +15,7 @@ use std::error::Error;
 
 use serde::{Deserialize, Serialize};
 use sphecs::glam::DVec3;
-use sphecs::outlet::{OutflowState, OutflowZone, OutletMethod, OutletParameters, ParameterFault, Real};
+use sphecs::outlet::{OutflowState, OutflowZone, OutletMethod, OutletParameters, PairReal, ParameterFault};
 use sphecs::{Plugin, PluginContext, Scene, Simulation};
 
 /// Outlet with the impedance of a channel that continues:
@@ -28,7 +28,7 @@ use sphecs::{Plugin, PluginContext, Scene, Simulation};
 /// p̄ and v̄ are means over the fluid next to the plane; u is the velocity of the flow without
 /// sound.
 #[derive(Clone, Debug)]
-pub struct Impedance {
+pub(crate) struct Impedance {
     /// Reference pressure p_ref, Pa.
     pub pressure: f64,
     /// Time τ over which the velocity of the flow is averaged, s.
@@ -37,7 +37,7 @@ pub struct Impedance {
 
 /// State of the condition between steps, which checkpoints contain.
 #[derive(Default, Serialize, Deserialize)]
-pub struct ImpedanceMemory {
+pub(crate) struct ImpedanceMemory {
     /// Velocity u of the flow, m/s; None before the first step.
     flow_velocity: Option<f64>,
 }
@@ -55,7 +55,11 @@ impl OutletParameters for Impedance {
 impl OutletMethod for Impedance {
     type Memory = ImpedanceMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut ImpedanceMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut ImpedanceMemory,
+    ) {
         let (normal, impedance, fluid) = (zone.normal(), zone.flow.impedance(), zone.adjacent);
         let flow_velocity = memory.flow_velocity.get_or_insert(fluid.velocity);
         let outgoing = fluid.pressure - self.pressure + impedance * (fluid.velocity - *flow_velocity);
@@ -71,7 +75,7 @@ impl OutletMethod for Impedance {
 }
 
 /// Plugin that adds the condition under the name that a scene uses.
-pub struct ImpedanceOutlet;
+pub(crate) struct ImpedanceOutlet;
 
 impl Plugin for ImpedanceOutlet {
     fn build(&self, context: &mut PluginContext<'_>) {
@@ -81,13 +85,13 @@ impl Plugin for ImpedanceOutlet {
 
 /// Returns `scenes/acoustic_pulse.ron` at its smoke spacing with an outlet condition in scene
 /// notation.
-pub fn scene(condition: &str) -> Result<Scene, Box<dyn Error>> {
+pub(crate) fn scene(condition: &str) -> Result<Scene, Box<dyn Error>> {
     let pulse = Scene::from_file("scenes/acoustic_pulse.ron").smoke();
     Ok(pulse.set("outlets.0.condition", condition).load()?)
 }
 
 /// Returns the reflection coefficient of an outlet condition in scene notation.
-pub fn reflection(condition: &str) -> Result<f64, Box<dyn Error>> {
+pub(crate) fn reflection(condition: &str) -> Result<f64, Box<dyn Error>> {
     let scene = scene(condition)?;
     let impedance = scene.fluid.density * scene.fluid.sound_speed;
     let stream = scene.reference_velocity;

@@ -17,7 +17,7 @@ const POINTS: usize = 21;
 /// Runs a scene until a time, s; samples the fields at points across the channel at x = 20 mm.
 ///
 /// A point without fluid nearby has no sample.
-pub fn run(scene: Scene, until: f64) -> Result<Vec<(DVec3, Option<Sample>)>, Box<dyn Error>> {
+pub(crate) fn run(scene: Scene, until: f64) -> Result<Vec<(DVec3, Option<Sample>)>, Box<dyn Error>> {
     let mut simulation = Simulation::builder(scene).build()?;
     simulation.run_until(until)?;
     let half_width = 0.02;

@@ -16,10 +16,10 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use sphecs::{Scene, SceneLoader, Simulation};
 
 /// Kinematic viscosities, m²/s.
-pub const VISCOSITIES: [f64; 3] = [1e-5, 2e-5, 4e-5];
+pub(crate) const VISCOSITIES: [f64; 3] = [1e-5, 2e-5, 4e-5];
 
 /// Runs a scene until a time, s, with each viscosity; returns the largest speeds, m/s.
-pub fn run(scene: &SceneLoader, until: f64) -> Result<Vec<f64>, Box<dyn Error + Send + Sync>> {
+pub(crate) fn run(scene: &SceneLoader, until: f64) -> Result<Vec<f64>, Box<dyn Error + Send + Sync>> {
     VISCOSITIES.par_iter().map(|&viscosity| largest_speed(scene.clone(), viscosity, until)).collect()
 }
 

@@ -1,12 +1,18 @@
 //! Smoothed particle hydrodynamics (SPH) of flows with open boundaries.
 //!
-//! **A scene describes the flow.** [`Scene::from_file`] reads it from a RON file, changes values on
-//! request, and reports all errors at once. **A simulation computes it.** [`Simulation::builder`]
-//! takes the scene and plugins; [`Simulation::run_until`] advances the flow until a time, or
-//! returns a [`Stop`] that tells why it cannot continue. **Results are read between two steps:**
-//! [`Simulation::sample`] returns the fields at points, [`Simulation::monitor_row`] the integral
-//! quantities, [`Simulation::mass_flows`] the flows through sections, and [`Simulation::world`] the
-//! particles as entities with components. All quantities are in SI units.
+//! * **A scene describes the flow.**
+//!   [`Scene::from_file`] reads it from a RON file, changes values on request, and reports all
+//!   errors at once. [`Scene::builder`] makes a scene of the types in [`scene`], with the same
+//!   checks.
+//! * **A simulation computes it.**
+//!   [`Simulation::builder`] takes the scene and plugins. [`Simulation::run_until`] advances the
+//!   flow until a time, or returns a [`Stop`] that tells why it cannot continue.
+//! * **Results are read between two steps.**
+//!   [`Simulation::sample`] returns the fields at points, [`Simulation::monitor_row`] the integral
+//!   quantities and [`Simulation::mass_flows`] the flows through sections. [`Simulation::world`]
+//!   holds the particles as entities with components.
+//!
+//! All quantities are in SI units.
 //!
 //! ```
 //! use sphecs::glam::DVec3;
@@ -59,7 +65,58 @@ pub use sphecs_engine::simulation::{BuildError, Sample, Simulation, SimulationBu
 pub use sphecs_engine::systems::forces::{AddedForces, ParticleState};
 pub use sphecs_engine::systems::monitor::MonitorRow;
 pub use sphecs_scene::model::Precision;
-pub use sphecs_scene::{Scene, SceneErrors, SceneLoader};
+pub use sphecs_scene::{Scene, SceneBuilder, SceneErrors, SceneLoader};
+
+/// Parts of a scene that is described in Rust by [`Scene::builder`].
+///
+/// Choices such as [`OutletCondition`](scene::OutletCondition) are the types that the engine
+/// computes with.
+///
+/// ```
+/// use sphecs::Scene;
+/// use sphecs::scene::{
+///     Fluid, Inlet, Mirror, Outlet, OutletCondition, Output, PoiseuilleStartup, Shape, Time,
+/// };
+///
+/// # fn main() -> Result<(), sphecs::SceneErrors> {
+/// // Plane channel of 1 mm that the flow starts in from rest.
+/// let scene = Scene::builder(2)
+///     .spacing(5e-5)
+///     .constant("H", 1e-3)
+///     .fluid(Fluid::new().density(1000.0).viscosity(1e-6).sound_speed(0.2))
+///     .domain(Shape::cuboid((0.0, "-H/2"), ("3*H", "H/2")))
+///     .inlet(Inlet::new((0.0, 0.0), (1.0, 0.0), PoiseuilleStartup::new(0.1)))
+///     .outlet(
+///         Outlet::new(("3*H", 0.0), (1.0, 0.0))
+///             .condition(OutletCondition::Mirror(Mirror::default())),
+///     )
+///     .time(Time::until(1.0))
+///     .output(Output::at_interval(0.1))
+///     .build()?;
+/// assert_eq!(scene.spacing, 5e-5);
+/// # Ok(())
+/// # }
+/// ```
+pub mod scene {
+    pub use sphecs_core::boundary::inlet::{Feed, InletPressure};
+    pub use sphecs_core::boundary::outlet::OutletCondition;
+    pub use sphecs_core::boundary::outlet::parameters::*;
+    pub use sphecs_core::math::kernel::Kernel;
+    pub use sphecs_core::physics::integrator::Integrator;
+    pub use sphecs_core::physics::shifting::Shifting;
+    pub use sphecs_core::physics::shifting::parameters::*;
+    pub use sphecs_core::physics::viscosity::Viscosity;
+    pub use sphecs_core::physics::viscosity::parameters::*;
+    pub use sphecs_core::physics::wall::{Slip, WallModel, WallPressure};
+    pub use sphecs_scene::builder::{
+        BendSection, Body, Components, Concentric, EdacTvf, Fill, Fluid, Formula, Initial, Inlet,
+        InletVelocity, Interval, Lattice, MassFlow, MassFlux, Number, Outlet, Output, PoiseuilleStartup,
+        Probe, ProbeKind, Reference, Reservoir, Rotation, Scheme, Shape, Time, Vector, VectorFormula,
+        WallFill, WallFitted, WallPart, Walls, Wcsph,
+    };
+    pub use sphecs_scene::model::{ForcesEvery, ProbeSight, WhenEmpty};
+    pub use sphecs_scene::rings::FirstRing;
+}
 
 /// Interface of the outlet conditions that plugins add by [`PluginContext::add_outlet`].
 pub mod outlet {
@@ -67,8 +124,8 @@ pub mod outlet {
         Advanced, Needs, OutflowMotion, OutflowState, OutletMethod, OutletParameters, References,
     };
     pub use sphecs_core::boundary::outlet::outflow_zone::OutflowZone;
-    pub use sphecs_core::math::real::Real;
     pub use sphecs_core::pass::fits::{PointFit, PointFlow};
+    pub use sphecs_core::pass::pair_real::PairReal;
     pub use sphecs_core::physics::parameter_fault::ParameterFault;
 }
 

@@ -103,19 +103,19 @@ fn check_threads(sets: &[(&str, &str)]) {
     assert_eq!(difference(one, other), None);
 }
 
-/// Runs each shipped scene with and without the reads of `look` before its steps, and fails with
+/// Runs each shipped scene with and without the reads of `read` before its steps, and fails with
 /// all differences.
 #[track_caller]
-fn check_reads(look: impl Fn(&mut Simulation, usize)) {
+fn check_reads(read: impl Fn(&mut Simulation, usize)) {
     let mut faults = Vec::new();
     for path in shipped_scenes() {
-        let (mut alone, mut looked_at) = (simulation(&path), simulation(&path));
+        let (mut alone, mut read_between) = (simulation(&path), simulation(&path));
         for step in 0..STEPS_WITH_READS {
-            look(&mut looked_at, step);
+            read(&mut read_between, step);
             alone.step().expect("a step");
-            looked_at.step().expect("a step");
+            read_between.step().expect("a step");
         }
-        if let Some(found) = difference(&mut alone, &mut looked_at) {
+        if let Some(found) = difference(&mut alone, &mut read_between) {
             faults.push(format!("{}: {found}", path.display()));
         }
     }

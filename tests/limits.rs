@@ -94,7 +94,7 @@ fn more_output_than_the_disk_holds_is_refused_with_an_interval_that_fits() {
 }
 
 #[test]
-fn what_is_too_large_is_begun_when_it_is_asked_for() {
+fn run_beyond_the_disk_starts_with_allow_oversize() {
     let sets = ["time.end=1e12", "output.every=1e3", "output.monitor_every=1e9"];
     let (code, message, left) = run("quickstart", &sets, &["--steps", "2", "--allow-oversize"]);
     assert_eq!(code, Some(0), "{message}");
@@ -105,7 +105,7 @@ fn what_is_too_large_is_begun_when_it_is_asked_for() {
 }
 
 #[test]
-fn what_fits_at_the_smoke_spacing_runs_there() {
+fn scene_too_fine_for_memory_runs_at_its_smoke_spacing() {
     let (code, message, left) = run("quickstart", &["spacing=1e-9"], &["--smoke", "--steps", "2"]);
     assert_eq!(code, Some(0), "{message}");
     assert!(left);

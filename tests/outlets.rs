@@ -7,6 +7,7 @@ mod plug;
 
 use census::{census, of};
 use sphecs::glam::DVec3;
+use sphecs::outlet::PairReal;
 use sphecs::{Scene, Simulation, Zone};
 use sphecs_engine::arrays::Arrays;
 use sphecs_engine::components::ParticleId;
@@ -287,7 +288,10 @@ fn no_row_of_a_zone_is_left_out() {
     }
 }
 
-fn check_rows_of_zones<const D: usize>(text: &str, recycle: &str) {
+fn check_rows_of_zones<const D: usize>(text: &str, recycle: &str)
+where
+    f64: PairReal<D>,
+{
     let sets = [
         ("outlets.0.condition", "Hybrid()"),
         ("scheme", SCHEMES[1]),

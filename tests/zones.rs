@@ -60,7 +60,7 @@ fn injected(crossings: &[Crossing], zone: Zone) -> Vec<Crossing> {
     crossings.iter().filter(taken).copied().collect()
 }
 
-/// Channel whose length is no multiple of the spacing: a column enters before one is stored.
+/// Channel whose length is not a multiple of the spacing: a column enters before one is stored.
 const UNEVEN: [(&str, &str); 2] =
     [("domain", "Box(min: (0.0, 0.0), max: (0.163, 0.08))"), ("outlets.0.at", "(0.163, 0.04)")];
 

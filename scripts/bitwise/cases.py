@@ -74,7 +74,7 @@ BOX_SCHEMES = {
 
 
 def box_text(dimensions: int, count: int, terms: str) -> str:
-    """The scene of a box with so many particles along each edge."""
+    """The scene of a box with a given number of particles along each edge."""
     edge = round(count * 0.01, 6)
     velocity = ('"sin(k*y)"', '"cos(k*x)"') if dimensions == 2 else ('"sin(k*y)"', '"cos(k*z)"', '"sin(k*x)"')
     return BOX.format(

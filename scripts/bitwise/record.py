@@ -133,7 +133,7 @@ def main():
     arguments = parser.parse_args()
     arguments.binary, arguments.root = arguments.binary.resolve(), arguments.root.resolve()
     if not os.access(arguments.binary, os.X_OK):
-        sys.exit(f"{arguments.binary}: is no program that can be run, must be a build of sphecs")
+        sys.exit(f"{arguments.binary}: cannot be run, must be a build of sphecs")
     renames = dict(rename.split("=", 1) for rename in arguments.rename)
 
     table = cases.quick(arguments.root) if arguments.quick else cases.full(arguments.root)

@@ -196,7 +196,7 @@ pub fn pack(arguments: &PackArguments) -> Result<u8, Failure> {
 /// # Errors
 /// [`Failure::Bench`].
 pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
-    let is_asked = |case: BenchCase| {
+    let is_requested = |case: BenchCase| {
         arguments.cases.contains(&case)
             || if case.is_large() { arguments.large } else { arguments.cases.is_empty() }
     };
@@ -204,7 +204,7 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     threads.sort_unstable();
     threads.dedup();
     let options = BenchOptions {
-        cases: BenchCase::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_asked(case)).collect(),
+        cases: BenchCase::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_requested(case)).collect(),
         threads: if threads.is_empty() { sphecs_bench::default_threads() } else { threads },
         console: Console::Normal,
     };

@@ -75,7 +75,7 @@ fn words(line: &str) -> Vec<String> {
         } else if !current.is_empty() {
             found.push(std::mem::take(&mut current));
         }
-        // A call of a method of the standard library is no prose: `x.floor()`.
+        // A call of a method of the standard library is not prose: `x.floor()`.
         if c == '(' && matches!(found.last().map(String::as_str), Some("floor")) {
             found.pop();
         }
@@ -86,7 +86,8 @@ fn words(line: &str) -> Vec<String> {
     found
 }
 
-fn texts() -> Vec<String> {
+/// Returns the paths of all checked texts.
+pub(crate) fn texts() -> Vec<String> {
     let mut paths: Vec<PathBuf> = Vec::new();
     for place in TEXTS {
         let path = root().join(place);

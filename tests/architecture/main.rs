@@ -1,6 +1,7 @@
 //! Structure, language and citations of the repository, read from its files.
 
 mod language;
+mod links;
 mod references;
 mod source_tree;
 mod structure;

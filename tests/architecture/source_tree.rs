@@ -7,11 +7,11 @@ use std::str::FromStr;
 use proc_macro2::{TokenStream, TokenTree};
 
 /// Folders with Rust sources that the engine and its programs are built from.
-pub const SOURCES: [&str; 2] = ["crates", "src"];
+pub(crate) const SOURCES: [&str; 2] = ["crates", "src"];
 
 /// A token with the number of its line, from 1. Delimiters are tokens of their own.
 #[derive(Clone, Debug)]
-pub struct Token {
+pub(crate) struct Token {
     /// Text of an identifier, a literal or a single punctuation character.
     pub text: String,
     /// Line, from 1.
@@ -21,7 +21,7 @@ pub struct Token {
 }
 
 /// A Rust file of the repository.
-pub struct SourceFile {
+pub(crate) struct SourceFile {
     /// Path from the repository's root, with `/`.
     pub path: String,
     /// Text of the file.
@@ -34,8 +34,8 @@ impl SourceFile {
     /// Reads the tokens of a text.
     ///
     /// # Panics
-    /// If the text is no Rust.
-    pub fn new(path: &str, text: &str) -> Self {
+    /// If the text is not Rust.
+    pub(crate) fn new(path: &str, text: &str) -> Self {
         let stream = TokenStream::from_str(text).unwrap_or_else(|error| panic!("{path}: {error}"));
         let mut tokens = Vec::new();
         flatten(stream, &mut tokens);
@@ -43,19 +43,19 @@ impl SourceFile {
     }
 
     /// Returns the tokens before the first `#[cfg(test)]`: unit tests stand at the end of a file.
-    pub fn tokens_without_tests(&self) -> &[Token] {
+    pub(crate) fn tokens_without_tests(&self) -> &[Token] {
         let end = find(&self.tokens, &["#", "[", "cfg", "(", "test", ")", "]"]).next();
         &self.tokens[..end.unwrap_or(self.tokens.len())]
     }
 
     /// Returns the lines on which a sequence of tokens begins.
-    pub fn lines_with<'a>(&'a self, pattern: &'a [&'a str]) -> impl Iterator<Item = usize> + 'a {
+    pub(crate) fn lines_with<'a>(&'a self, pattern: &'a [&'a str]) -> impl Iterator<Item = usize> + 'a {
         find(&self.tokens, pattern).map(|at| self.tokens[at].line)
     }
 }
 
 /// Returns the indices at which a sequence of tokens begins.
-pub fn find<'a>(tokens: &'a [Token], pattern: &'a [&'a str]) -> impl Iterator<Item = usize> + 'a {
+pub(crate) fn find<'a>(tokens: &'a [Token], pattern: &'a [&'a str]) -> impl Iterator<Item = usize> + 'a {
     let fits = move |window: &[Token]| window.iter().zip(pattern).all(|(token, text)| token.text == *text);
     tokens.windows(pattern.len()).enumerate().filter(move |(_, window)| fits(window)).map(|(at, _)| at)
 }
@@ -85,12 +85,12 @@ fn flatten(stream: TokenStream, tokens: &mut Vec<Token>) {
 }
 
 /// Returns the root of the repository.
-pub fn root() -> &'static Path {
+pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// Returns a path from the root, with `/`.
-pub fn relative(path: &Path) -> String {
+pub(crate) fn relative(path: &Path) -> String {
     let path = path.strip_prefix(root()).unwrap_or(path);
     path.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
 }
@@ -99,13 +99,13 @@ pub fn relative(path: &Path) -> String {
 ///
 /// # Panics
 /// If it cannot be read.
-pub fn read(path: impl AsRef<Path>) -> String {
+pub(crate) fn read(path: impl AsRef<Path>) -> String {
     let path = root().join(path);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// Reads all Rust files under folders of the repository, sorted by path.
-pub fn sources(folders: &[&str]) -> Vec<SourceFile> {
+pub(crate) fn sources(folders: &[&str]) -> Vec<SourceFile> {
     let mut paths = Vec::new();
     for folder in folders {
         files_under(&root().join(folder), &["rs"], &mut paths);
@@ -115,7 +115,7 @@ pub fn sources(folders: &[&str]) -> Vec<SourceFile> {
 }
 
 /// Collects the files with one of the extensions under a folder; none where the folder is missing.
-pub fn files_under(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
+pub(crate) fn files_under(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let path = entry.path();
@@ -132,6 +132,6 @@ pub fn files_under(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>)
 ///
 /// # Panics
 /// If there is a fault.
-pub fn expect_none(faults: &[String]) {
+pub(crate) fn expect_none(faults: &[String]) {
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }

@@ -169,7 +169,7 @@ fn changes_structure(tokens: &[Token]) -> bool {
     }
 }
 
-/// Types that a system may keep in a `Local`: buffers that each step fills anew, which no
+/// Types that a system may keep in a `Local`: buffers that each step fills again, which no
 /// checkpoint needs.
 const BUFFERS: [&str; 5] = ["OutletBuffers", "PointFlows", "Prescribed", "WaveFound", "DVec3"];
 
@@ -186,7 +186,7 @@ fn locals_are_buffers() {
             if !BUFFERS.contains(&kept) && !kept.ends_with("Buffers") {
                 faults.push(format!(
                     "{}:{}: keeps `{kept}` in a `Local`, which a restart forgets: make it a saved resource, or, \
-                     if each step fills it anew, name its type in BUFFERS",
+                     if each step fills it again, name its type in BUFFERS",
                     source.path, source.tokens[at].line,
                 ));
             }
@@ -315,49 +315,6 @@ fn functions_are_measured_from_name_to_brace() {
     );
     let found = functions(&source.tokens);
     assert_eq!(found, [("c".to_owned(), 2, 3), ("d".to_owned(), 5, 1)]);
-}
-
-#[test]
-fn map_is_short_and_names_paths_that_exist() {
-    let lines = read("ARCHITECTURE.md").lines().count();
-    let mut faults = Vec::new();
-    if lines > 150 {
-        faults.push(format!("ARCHITECTURE.md:150: has {lines} lines, must have at most 150"));
-    }
-    for document in ["ARCHITECTURE.md", "README.md", "CONTRIBUTING.md", "docs/REFERENCES.md"] {
-        for (number, line) in read(document).lines().enumerate() {
-            for name in line.split('`').skip(1).step_by(2).filter(|name| is_path(name)) {
-                let name = name.trim_start_matches("./").trim_end_matches('/');
-                if !root().join(name).exists() {
-                    faults.push(format!(
-                        "{document}:{}: names `{name}`, which does not exist: mend the path or the tree",
-                        number + 1
-                    ));
-                }
-            }
-        }
-    }
-    expect_none(&faults);
-}
-
-/// Folders of the repository: a quoted word of a document that begins with one is meant as a path.
-const FOLDERS: [&str; 11] = [
-    "crates/",
-    "src/",
-    "tests/",
-    "scenes/",
-    "docs/",
-    "assets/",
-    "benches/",
-    "scripts/",
-    "examples/",
-    "python/",
-    ".ci/",
-];
-
-fn is_path(name: &str) -> bool {
-    let is_plain = name.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c));
-    is_plain && FOLDERS.iter().any(|folder| name.trim_start_matches("./").starts_with(folder))
 }
 
 #[test]

@@ -13,7 +13,7 @@ use sphecs_engine::components::{
 
 /// Components of a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Particle {
+pub(crate) struct Particle {
     /// Number.
     pub id: u32,
     /// Zone by its role component.
@@ -90,7 +90,7 @@ fn read(entity: EntityRef<'_>, id: u32, leapfrog: &Leapfrog) -> Result<Particle,
 /// If a number is missing or occurs twice, if a particle has no role or two, or if the counts
 /// differ.
 #[track_caller]
-pub fn census(simulation: &mut Simulation) -> Vec<Particle> {
+pub(crate) fn census(simulation: &mut Simulation) -> Vec<Particle> {
     let world = simulation.world();
     let leapfrog = leapfrog(world);
     let mut entities = world.try_query::<EntityRef<'_>>().expect("every world has entities");
@@ -117,6 +117,6 @@ pub fn census(simulation: &mut Simulation) -> Vec<Particle> {
 }
 
 /// Iterates over the particles of a zone.
-pub fn of(particles: &[Particle], zone: Zone) -> impl Iterator<Item = &Particle> {
+pub(crate) fn of(particles: &[Particle], zone: Zone) -> impl Iterator<Item = &Particle> {
     particles.iter().filter(move |particle| particle.zone == zone)
 }

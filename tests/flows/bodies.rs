@@ -1,5 +1,5 @@
-//! Force and torque on bodies compared with exact values: the figures of docs/bodies.md, printed
-//! with `--nocapture`.
+//! Force and torque on bodies compared with exact values: the figures of
+//! docs/book/src/guides/body_forces.md, printed with `--nocapture`.
 
 use std::f64::consts::PI;
 

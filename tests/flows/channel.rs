@@ -37,7 +37,7 @@ fn check_poiseuille(name: &str, ratio: &str, band: f64, across: f64) {
 }
 
 /// Returns the largest |u − exact(y)| of the fluid, m/s.
-pub fn largest_error(simulation: &mut Simulation, exact: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn largest_error(simulation: &mut Simulation, exact: impl Fn(f64) -> f64) -> f64 {
     fluid(simulation)
         .iter()
         .map(|state| (state.velocity.x - exact(state.position.y)).abs())
@@ -83,7 +83,7 @@ fn poiseuille_starts_up_between_open_ends() {
 }
 
 /// Channel with an upper wall that moves in its plane.
-pub const COUETTE: &str = r#"Scene(
+pub(crate) const COUETTE: &str = r#"Scene(
     title: "Plane Couette flow", dimensions: 2, spacing: 0.05, smoke: 0.1,
     constants: {"U": 1.0},
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
@@ -94,7 +94,7 @@ pub const COUETTE: &str = r#"Scene(
 )"#;
 
 /// u(y, t)/U from rest: y + Σ 2 (−1)^n/(nπ) sin(nπy) exp(−n²π² ν t).
-pub fn couette(y: f64, t: f64) -> f64 {
+pub(crate) fn couette(y: f64, t: f64) -> f64 {
     let term = |n: i32| {
         let k = f64::from(n) * PI;
         2.0 * (-1.0_f64).powi(n) / k * (k * y).sin() * (-k * k * 0.1 * t).exp()
@@ -131,7 +131,7 @@ fn couette_flow_stays_linear() {
 }
 
 /// Flow along walls that exert no shear.
-pub const SLIPPERY: &str = r#"Scene(
+pub(crate) const SLIPPERY: &str = r#"Scene(
     title: "Stream along free-slip walls", dimensions: 2, spacing: 0.05, smoke: 0.1,
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
     domain: Box(min: (0.0, 0.0), max: (0.5, 1.0)),

@@ -53,8 +53,8 @@ fn swapped<'a>(scheme: &'a str, straight: &'a str, aside: &'a str) -> [(&'a str,
 }
 
 /// The outflow through both outlets equals the inflow, and their order in the scene has no effect.
-/// An outlet with a prescribed velocity, 0.6 of that of the inflow, takes its share. Not with
-/// `Hybrid` in the branch: docs/outlets.md.
+/// An outlet with a prescribed velocity, 0.6 of that of the inflow, takes its share. `Hybrid` is
+/// not tested in the branch, where it diverges (docs/book/src/guides/choosing_an_outlet.md).
 #[test]
 fn two_outlets_with_different_conditions_share_the_flow() {
     let pairs = [

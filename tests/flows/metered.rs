@@ -122,7 +122,7 @@ fn through_the_pipe(simulation: &mut Simulation) -> f64 {
 /// An oblique inlet in 3D has its prescribed mass flow for any width of the pipe in spacings.
 #[test]
 fn oblique_pipe_has_its_prescribed_mass_flow() {
-    let told = 0.5 * TAU * 1000.0 * 0.4 * 0.084 * 0.084;
+    let prescribed = 0.5 * TAU * 1000.0 * 0.4 * 0.084 * 0.084;
     for scheme in ["Wcsph()", "EdacTvf()"] {
         let mut simulation = flow(PIPE, &[("scheme", scheme)]);
         simulation.run_until(1.0).expect("a pipe flow");
@@ -131,7 +131,7 @@ fn oblique_pipe_has_its_prescribed_mass_flow() {
             simulation.run_until(simulation.clock().time + 0.05).expect("a pipe flow");
             sum += through_the_pipe(&mut simulation) / 100.0;
         }
-        println!("pipe, {scheme}: {sum} kg/s behind the inlet, of {told}");
-        assert!((sum / told - 1.0).abs() < 0.005, "{scheme}: {sum} of {told} kg/s");
+        println!("pipe, {scheme}: {sum} kg/s behind the inlet, of {prescribed}");
+        assert!((sum / prescribed - 1.0).abs() < 0.005, "{scheme}: {sum} of {prescribed} kg/s");
     }
 }

@@ -60,7 +60,7 @@ fn periodic_box_conserves_momentum_in_3d() {
 /// Returns the relative errors of Taylor–Green vortices after half a second, when the exact speeds
 /// have decreased to 0.67: of the velocity (root mean square over the particles) and of the kinetic
 /// energy.
-pub fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
+pub(crate) fn taylor_green_errors(scene: &str, pairs: &[(&str, &str)]) -> (f64, f64) {
     let mut simulation = shipped_flow(scene, pairs);
     simulation.run_until(0.5).expect("a decay");
     let k = 2.0 * PI;

@@ -68,7 +68,7 @@ fn uniform_fluid_stays_at_rest_without_pressure() {
 
 /// Closed box filled completely; viscosity damps the acoustic waves of its settling within a second
 /// or two.
-pub const BOX: &str = r#"Scene(
+pub(crate) const BOX: &str = r#"Scene(
     title: "Closed box under gravity", dimensions: 2, spacing: 0.05, smoke: 0.1,
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
     domain: Box(min: (-0.5, -0.5), max: (0.5, 0.5)),

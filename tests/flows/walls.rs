@@ -18,7 +18,7 @@ const SCHEMES: [&str; 2] = ["Wcsph()", "EdacTvf()"];
 /// Measures each model under each scheme and checks its band, `bands[scheme][model]`.
 #[track_caller]
 #[expect(clippy::print_stdout, reason = "the figures of docs/walls.md, by `--nocapture`")]
-pub fn check(what: &str, bands: [[f64; 3]; 2], measure: impl Fn(&str, &str) -> f64) {
+pub(crate) fn check(what: &str, bands: [[f64; 3]; 2], measure: impl Fn(&str, &str) -> f64) {
     let mut faults = Vec::new();
     for (scheme, bands) in SCHEMES.into_iter().zip(bands) {
         for (model, band) in MODELS.into_iter().zip(bands) {
@@ -154,7 +154,7 @@ fn hydrostatic_error(set: &[(&str, &str)]) -> f64 {
 }
 
 /// Returns the pressure at nine depths of the box, 0.1 m apart, Pa.
-pub fn pressures(simulation: &mut Simulation) -> [f64; 9] {
+pub(crate) fn pressures(simulation: &mut Simulation) -> [f64; 9] {
     let points: [DVec3; 9] = std::array::from_fn(|at| DVec3::new(0.02, DEEPEST + 0.1 * at as f64, 0.0));
     let samples = simulation.sample(&points);
     std::array::from_fn(|at| samples[at].expect("water").pressure)
@@ -165,14 +165,14 @@ const DEEPEST: f64 = -0.4;
 
 /// Returns the largest difference of the pressures from those of the weight, over that of the whole
 /// depth. Their mean is the initial one, which `EdacTvf` keeps up to second order in the settling.
-pub fn off_the_weight(pressures: &[f64; 9]) -> f64 {
+pub(crate) fn off_the_weight(pressures: &[f64; 9]) -> f64 {
     let mean = pressures.iter().sum::<f64>() / 9.0;
     let off = |(at, p): (usize, &f64)| (p - mean + 1000.0 * (DEEPEST + 0.1 * at as f64)).abs();
     pressures.iter().enumerate().map(off).fold(0.0, f64::max) / 1000.0
 }
 
 /// Fluid between a rotating cylinder and one at rest, started from the steady flow.
-pub const ANNULUS: &str = r#"Scene(
+pub(crate) const ANNULUS: &str = r#"Scene(
     title: "Fluid between two cylinders", dimensions: 2, spacing: 0.05, smoke: 0.1,
     constants: {"R": 0.5, "S": 1.0, "w": 2.0, "B": "w/(1/R^2 - 1/S^2)", "A": "-B/S^2"},
     fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),

@@ -27,6 +27,6 @@ const SCENE: &str = r#"Scene(
 )"#;
 
 /// Returns the scene with changed values.
-pub fn scene(sets: &[(&str, &str)]) -> Scene {
+pub(crate) fn scene(sets: &[(&str, &str)]) -> Scene {
     Scene::from_text("plug", SCENE).sets(sets).load().unwrap_or_else(|faults| panic!("{faults:?}"))
 }

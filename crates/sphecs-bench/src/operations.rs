@@ -2,9 +2,9 @@
 //!
 //! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and selections
 //! count nothing. √x with 1/√x is a root and a division, whatever the instructions. The counts of a
-//! loop are for Wendland's kernel. Candidates outside the support, packing, the end of a row, and
-//! distances computed only to find neighbours are omitted, so that the fraction of the peak is that
-//! of useful work.
+//! loop are for Wendland's kernel. Candidates outside the support, packing, the end of a row and
+//! distances that only find neighbours are omitted. So the fraction of the peak is that of useful
+//! work.
 //!
 //! The tests run the passes over numbers that count their operations, and obtain these counts.
 
@@ -19,10 +19,11 @@ pub const fn density(dimensions: usize) -> usize {
     3 * dimensions + 10
 }
 
-/// Returns the operations of the basic loop in `pass/rates/row.rs`: x_ab, v_ab and r² 4 D, 1/r and
-/// r 2, F 4, the shared division and its products 10, x·v and the signal 2 D, divergence 3,
-/// pressure 2, viscous factor and damping 2, acceleration 4 D, shifting 2 D.
+/// Returns the operations of the basic loop in `pass/rates/row.rs`.
 pub const fn rates(dimensions: usize) -> usize {
+    // x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division and its products 10, x·v and the
+    // signal 2 D, divergence 3, pressure 2, viscous factor and damping 2, acceleration 4 D,
+    // shifting 2 D.
     12 * dimensions + 23
 }
 
@@ -36,9 +37,9 @@ pub const WALLS: usize = 4;
 /// Operations added by walls to the gradients: the image factor.
 pub const WALLS_IN_GRADIENTS: usize = 2;
 
-/// Returns the operations added by the damping of noise to the rates: S_a + S_b by component, x·S·x
-/// 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7.
+/// Returns the operations added by the damping of noise to the rates.
 pub const fn damping(dimensions: usize) -> usize {
+    // S_a + S_b by component, x·S·x 2 D² + 2 D − 1, (c_a + c_b)/(ρ_a + ρ_b) 3, the rest 7.
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 9
 }
 
@@ -58,24 +59,25 @@ pub const fn stress(dimensions: usize) -> usize {
     components(dimensions) + 2 * dimensions * dimensions + 2 * dimensions + 1
 }
 
-/// Returns the operations of the loop in `pass/gradients.rs`: x_ab, v_ab and r² 4 D, 1/r and r 2, F
-/// 4, volume 2, the factors of the sums 3 D, gradient and moments 2 D² each.
+/// Returns the operations of the loop in `pass/gradients.rs`.
 pub const fn gradients(dimensions: usize) -> usize {
+    // x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, volume 2, the factors of the sums 3 D, gradient and
+    // moments 2 D² each.
     4 * dimensions * dimensions + 7 * dimensions + 8
 }
 
-/// Returns the operations of the loop in `pass/strain/row.rs`, density included: density 3 D + 10,
-/// F 5, x_ab once more, v_ab and the factors of the sums 4 D, the sums themselves 2 D + 1, gradient
-/// 2 D², moments D² + D.
+/// Returns the operations of the loop in `pass/strain/row.rs`, density included.
 pub const fn density_and_strain(dimensions: usize) -> usize {
+    // density 3 D + 10, F 5, x_ab once more, v_ab and the factors of the sums 4 D, the sums
+    // themselves 2 D + 1, gradient 2 D², moments D² + D.
     3 * dimensions * dimensions + 10 * dimensions + 16
 }
 
-/// Returns the operations of the basic loop in `pass/edac/row.rs`: x_ab, v_ab and r² 4 D, 1/r and r
-/// 2, F 4, the shared division and its products 5, weight 4, x·v and w·x 4 D − 2, divergence 3,
-/// difference and mean 3, viscous factor, diffusion and damping 4, pressure 1, the neighbour's
-/// stress 3, acceleration 6 D, background 2 D.
+/// Returns the operations of the basic loop in `pass/edac/row.rs`.
 pub const fn evolved_rates(dimensions: usize) -> usize {
+    // x_ab, v_ab and r² 4 D, 1/r and r 2, F 4, the shared division and its products 5, weight 4,
+    // x·v and w·x 4 D − 2, divergence 3, difference and mean 3, viscous factor, diffusion and
+    // damping 4, pressure 1, the neighbour's stress 3, acceleration 6 D, background 2 D.
     16 * dimensions + 27
 }
 

@@ -55,9 +55,9 @@ impl Discretisation {
         self.spacing.powi(self.dimensions as i32)
     }
 
-    /// Returns the edge of the grid's cells with which the passes are fastest, m: the support in
-    /// 2D, where a cell must hold enough rows to pay for its pack, and half of it in 3D, where
-    /// packs are culled.
+    /// Returns the edge of the grid cells with which the passes are fastest, m. It is the support
+    /// in 2D, where a cell needs enough rows to amortise its pack. In 3D, where packs are culled,
+    /// it is half the support.
     pub fn cell_size(&self) -> f64 {
         if self.dimensions == 2 { self.support } else { 0.5 * self.support }
     }

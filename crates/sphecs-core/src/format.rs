@@ -1,4 +1,4 @@
-//! Numbers as text for people: counts, durations, byte sizes and significant digits.
+//! Numbers as text for the user: counts, durations, byte sizes and significant digits.
 
 /// Returns a duration in s as `42 s`, `3 min 20 s` or `5 h 04 min`.
 pub fn duration(seconds: f64) -> String {

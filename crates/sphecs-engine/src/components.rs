@@ -2,8 +2,8 @@
 //! role.
 //!
 //! Every particle has a [`ParticleId`], the state components and exactly one role: [`Fluid`],
-//! [`Wall`], [`Inflow`], [`Outflow`] or [`Reservoir`]. bevy stores 8 B of change ticks per
-//! component and entity, so the components are few and wide. Values that only the integrator needs
+//! [`Wall`], [`Inflow`], [`Outflow`] or [`Reservoir`]. As bevy stores 8 B of change ticks per
+//! component and entity, the components are few and wide. Values that only the integrator needs
 //! remain in the [arrays](crate::arrays::Arrays).
 
 use bevy_ecs::bundle::Bundle;

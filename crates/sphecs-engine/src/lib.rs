@@ -5,7 +5,8 @@
 //! - [`arrays`]: the sorted particle columns as a resource
 //! - [`components`]: the state of a particle between two steps
 //! - [`plugins`]: the [`Plugin`](plugins::Plugin) interface, and the plugins of the engine itself
-//! - [`resources`]: scene, clock, particle counts and other data of the world beside the particles
+//! - [`resources`]: scene, clock, particle counts and other data of the world apart from the
+//!   particles
 //! - [`saved_state`]: everything that the next step depends on, as named columns
 //! - [`schedule`]: the two schedules of a step and their sets
 //! - [`simulation`]: the simulation, its builder and the reasons to stop

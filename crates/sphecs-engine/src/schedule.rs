@@ -31,7 +31,7 @@ pub enum StepSet {
     Shift,
     /// 4. Particles change zone: the only structural changes.
     Transition,
-    /// 5. Checks and counts. The set for systems of a user that observe the flow.
+    /// 5. Checks and counts; the set for user systems that observe the flow.
     Observe,
 }
 
@@ -46,9 +46,9 @@ pub enum StageSet {
     Boundary,
     /// 4. Velocity gradients and sub-particle stress.
     Gradients,
-    /// 5. Pair forces, and the rates of outflow particles.
+    /// 5. Pair forces and the rates of outflow particles.
     Rates,
-    /// 6. Body force. The set for forces of a user: see
+    /// 6. Body force; the set for user forces: see
     ///    [`AddedForces`](crate::systems::forces::AddedForces).
     Forces,
     /// 7. Time step, new velocities and positions.

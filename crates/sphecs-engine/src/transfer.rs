@@ -17,13 +17,14 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{ParticleRow, real_vector, vector};
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// Fills the arrays from the components of every particle that is not in the reservoir.
 ///
 /// A particle whose velocity, and under `EdacTvf` pressure, the caller left unchanged keeps its
 /// previous velocity and pressure and its drift. A changed or new particle takes a corrective step
 /// next: the integrator would start from the previous velocity and lose the change.
-pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
+pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: &mut ParticleArrays<R, D>) {
     let history = History::take(arrays);
     arrays.clear();
     let mut state = world.query_filtered::<(
@@ -64,14 +65,14 @@ pub(crate) fn gather<R: Real, const D: usize>(world: &mut World, arrays: &mut Pa
     }
 }
 
-/// Columns of the arrays that only the integrator needs, before the arrays are filled from the
-/// components.
+/// Columns of the arrays that only the integrator needs, saved before the arrays are filled from
+/// the components.
 struct History<R, const D: usize> {
     row_of: Vec<u32>,
     needs_restart: Vec<bool>,
     present: [Vec<R>; D],
     before: [Vec<R>; D],
-    /// Present pressure, Pa; empty if the pressure follows from the density.
+    /// Current pressure, Pa; empty if the pressure follows from the density.
     pressure: Vec<R>,
     previous_pressure: Vec<R>,
     /// Drift, m/s; empty if it is not stored.
@@ -86,7 +87,7 @@ struct Past {
     needs_restart: bool,
 }
 
-impl<R: Real, const D: usize> History<R, D> {
+impl<R: PairReal<D>, const D: usize> History<R, D> {
     fn take(arrays: &mut ParticleArrays<R, D>) -> Self {
         let columns = |columns: &mut [Vec<R>; D]| columns.each_mut().map(std::mem::take);
         Self {
@@ -100,8 +101,8 @@ impl<R: Real, const D: usize> History<R, D> {
         }
     }
 
-    /// Returns the past of a particle if its velocity (m/s) and, under `EdacTvf`, its pressure (Pa)
-    /// are unchanged.
+    /// Returns the previous values of a particle if its velocity (m/s) and, under `EdacTvf`, its
+    /// pressure (Pa) are unchanged.
     fn of(&self, id: u32, velocity: DVec3, pressure: f64) -> Option<Past> {
         let row = *self.row_of.get(id as usize).filter(|&&row| row != u32::MAX)? as usize;
         let evolves = !self.pressure.is_empty();
@@ -120,7 +121,7 @@ impl<R: Real, const D: usize> History<R, D> {
 const CHUNK: usize = 8192;
 
 /// Writes the state of every row to the components of its particle.
-pub(crate) fn scatter<R: Real, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
+pub(crate) fn scatter<R: PairReal<D>, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {
     let row_of = rows_by_number(&arrays.id);
     let mut state = world.query_filtered::<(
         &ParticleId,

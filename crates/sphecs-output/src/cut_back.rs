@@ -2,7 +2,7 @@
 //!
 //! The journal keeps the frames that the checkpoint counts, the CSV files keep their bytes, and
 //! packed files are removed. A packed run gets its journal back first. Every step can be
-//! interrupted and repeated: nothing is removed before its replacement is complete.
+//! interrupted and repeated, because nothing is removed before its replacement is complete.
 
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,7 @@ use crate::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 /// Checks that the output counted by a checkpoint exists.
 ///
 /// # Errors
-/// Output that is missing.
+/// The missing output.
 pub fn has_output(run: &Path, facts: &Facts) -> Result<(), String> {
     let frames = frames(run).map_err(|error| error.to_string())?;
     if frames < facts.frames {
@@ -98,8 +98,8 @@ fn unpack(run: &Path, journal: &Path, header: &Header, count: u64) -> Result<(),
     disk::sync_folder(run)
 }
 
-/// Removes slots at the end that had no particle at the time: the packed file has the slots of its
-/// last frame.
+/// Removes slots at the end that had no particle at the time, since the packed file has the slots
+/// of its last frame.
 fn trim(frame: &mut Frame) {
     let present = frame.zone.iter().rposition(|&zone| zone != ABSENT).map_or(0, |last| last + 1);
     frame.resize(present);

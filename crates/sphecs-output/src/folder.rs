@@ -48,8 +48,8 @@ pub struct RunFolder {
 ///
 /// # Errors
 /// [`OutputError::Exists`] when it holds an earlier run and `force` is not given,
-/// [`OutputError::Foreign`] when it holds something else, [`OutputError::Busy`] when another
-/// process writes it.
+/// [`OutputError::Foreign`] when it holds other files, [`OutputError::Busy`] when another process
+/// writes it.
 pub fn check_free(path: &Path, force: bool) -> Result<(), OutputError> {
     if !path.exists() {
         return Ok(());
@@ -83,8 +83,8 @@ impl RunFolder {
         check_free(path, force)?;
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         fs::create_dir_all(parent).map_err(OutputError::io(parent, "make the folder"))?;
-        // Processes that make the same folder wait for each other: the second finds the run of the
-        // first.
+        // Processes that make the same folder wait for each other, so the second finds the run of
+        // the first.
         let parent_lock = File::open(parent).map_err(OutputError::io(parent, "read"))?;
         // A file system without locks must not stop a run.
         let _parent_lock = parent_lock.lock().is_ok().then_some(parent_lock);
@@ -262,7 +262,8 @@ impl RunFolder {
         let ended = frames.map_or(Ok(0), FrameWriter::finish);
         summary.frames = *ended.as_ref().unwrap_or(&written.unwrap_or(0));
         summary.run = self.header.clone();
-        // The summary first: it has the reason of the end even when the disk is too full to pack.
+        // The summary is written first, so that it has the reason of the end even if the disk is
+        // too full to pack.
         summary.write(&self.path)?;
         ended?;
         pack_locked(&self.path, &self.header)

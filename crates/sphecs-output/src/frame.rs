@@ -18,7 +18,7 @@ pub const ABSENT: u8 = 255;
 /// State at one time; slot i belongs to the particle with number i.
 ///
 /// Positions are f64, all other columns f32. The last digit of f32, 6e-8 of the value, is far below
-/// the error of the scheme, but positions in f32 would lose the distances of neighbours in a long
+/// the error of the scheme. Positions, however, would lose the distances of neighbours in a long
 /// domain. Reservoir particles and absent slots have NaN in all floating-point columns.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {

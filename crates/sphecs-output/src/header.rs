@@ -20,13 +20,13 @@ pub struct Header {
     /// Tables that the scene names: path as written, and text. Stored as `tables.json`.
     #[serde(skip)]
     pub tables: Vec<(String, String)>,
-    /// Changes to the scene by `sphecs resume --set`: path and value, in their order.
+    /// Changes to the scene by `sphecs resume --set`, as path and value, in their order.
     #[serde(default)]
     pub changes: Vec<(String, String)>,
-    /// End that the user gave in place of the scene's, s.
+    /// End given on the command line, s.
     #[serde(default)]
     pub until: Option<f64>,
-    /// Largest number of steps that the user gave.
+    /// Largest number of steps given on the command line.
     #[serde(default, rename = "most_steps")]
     pub max_steps: Option<u64>,
     /// SHA-256 of `text`, hexadecimal.
@@ -187,7 +187,7 @@ impl Header {
         let mut hash = Sha256::new();
         let parts = self.tables.iter().flat_map(|(path, text)| [path, text]);
         for part in std::iter::once(&self.text).chain(parts) {
-            // The lengths make the bytes of different lists of texts different.
+            // The lengths make sure that different lists of texts have different bytes.
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part.as_bytes());
         }

@@ -1,8 +1,8 @@
-//! Journal of a run: one complete NetCDF file per frame, written by a thread of its own.
+//! Journal of a run: one complete NetCDF file per frame, written by the writer thread.
 //!
 //! A growing NetCDF-4 file is not crash-safe: a kill between two frames can lose all of them, and a
-//! full disk is noticed at the close only. A file per frame that gets its name when it is complete
-//! and durable cannot be lost by later writes (test `tests/killed_run.rs`).
+//! full disk is noticed only when the file is closed. A file per frame, named when it is complete
+//! and durable, cannot be lost by later writes (test `tests/killed_run.rs`).
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -19,8 +19,8 @@ use super::header::Header;
 use super::netcdf::particles;
 use super::paths;
 
-/// Largest number of waiting frames: one is written while the next is ready. More would only hide a
-/// slow disk.
+/// Largest number of waiting frames, so that one is ready while another is written. More would only
+/// hide a slow disk.
 const QUEUE: usize = 1;
 
 /// Returns the complete frames of a journal in order of time.
@@ -57,7 +57,7 @@ enum Item {
     Checkpoint(Box<Checkpoint>, Vec<File>),
 }
 
-/// Step that stands for no checkpoint.
+/// Step number that means no checkpoint.
 const NO_STEP: u64 = u64::MAX;
 
 /// Submits frames and checkpoints to the writer thread, so that the flow advances meanwhile.

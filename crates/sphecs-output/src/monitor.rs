@@ -1,8 +1,7 @@
 //! Integral quantities of the flow over time: `monitor.csv` and `monitor.nc`.
 //!
-//! The CSV file is written row by row during the run, its columns are named `name [unit]`. The
-//! NetCDF file is made from it when the run is packed and has the same columns as variables over
-//! `time`.
+//! The CSV file is written row by row during the run, with columns named `name [unit]`. Packing the
+//! run makes the NetCDF file from it, with the same columns as variables over `time`.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +9,7 @@ use super::error::OutputError;
 use super::header::Header;
 use super::netcdf::dataset::Dataset;
 use super::paths::{MONITOR_CSV, MONITOR_NETCDF};
-use super::table::{Column, Table, TableWriter, number, safe_names};
+use super::table::{Table, TableColumn, TableWriter, number, safe_names};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::systems::monitor::MonitorRow;
 
@@ -22,14 +21,14 @@ pub struct MonitorWriter {
 }
 
 /// Returns column and long name of each quantity of a row.
-fn columns(header: &Header) -> Vec<(Column, String)> {
+fn columns(header: &Header) -> Vec<(TableColumn, String)> {
     // In 2D all extensive quantities are per metre of depth.
     let planar = header.dimensions == 2;
     let [mass, mass_flow, energy, momentum] =
         if planar { ["kg m-1", "kg m-1 s-1", "J m-1", "kg s-1"] } else { ["kg", "kg s-1", "J", "kg m s-1"] };
     let mut columns = Vec::new();
     let mut add =
-        |name: String, unit: &str, long_name: String| columns.push((Column::new(name, unit), long_name));
+        |name: String, unit: &str, long_name: String| columns.push((TableColumn::new(name, unit), long_name));
     add("time".into(), "s", "time since the start of the run".into());
     add("step".into(), "1", "steps done".into());
     add("time_step".into(), "s", "size of the last step".into());
@@ -75,7 +74,7 @@ impl MonitorWriter {
     /// # Errors
     /// [`OutputError::Io`] when the write fails.
     pub fn create(folder: &Path, header: &Header) -> Result<Self, OutputError> {
-        let columns: Vec<Column> = columns(header).into_iter().map(|(column, _)| column).collect();
+        let columns: Vec<TableColumn> = columns(header).into_iter().map(|(column, _)| column).collect();
         Ok(Self {
             table: TableWriter::create(&folder.join(MONITOR_CSV), &columns)?,
             dimensions: header.dimensions,

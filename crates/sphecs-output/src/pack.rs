@@ -78,7 +78,7 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
         })?;
     }
     let packed_journal = folder.join(PACKED_JOURNAL);
-    // Left by an earlier removal that was interrupted.
+    // An earlier, interrupted removal may have left it.
     remove_folder(&packed_journal)?;
     fs::rename(journal, &packed_journal).map_err(OutputError::io(journal, "rename"))?;
     disk::sync_folder(folder)?;

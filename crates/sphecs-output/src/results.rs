@@ -61,7 +61,8 @@ impl Results {
             frames: Vec::new(),
             packed: None,
         };
-        // A journal has all frames: `particles.nc` beside it is an incomplete copy after a kill.
+        // If there is a journal, it has all frames, and `particles.nc` is an incomplete copy left
+        // by a kill.
         let journal = folder.join(JOURNAL);
         if journal.exists() {
             let walls = paths::walls(&journal);
@@ -91,7 +92,7 @@ impl Results {
         self.frames.len()
     }
 
-    /// Returns true without frames.
+    /// Returns true if there are no frames.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
@@ -127,7 +128,7 @@ impl Results {
     pub fn frame(&self, index: usize) -> Result<Frame, OutputError> {
         let Some((source, _)) = self.frames.get(index) else {
             return Err(OutputError::Request(format!(
-                "`{}`: has no frame {index}, its frames are 0 to {}",
+                "`{}`: has no frame {index}, must be from 0 to {}",
                 self.folder.display(),
                 self.len().saturating_sub(1)
             )));

@@ -1,4 +1,4 @@
-//! Tables as CSV: one header line of `name [unit]` that pandas reads, and one flushed line per row.
+//! CSV tables with a header line of `name [unit]` that pandas reads and one flushed line per row.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -10,17 +10,17 @@ use super::error::OutputError;
 
 /// Column with its name and its unit in UDUNITS notation; text columns have no unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Column {
+pub(crate) struct TableColumn {
     pub name: String,
     pub unit: Option<String>,
 }
 
-impl Column {
-    pub fn new(name: impl Into<String>, unit: &str) -> Self {
+impl TableColumn {
+    pub(crate) fn new(name: impl Into<String>, unit: &str) -> Self {
         Self { name: name.into(), unit: Some(unit.to_owned()) }
     }
 
-    pub fn of_text(name: &str) -> Self {
+    pub(crate) fn of_text(name: &str) -> Self {
         Self { name: name.to_owned(), unit: None }
     }
 
@@ -41,7 +41,7 @@ impl Column {
 
 /// Returns the shortest text that reads back as the same double, with an exponent for very small
 /// and large numbers.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-4..1e15).contains(&size) || !value.is_finite() {
         format!("{value}")
@@ -52,7 +52,7 @@ pub fn number(value: f64) -> String {
 
 /// Appends rows to a CSV file.
 #[derive(Debug)]
-pub struct TableWriter {
+pub(crate) struct TableWriter {
     path: PathBuf,
     file: File,
     length: u64,
@@ -60,15 +60,15 @@ pub struct TableWriter {
 
 impl TableWriter {
     /// Creates a file with its header.
-    pub fn create(path: &Path, columns: &[Column]) -> Result<Self, OutputError> {
+    pub(crate) fn create(path: &Path, columns: &[TableColumn]) -> Result<Self, OutputError> {
         let file = File::create(path).map_err(OutputError::io(path, "write"))?;
         let mut writer = Self { path: path.to_path_buf(), file, length: 0 };
-        writer.append([columns.iter().map(Column::title).collect::<Vec<_>>()])?;
+        writer.append([columns.iter().map(TableColumn::title).collect::<Vec<_>>()])?;
         Ok(writer)
     }
 
-    /// Opens a file and cuts it off after its first `length` bytes.
-    pub fn resume(path: &Path, length: u64) -> Result<Self, OutputError> {
+    /// Opens a file and truncates it to its first `length` bytes.
+    pub(crate) fn resume(path: &Path, length: u64) -> Result<Self, OutputError> {
         let refused = || OutputError::io(path, "cut back");
         let mut file = File::options().write(true).open(path).map_err(refused())?;
         file.set_len(length).map_err(refused())?;
@@ -77,23 +77,23 @@ impl TableWriter {
     }
 
     /// Returns the number of bytes written.
-    pub fn length(&self) -> u64 {
+    pub(crate) fn length(&self) -> u64 {
         self.length
     }
 
     /// Returns a second handle of the file, for the thread that makes it durable.
-    pub fn handle(&self) -> Result<File, OutputError> {
+    pub(crate) fn handle(&self) -> Result<File, OutputError> {
         self.file.try_clone().map_err(OutputError::io(&self.path, "open"))
     }
 
     /// Appends rows in one write, so that a kill leaves at most one incomplete line at the end.
-    pub fn append(&mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
+    pub(crate) fn append(&mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
         let lines: String = rows.into_iter().map(|row| line(&row) + "\n").collect();
         self.append_lines(&lines)
     }
 
     /// Appends complete lines in one write.
-    pub fn append_lines(&mut self, lines: &str) -> Result<(), OutputError> {
+    pub(crate) fn append_lines(&mut self, lines: &str) -> Result<(), OutputError> {
         let written = self.file.write_all(lines.as_bytes());
         written.map_err(OutputError::io(&self.path, "write"))?;
         self.length += lines.len() as u64;
@@ -102,7 +102,7 @@ impl TableWriter {
 }
 
 /// Returns the cells of a row as CSV, without an end of line.
-pub fn line(cells: &[String]) -> String {
+pub(crate) fn line(cells: &[String]) -> String {
     let quoted = cells.iter().map(|cell| {
         if cell.contains([',', '"', '\n', '\r']) {
             format!("\"{}\"", cell.replace('"', "\"\""))
@@ -115,21 +115,21 @@ pub fn line(cells: &[String]) -> String {
 
 /// A CSV file in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
-    pub columns: Vec<Column>,
+pub(crate) struct Table {
+    pub columns: Vec<TableColumn>,
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// Reads a file; an incomplete last line, as after a kill, is omitted.
-    pub fn read(path: &Path) -> Result<Self, OutputError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, OutputError> {
         let mut rows = Vec::new();
         let columns = for_each_row(path, |row| rows.push(row.iter().map(str::to_owned).collect()))?;
         Ok(Self { columns, rows })
     }
 
     /// Returns the numbers of a column; NaN for empty cells and text.
-    pub fn numbers(&self, column: usize) -> Vec<f64> {
+    pub(crate) fn numbers(&self, column: usize) -> Vec<f64> {
         self.rows.iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
     }
 }
@@ -138,7 +138,10 @@ impl Table {
 /// columns.
 ///
 /// An incomplete last line, as after a kill, is omitted.
-pub fn for_each_row(path: &Path, mut visit: impl FnMut(&StringRecord)) -> Result<Vec<Column>, OutputError> {
+pub(crate) fn for_each_row(
+    path: &Path,
+    mut visit: impl FnMut(&StringRecord),
+) -> Result<Vec<TableColumn>, OutputError> {
     let open = || {
         let mut file = File::open(path)?;
         let length = whole_lines(&mut file)?;
@@ -148,7 +151,7 @@ pub fn for_each_row(path: &Path, mut visit: impl FnMut(&StringRecord)) -> Result
     let damaged =
         |error: csv::Error| OutputError::Damaged { path: path.to_path_buf(), what: error.to_string() };
     let mut reader = csv::Reader::from_reader(open().map_err(OutputError::io(path, "read"))?);
-    let columns = reader.headers().map_err(damaged)?.iter().map(Column::from_title).collect();
+    let columns = reader.headers().map_err(damaged)?.iter().map(TableColumn::from_title).collect();
     let mut row = StringRecord::new();
     while reader.read_record(&mut row).map_err(damaged)? {
         visit(&row);
@@ -173,9 +176,9 @@ fn whole_lines(file: &mut File) -> std::io::Result<u64> {
     Ok(0)
 }
 
-/// Returns distinct names of letters, digits and `_` for patches and probes, as parts of variable
+/// Returns unique names of letters, digits and `_` for patches and probes, for use in variable
 /// names.
-pub fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+pub(crate) fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut safe: Vec<String> = Vec::new();
     for name in names {
         let mut plain: String =
@@ -209,7 +212,7 @@ mod tests {
     fn incomplete_last_line_is_omitted() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table.csv");
-        let columns = vec![Column::new("time", "s"), Column::of_text("probe, or so")];
+        let columns = vec![TableColumn::new("time", "s"), TableColumn::of_text("probe, or so")];
         let mut writer = TableWriter::create(&path, &columns).expect("created");
         writer.append([vec!["0.5".to_owned(), "a \"b\"".to_owned()]]).expect("written");
         writer.file.write_all(b"0.75,cut o").expect("written");
@@ -223,7 +226,7 @@ mod tests {
     fn rows_beyond_the_length_are_cut_off_and_new_ones_follow() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table.csv");
-        let mut writer = TableWriter::create(&path, &[Column::new("time", "s")]).expect("created");
+        let mut writer = TableWriter::create(&path, &[TableColumn::new("time", "s")]).expect("created");
         writer.append([vec!["0.5".to_owned()]]).expect("written");
         let length = writer.length();
         writer.append([vec!["0.75".to_owned()], vec!["1".to_owned()]]).expect("written");

@@ -4,7 +4,7 @@ use super::RunOptions;
 use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk::free_space;
 use sphecs_output::error::OutputError;
-use sphecs_scene::disk_estimate::Demand;
+use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::model::Scene;
 
 /// Compares the size of the results with the free disk space.
@@ -12,20 +12,20 @@ use sphecs_scene::model::Scene;
 /// # Errors
 /// [`OutputError::DiskFull`] with the options that would make the results fit.
 pub fn check(scene: &Scene, options: &RunOptions) -> Result<(), OutputError> {
-    let demand = Demand::of(scene, options.until, options.max_steps);
+    let estimate = DiskEstimate::new(scene, options.until, options.max_steps);
     let Some(free) = free_space(&options.folder) else { return Ok(()) };
-    if demand.bytes() <= free as f64 {
+    if estimate.bytes() <= free as f64 {
         return Ok(());
     }
-    let every = demand.fitting_interval(scene.output.every, free as f64);
+    let every = estimate.fitting_interval(scene.output.every, free as f64);
     let interval = match every {
         Some(every) => format!("raise `output.every` to at least {} s", significant(1.01 * every)),
         None => "raise `output.monitor_every` or give another folder by `--out`".to_owned(),
     };
     Err(OutputError::DiskFull {
         path: options.folder.clone(),
-        what: format!("a run with {} frames", grouped(demand.frames as u64)),
-        needed: demand.bytes() as u64,
+        what: format!("a run with {} frames", grouped(estimate.frames as u64)),
+        needed: estimate.bytes() as u64,
         free,
         cure: format!("{interval}, or start anyway by `--allow-oversize`"),
     })

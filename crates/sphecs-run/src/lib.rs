@@ -8,7 +8,8 @@
 //! - [`progress`]: speed, time left and their display
 //! - [`disk_check`]: free disk space before the start
 //! - [`memory`]: memory of the machine
-//! - [`console`], [`signals`], [`threads`], [`error`]: the process that a run lives in
+//! - [`console`], [`signals`], [`threads`], [`error`]: terminal, signals, threads and errors of the
+//!   process
 
 pub mod console;
 pub mod disk_check;
@@ -35,7 +36,7 @@ use threads::on_threads;
 use sphecs_output::folder::check_free;
 use sphecs_scene::model::Scene;
 
-/// Options of a run beside its scene.
+/// Options of a run that are not part of its scene.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
     /// Folder for the results.
@@ -44,11 +45,11 @@ pub struct RunOptions {
     pub force: bool,
     /// Number of threads; None: one for each core.
     pub threads: Option<usize>,
-    /// End, s, in place of the scene's.
+    /// End, s; overrides the scene.
     pub until: Option<f64>,
     /// Largest number of steps.
     pub max_steps: Option<u64>,
-    /// Wall time between checkpoints, s, in place of the scene's.
+    /// Wall time between checkpoints, s; overrides the scene.
     pub checkpoint_every: Option<f64>,
     /// Wall time after which the run stops, s.
     pub max_wall_time: Option<f64>,
@@ -83,7 +84,7 @@ pub fn run(scene: Scene, options: &RunOptions) -> Result<Ending, RunError> {
 /// # Errors
 /// As [`run`].
 pub fn run_on_current_pool(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Ending, RunError> {
-    // Checked before time is spent on filling the domain, and again when the folder is made.
+    // The folder is checked before the domain is filled, and again when the folder is made.
     check_free(&options.folder, options.force)?;
     if !options.allow_oversize {
         disk_check::check(&scene, options)?;

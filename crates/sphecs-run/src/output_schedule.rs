@@ -40,7 +40,8 @@ impl OutputInterval {
         if time < self.time() {
             return false;
         }
-        // Multiples, not a running sum, which would be off by many roundings after a million rows.
+        // The time is a multiple of the interval; a running sum would accumulate rounding errors
+        // over a million rows.
         self.next = (time / self.every).floor() as u64 + 1;
         if self.time() <= time {
             self.next += 1;
@@ -54,7 +55,7 @@ impl OutputInterval {
     }
 }
 
-/// Longest wait in the schedule, a century: longer ones are never reached.
+/// Longest wait in the schedule, a century, s; longer ones are never reached.
 const NEVER: Duration = Duration::from_secs(100 * 365 * 86_400);
 
 /// Returns a wall time given in s; values that `Duration` cannot hold become its maximum.
@@ -100,7 +101,7 @@ mod tests {
     #[test]
     fn each_time_is_served_once_by_the_first_step_at_or_past_it() {
         let mut interval = OutputInterval::every(0.05);
-        // No multiple of this step is a multiple of 0.05, so that rounding decides nothing.
+        // No multiple of this step is a multiple of 0.05, so rounding has no effect.
         let step = 0.0071;
         let served: Vec<u64> = (0..100).filter(|&k| interval.advance(k as f64 * step)).collect();
         let expected: Vec<u64> = (0..15).map(|n| (n as f64 * 0.05 / step).ceil() as u64).collect();

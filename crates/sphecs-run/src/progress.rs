@@ -11,12 +11,12 @@ use sphecs_engine::resources::clock::Clock;
 /// follow a time step that shrinks as the flow starts.
 const WINDOW: f64 = 60.0;
 
-/// Shortest wall time between two samples, s: with steps of microseconds the window would hold
-/// millions.
+/// Shortest wall time between two samples, s. With steps of microseconds the window would otherwise
+/// hold millions.
 const SAMPLING: f64 = 0.25;
 
-/// Wall time between two lines of a log: rare enough for a run of days, often enough to show that
-/// it advances.
+/// Wall time between two lines of a log, rare enough for a run of days and frequent enough to show
+/// progress.
 const LINE_INTERVAL: Duration = Duration::from_secs(30);
 
 /// Wall time between two drawings of the bar.
@@ -100,8 +100,8 @@ pub struct ProgressDisplay {
 }
 
 impl ProgressDisplay {
-    /// Returns a bar if standard error is a terminal, else lines on standard output; nothing when
-    /// quiet.
+    /// Returns a bar if standard error is a terminal, lines on standard output otherwise, and
+    /// nothing when quiet.
     pub fn new(console: Console) -> Self {
         let bar = if console == Console::Quiet { None } else { Bar::on_terminal() };
         Self { console, bar, last: Instant::now(), has_printed: false }

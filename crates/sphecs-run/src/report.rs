@@ -19,12 +19,12 @@ use sphecs_output::header::Header;
 use sphecs_output::pack::Packed;
 use sphecs_output::summary::Status;
 use sphecs_scene::model::{Patch, Scene};
-use sphecs_scene::summary::{Summary, summary};
+use sphecs_scene::summary::{SceneSummary, summary};
 
 /// Returns the summary of a run to `until`, s, printed before its first step.
 pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOptions) -> String {
-    // The ledger has the particles: placing them once more would take as long as filling the
-    // domain.
+    // The counts come from the ledger, since placing the particles again would take as long as
+    // filling the domain.
     let figures = summary(scene, &[]);
     let mut rows = scene_rows(scene, &figures, ledger.by_zone, until, options.max_steps);
     let machine = format!(
@@ -40,7 +40,7 @@ pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOp
 /// Returns particles, resolution, flow and steps of a run to `until`, s, as rows of a table.
 pub fn scene_rows(
     scene: &Scene,
-    figures: &Summary,
+    figures: &SceneSummary,
     by_zone: [u64; 5],
     until: f64,
     max_steps: Option<u64>,
@@ -65,7 +65,7 @@ pub fn scene_rows(
 }
 
 /// Returns a table of rows below the title of the scene, followed by the notes on the scene.
-pub fn scene_table(scene: &Scene, figures: &Summary, rows: &[(&str, String)]) -> String {
+pub fn scene_table(scene: &Scene, figures: &SceneSummary, rows: &[(&str, String)]) -> String {
     let notes: String = figures.notes.iter().map(|note| format!("\n  note: {note}")).collect();
     format!("{} ({}D)\n{}{notes}", scene.title, scene.dimensions, two_columns(rows))
 }
@@ -133,7 +133,7 @@ fn reached(clock: &Clock, wall_time: f64) -> String {
     )
 }
 
-/// Returns the wall time by stage in the order of the step, with its share of the whole.
+/// Returns the wall time by stage in the order of the step, with its share of the total.
 fn stages(times: &[(&str, f64)], total: f64) -> String {
     let rows: Vec<(&str, String)> = times
         .iter()
@@ -251,10 +251,9 @@ pub fn failure_report(
     }
 }
 
-/// Returns a line on the outlet near a particle that diverged, whose condition is the first
-/// suspect.
+/// Returns a line on the outlet near a particle that diverged, whose condition is a likely cause.
 ///
-/// Near means in the zone of the outlet or within two kernel supports upstream of it.
+/// The outlet counts as near if the particle is in its zone or within two kernel supports of it.
 fn near_outlet(scene: &Scene, diverged: &DivergedParticle) -> Option<String> {
     let reach = 2.0 * scene.discretisation.support;
     let near = |patch: &Patch| {
@@ -265,7 +264,7 @@ fn near_outlet(scene: &Scene, diverged: &DivergedParticle) -> Option<String> {
     let along = outlet.patch.along(diverged.position) / scene.spacing;
     let side = if along < 0.0 { "upstream" } else { "downstream" };
     Some(format!(
-        "\nit is {} Δ {side} of the plane of outlet {number}, `{}`, which may be the cause: see docs/which_outlet.md",
+        "\nit is {} Δ {side} of the plane of outlet {number}, `{}`, which may be the cause: see the guide \"Choosing an outlet\" of the manual",
         significant(along.abs()),
         outlet.condition.parameters().name()
     ))

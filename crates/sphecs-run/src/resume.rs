@@ -1,8 +1,8 @@
 //! Continuation of a run from its last checkpoint, bitwise identical to an uninterrupted run.
 //!
-//! The folder is left alone until a checkpoint is found that is complete, belongs to this scene and
-//! this instruction set, and whose output is there. Then the output is cut back to it. A run that
-//! was killed before its first checkpoint starts again.
+//! The folder is not changed until a complete checkpoint of this scene and instruction set is found
+//! whose output exists. Then the output is cut back to it. A run that was killed before its first
+//! checkpoint starts again.
 
 use std::path::PathBuf;
 
@@ -172,7 +172,7 @@ fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<(PathBuf, C
             checkpoint.facts.lanes
         );
         if !options.allow_other_isa {
-            // On a line of its own: within a longer line it might be broken at a hyphen.
+            // The option has its own line; in a longer line it might be broken at a hyphen.
             return Err(request(format!("{differ};\nto resume anyway, give `--allow-other-isa`")));
         }
         options.run.console.warn(&format!("note: {differ}"));

@@ -1,4 +1,4 @@
-//! Loop of a run: steps, output when it is due, progress, and the reasons to stop.
+//! Loop of a run: steps, scheduled output, progress and the reasons to stop.
 
 use std::time::Instant;
 
@@ -23,7 +23,7 @@ use sphecs_output::probes::ProbeSet;
 use sphecs_output::summary::{LedgerCounts, StageTime, Status, Summary, this_build};
 use sphecs_scene::model::{ForcesEvery, Scene};
 
-/// Run between its first and its last step.
+/// A run in progress.
 pub struct RunLoop {
     simulation: Simulation,
     folder: RunFolder,
@@ -147,8 +147,8 @@ impl RunLoop {
             Ok(Halt::OutOfTime) => self.close(Status::OutOfTime).map(|()| Ending::OutOfTime),
             Ok(Halt::Flow(stop)) => Err(self.close_after_failure(stop)),
             Err(error) => {
-                // The first error is reported: closing may well fail for the same reason, a full
-                // disk.
+                // The first error is reported, since closing may fail for the same reason, such as
+                // a full disk.
                 let summary = self.summary(Status::Failed, Some(error.to_string()));
                 let _second = self.folder.finish(summary);
                 Err(error.into())
@@ -162,7 +162,8 @@ impl RunLoop {
             let now = Instant::now();
             let halt = self.halt(now);
             let is_requested = self.signals.take_checkpoint_request();
-            // Before the last row and frame, which an uninterrupted run would not write.
+            // The checkpoint precedes the last row and frame, which an uninterrupted run would not
+            // write.
             if halt.is_some() || self.wall_clock.is_checkpoint_due(now) || is_requested {
                 self.write_checkpoint(now)?;
             }
@@ -247,8 +248,8 @@ impl RunLoop {
         Ok(())
     }
 
-    /// Writes the forces of the last step if every step or the monitor row at its beginning asks
-    /// for them.
+    /// Writes the forces of the last step if they are due in every step or with the monitor row at
+    /// its beginning.
     fn write_forces(&mut self) -> Result<(), OutputError> {
         let row = self.simulation.body_forces();
         let every_step = self.simulation.scene().output.forces == ForcesEvery::Step;
@@ -260,7 +261,8 @@ impl RunLoop {
 
     fn write_last_output(&mut self) -> Result<(), OutputError> {
         let step = Some(self.simulation.clock().step);
-        // A row may have been due at this step without a frame; a second one would repeat its time.
+        // A row may already be written at this step without a frame; a second one would repeat its
+        // time.
         if self.state.last_row_step != step {
             self.write_row()?;
         }

@@ -1,4 +1,4 @@
-//! State of the run loop that a checkpoint saves beside the state of the flow.
+//! State of the run loop that a checkpoint saves in addition to the state of the flow.
 
 use serde::{Deserialize, Serialize};
 

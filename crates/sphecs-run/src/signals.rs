@@ -1,4 +1,4 @@
-//! Signals that a run obeys: SIGINT and SIGTERM stop it after its step, SIGUSR1 asks for a
+//! Signals that a run obeys: SIGINT and SIGTERM stop it after its step, SIGUSR1 requests a
 //! checkpoint.
 //!
 //! The first SIGINT or SIGTERM ends the run with complete files and a checkpoint, the second ends

@@ -9,13 +9,13 @@ pub struct Body {
     pub name: String,
     /// Index of the part.
     pub part: u16,
-    /// Point that torques are about, m.
+    /// Reference point of torques, m.
     pub about: DVec3,
     /// Reference that makes forces dimensionless; None: there are no coefficients.
     pub reference: Option<BodyReference>,
     /// Interval of the time mean and of the spectrum, s.
     pub mean: (f64, f64),
-    /// True if means, amplitudes and spectrum are of the running mean over five rows.
+    /// True if means, amplitudes and spectrum are those of the running mean over five rows.
     pub five_point_mean: bool,
 }
 

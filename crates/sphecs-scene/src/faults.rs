@@ -1,4 +1,4 @@
-//! Faults of a scene: every one found in a run, each with its place, what is there and what may be.
+//! Faults of a scene, each with its position, the value found and the values allowed.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,28 +7,28 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
 
 use super::notation::tree::Span;
 
-/// One fault: where, what is, what must be, what to do.
+/// One fault: position, value found, values allowed and advice.
 #[derive(Clone, Debug)]
 pub struct Fault {
     /// Description of the fault, in one line.
     pub title: String,
-    /// The marked text; None for faults without a place.
+    /// Marked part of the text; None for faults without a position.
     pub span: Option<Span>,
     /// Value found and values allowed.
     pub label: String,
-    /// Advice on the cure.
+    /// Advice on how to correct it.
     pub help: Option<String>,
-    /// Another text than the scene's: a table, or the value of a `--set`.
+    /// Text that the position refers to if it is not the scene: a table or the value of a `--set`.
     pub source: Option<Arc<NamedSource<String>>>,
 }
 
 impl Fault {
-    /// A fault at a place of the scene's text.
+    /// Returns a fault at a position of the scene's text.
     pub fn new(title: impl Into<String>, span: Span, label: impl Into<String>) -> Self {
         Self { title: title.into(), span: Some(span), label: label.into(), help: None, source: None }
     }
 
-    /// A fault that no text shows.
+    /// Returns a fault without a position.
     pub fn placeless(title: impl Into<String>) -> Self {
         Self { title: title.into(), span: None, label: String::new(), help: None, source: None }
     }
@@ -40,7 +40,7 @@ impl Fault {
         self
     }
 
-    /// Places the fault in a text of its own, such as a table.
+    /// Moves the fault into another text, such as a table.
     #[must_use]
     pub fn in_text(mut self, name: &str, text: &str) -> Self {
         self.source = Some(Arc::new(NamedSource::new(name, text.to_owned())));
@@ -83,18 +83,18 @@ pub struct SceneErrors {
 }
 
 impl SceneErrors {
-    /// The faults of a text, sorted by place.
+    /// Returns the faults of a text, sorted by position.
     pub fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         faults.sort_by_key(|fault| fault.span.map_or((usize::MAX, 0), |s| (s.start, s.end)));
         Self { source: NamedSource::new(name, text.to_owned()), faults }
     }
 
-    /// The faults, in the order of the text.
+    /// Returns the faults, in the order of the text.
     pub fn faults(&self) -> &[Fault] {
         &self.faults
     }
 
-    /// Line and column of a fault, from 1, counted in characters; None without a place.
+    /// Returns line and column of a fault, from 1, counted in characters; None without a position.
     pub fn position(&self, fault: &Fault) -> Option<(usize, usize)> {
         let text = fault.source.as_deref().unwrap_or(&self.source).inner().as_str();
         let before = text.get(..fault.span?.start)?;
@@ -126,22 +126,22 @@ impl Diagnostic for SceneErrors {
     }
 }
 
-/// The candidate most like `name`, if any is like it at all.
+/// Returns the candidate most similar to `name`, if one is similar enough.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
         .map(|candidate| {
-            let likeness =
+            let similarity =
                 strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase())
                     .max(0.95 * strsim::jaro_winkler(name, candidate) - 0.25);
-            (candidate, likeness)
+            (candidate, similarity)
         })
-        .filter(|(_, likeness)| *likeness > 0.4)
+        .filter(|(_, similarity)| *similarity > 0.4)
         .max_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(candidate, _)| candidate)
 }
 
-/// "did you mean `near`? allowed: a, b, c".
+/// Returns advice such as "did you mean `near`? allowed: a, b, c".
 pub fn advice<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let allowed = candidates.clone().into_iter().map(|c| format!("`{c}`")).collect::<Vec<_>>().join(", ");
     match nearest(name, candidates) {

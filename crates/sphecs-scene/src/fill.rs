@@ -1,10 +1,10 @@
 //! Roles of the points of the lattice (or of wall-fitted rows): fluid, wall, inflow or outflow.
 //!
-//! A point is inside when it and all points Δ/4 around it are: a wall that misses the middle
-//! between two rows by less than Δ/4 still has one row on each side. Inside points beyond a patch's
-//! plane belong to its zone, up to its depth; points outside, up to the support and half a spacing
-//! away, are wall, except behind the far end of a zone. With `jitter` fluid points then leave the
-//! lattice; zones and walls stay even.
+//! A point counts as inside if it and all points Δ/4 around it are. So a wall that misses the
+//! middle between two rows by less than Δ/4 still has one row on each side. Inside points beyond
+//! the plane of a patch belong to its zone, up to its depth. Outside points within the support plus
+//! half a spacing are wall, except behind the far end of a zone. `jitter` then displaces the fluid
+//! points; zones and walls stay on the lattice.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
@@ -16,11 +16,11 @@ use super::model::{Fill, Patch, Scene, Scheme};
 use super::rings;
 use sphecs_core::particles::zone::Zone;
 
-/// Planes are crossed when a point is this much beyond, in spacings: lattice points on a plane
-/// count as fluid.
-const HAIR: f64 = 1e-9;
+/// Tolerance of comparisons with planes and surfaces, in spacings: lattice points on a plane count
+/// as fluid.
+const TOLERANCE: f64 = 1e-9;
 
-/// A place for a particle.
+/// Position and role of a particle to be created.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Position, m.
@@ -31,7 +31,7 @@ pub struct Place {
     pub patch: u16,
 }
 
-/// All places, in the order of the lattice.
+/// Returns all places, in the order of the lattice.
 pub fn places(scene: &Scene) -> Vec<Place> {
     let filler = Filler::new(scene);
     match &scene.layout.fill {
@@ -56,18 +56,18 @@ pub fn wall_thickness(scene: &Scene) -> f64 {
     layers(&scene.scheme) * scene.spacing
 }
 
-/// Returns the above in spacings.
+/// Returns the thickness of the walls in spacings.
 pub fn layers(scheme: &Scheme) -> f64 {
     scheme.kernel().support_ratio() * scheme.smoothing_ratio() + 0.5
 }
 
-/// Zone of a place and the index of its inlet or outlet.
+/// Zone of a place, and index of its inlet or outlet.
 type Role = (Zone, u16);
 
-/// Memory for what a place of the lattice is, while it is filled.
+/// Memory of a lattice point while the scene is filled, B.
 pub const BYTES_PER_PLACE: usize = std::mem::size_of::<Option<Role>>();
 
-/// Decides what a point is.
+/// Classifies points by their role.
 struct Filler<'a> {
     scene: &'a Scene,
     reach: f64,
@@ -112,8 +112,8 @@ impl<'a> Filler<'a> {
             std::array::from_fn(|axis| ranges[axis].start + along[axis] as i64)
         };
         let point = |index: usize| lattice.point(cell(index), dimensions);
-        // What each point is, in one piece of memory, then the places in another: many small ones
-        // would stay with the allocator when the flow has long begun.
+        // All roles share one allocation and all places another: the allocator would keep many
+        // small ones for the whole run.
         let mut roles = vec![None; counts.iter().product()];
         let axis = dimensions - 1;
         roles.par_chunks_mut(counts[axis].max(1)).enumerate().for_each(|(row, roles)| {
@@ -133,23 +133,23 @@ impl<'a> Filler<'a> {
         places
     }
 
-    /// Finds what points along a line at equal distances are; `roles` has None for all of them. A
-    /// distance changes by no more than the way between two points, so that far outside and deep
-    /// inside the one before decides.
+    /// Classifies equidistant points along a line; `roles` is None for all of them. The signed
+    /// distance changes by at most the spacing from point to point, so points far outside or deep
+    /// inside need no evaluation of their own.
     fn row(&self, roles: &mut [Option<Role>], point: impl Fn(usize) -> DVec3, spacing: f64) {
-        let hair = HAIR * self.scene.spacing;
-        // The most that the distance can be, by that of the last point where it was found.
+        let tolerance = TOLERANCE * self.scene.spacing;
+        // Upper bound of the signed distance, from the last point where it was evaluated.
         let mut most = f64::INFINITY;
         let mut at = 0;
         while let Some(role) = roles.get_mut(at) {
             let here = point(at);
             most += spacing;
-            if most >= -self.margin() - hair {
+            if most >= -self.margin() - tolerance {
                 most = confined_distance(self.scene, here);
             }
-            let outside = most - self.reach - hair;
+            let outside = most - self.reach - tolerance;
             if outside > 0.0 {
-                // As far as this nobody stands.
+                // No point up to this distance has a role.
                 at = at.saturating_add(((outside / spacing) as usize).max(1));
                 most = f64::INFINITY;
                 continue;
@@ -159,7 +159,7 @@ impl<'a> Filler<'a> {
         }
     }
 
-    /// A fluid particle's place off the lattice; as it was where it would leave the fluid.
+    /// Returns the displaced position of a fluid particle; unchanged if it would leave the fluid.
     fn jittered(&self, point: DVec3, offset: DVec3) -> DVec3 {
         let mut moved = point + offset;
         for (axis, bounds) in self.scene.periodic.iter().enumerate() {
@@ -177,44 +177,44 @@ impl<'a> Filler<'a> {
         self.role(point, confined_distance(self.scene, point))
     }
 
-    /// Returns the role of a point at a distance from the confines. Beyond the walls and deeper
-    /// than the margin any such distance will do.
+    /// Returns the role of a point from its distance to the confines, m; beyond the walls and
+    /// deeper than the margin a bound suffices.
     fn role(&self, point: DVec3, distance: f64) -> Option<Place> {
-        // A layer exactly at the thickness is out of every fluid particle's reach.
-        if distance > self.reach - HAIR * self.scene.spacing {
+        // No fluid particle reaches a layer exactly at the thickness.
+        if distance > self.reach - TOLERANCE * self.scene.spacing {
             return None;
         }
         let place = |zone, patch| Some(Place { position: point, zone, patch });
-        let hair = HAIR * self.scene.spacing;
+        let tolerance = TOLERANCE * self.scene.spacing;
         if !self.inside(point, distance) {
             let walled = self.scene.layout.walled && !self.behind_a_zone(point);
             return walled.then(|| place(Zone::Wall, 0)).flatten();
         }
         for (index, (patch, is_inlet)) in patches(self.scene).enumerate() {
             let beyond = beyond(patch, is_inlet, point);
-            if beyond > hair && self.scene.layout.zones[index].contains(point, hair) {
+            if beyond > tolerance && self.scene.layout.zones[index].contains(point, tolerance) {
                 let number = if is_inlet { index } else { index - self.scene.inlets.len() };
                 let zone = if is_inlet { Zone::Inflow } else { Zone::Outflow };
-                let within = beyond <= patch.depth + hair;
+                let within = beyond <= patch.depth + tolerance;
                 return within.then(|| place(zone, number as u16)).flatten();
             }
         }
         place(Zone::Fluid, 0)
     }
 
-    /// A point deeper than this is inside whatever stands around it, m.
+    /// Depth from which a point is inside without a look at its surroundings, m.
     fn margin(&self) -> f64 {
         0.25 * self.scene.spacing
     }
 
     fn inside(&self, point: DVec3, distance: f64) -> bool {
-        // Between parts of a union that touch, the distance is near zero deep inside: look around.
+        // Where parts of a union touch, the distance is near zero even deep inside; the probes
+        // decide.
         distance < -self.margin()
-            || (distance <= HAIR * self.scene.spacing
-                && self
-                    .probes
-                    .iter()
-                    .all(|probe| confined_distance(self.scene, point + *probe) <= HAIR * self.scene.spacing))
+            || (distance <= TOLERANCE * self.scene.spacing
+                && self.probes.iter().all(|probe| {
+                    confined_distance(self.scene, point + *probe) <= TOLERANCE * self.scene.spacing
+                }))
     }
 
     /// Returns true if a point lies behind the far end of a zone, where no wall must stand.
@@ -222,31 +222,31 @@ impl<'a> Filler<'a> {
         let margin = self.reach + self.scene.spacing;
         patches(self.scene).any(|(patch, is_inlet)| {
             let behind = beyond(patch, is_inlet, point) - patch.depth;
-            behind > HAIR * self.scene.spacing
+            behind > TOLERANCE * self.scene.spacing
                 && behind < 2.0 * (margin + self.scene.spacing)
                 && patch.covers(point, margin)
         })
     }
 }
 
-/// Inlets, then outlets; true for inlets.
+/// Returns inlets, then outlets, with true for inlets.
 pub fn patches(scene: &Scene) -> impl Iterator<Item = (&Patch, bool)> {
     let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, true));
     inlets.chain(scene.outlets.iter().map(|outlet| (&outlet.patch, false)))
 }
 
-/// Returns the distance of a point outside of a patch's plane, m; negative inside the domain.
+/// Returns the distance of a point beyond the plane of a patch, m; negative inside the domain.
 pub fn beyond(patch: &Patch, is_inlet: bool, point: DVec3) -> f64 {
     if is_inlet { -patch.along(point) } else { patch.along(point) }
 }
 
-/// Signed distance to the confines, their periodic images included, m.
+/// Returns the signed distance to the confines and their periodic images, m.
 pub fn confined_distance(scene: &Scene, point: DVec3) -> f64 {
     periodic_distance(&scene.layout.confines, &scene.periodic, point)
 }
 
-/// Signed distance to a shape and its periodic images, m. A point of a seam counts as inside by
-/// rounding.
+/// Returns the signed distance to a shape and its periodic images, m. Points of a seam are inside
+/// within rounding.
 pub fn periodic_distance(shape: &Shape, periodic: &[Option<(f64, f64)>; 3], point: DVec3) -> f64 {
     if periodic.iter().all(Option::is_none) {
         return shape.signed_distance(point);
@@ -271,9 +271,9 @@ mod tests {
 
     use super::*;
 
-    /// Compares rows that are skipped as a whole with the same points taken one by one.
+    /// Filling by rows, which skips points, agrees with classifying every point.
     #[test]
-    fn rows_are_filled_as_their_points_one_by_one() {
+    fn filling_by_rows_equals_filling_point_by_point() {
         for name in
             ["square_bend", "cylinder_re20", "constricted_r2", "kelvin_helmholtz_periodic", "inclined_plates"]
         {

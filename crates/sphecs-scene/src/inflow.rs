@@ -8,8 +8,8 @@ use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 impl Inlet {
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
     ///
-    /// A point of the zone has the velocity of the plane in front of it: one that varied along the
-    /// zone would bring the particles of a row together.
+    /// A point of the zone has the velocity of the plane in front of it. A velocity that varied
+    /// along the zone would compress the particles of a row.
     pub fn velocity_at(&self, viscosity: f64, point: DVec3, time: f64) -> DVec3 {
         let towards = self.patch.towards;
         let point = point - towards * (point - self.patch.at).dot(towards);
@@ -28,7 +28,7 @@ impl Inlet {
                 };
                 towards * interpolated(times.len(), |row| times[row], time, profile)
             }
-            InletVelocity::Metered { rate, profile, scale } => {
+            InletVelocity::MassFlow { rate, profile, scale } => {
                 let shape = profile.value(point.x, point.y, point.z, 0.0);
                 towards * (rate.value(0.0, 0.0, 0.0, time) * shape * scale)
             }
@@ -41,14 +41,13 @@ impl Inlet {
     /// Returns the acceleration that gravity and pressure must supply for the prescribed motion,
     /// dv/dt − ν ∇²v, m/s², at a point (m) and time (s).
     ///
-    /// `spacing` (m) and `moment` (s) are the steps of the differences in the expressions: shorter
-    /// than anything that an inlet resolves. The profile does not change along the flow; the second
-    /// differences are taken across it. A table has none: between its rows it is straight, at them
-    /// it has no second derivative.
+    /// `spacing` (m) and `moment` (s) are the steps of the finite differences, shorter than the
+    /// scales that an inlet resolves. The profile does not change along the flow, so the second
+    /// differences are taken across it. Tables have none: they are piecewise linear.
     pub fn inertia(&self, viscosity: f64, point: DVec3, time: f64, spacing: f64, moment: f64) -> DVec3 {
         let velocity = |point, time| self.velocity_at(viscosity, point, time);
         if let InletVelocity::PoiseuilleStartup { body_force, .. } = self.velocity {
-            // The equation that the series solves.
+            // The series solves dv/dt − ν ∇²v = g.
             return self.patch.towards * body_force;
         }
         let (before, after) = ((time - moment).max(0.0), time + moment);
@@ -67,7 +66,7 @@ impl Inlet {
     }
 }
 
-/// Linear between rising abscissae, held at the ends.
+/// Returns the linear interpolation between rising abscissae, constant beyond the ends.
 fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: impl Fn(usize) -> f64) -> f64 {
     let (mut next, mut end) = (0, count);
     while next < end {
@@ -110,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn all_of_a_row_has_the_velocity_of_the_plane() {
+    fn all_particles_of_a_row_have_the_velocity_at_the_plane() {
         let text = "x + 10*y + t";
         let speed = Expression::read(text, &Constants::default()).expect("an expression");
         let inlet = inlet(InletVelocity::Normal(speed));
@@ -120,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_in_time_is_linear_between_rows_and_held_beyond() {
+    fn time_table_is_linear_between_rows_and_constant_outside() {
         let inlet = inlet(InletVelocity::TimeTable(vec![(1.0, 2.0), (3.0, 6.0)]));
         for (time, speed) in [(0.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (9.0, 6.0)] {
             assert_eq!(inlet.velocity_at(0.0, DVec3::ZERO, time), DVec3::X * speed, "t = {time}");
@@ -128,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn a_profile_table_is_bilinear_about_the_middle_of_the_section() {
+    fn profile_table_is_bilinear_about_the_centre_of_the_section() {
         let inlet = inlet(InletVelocity::ProfileTable {
             times: vec![0.0, 1.0],
             positions: vec![-1.0, 0.0, 1.0],
@@ -142,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_needs_the_force_that_drives_it_and_a_ramp_its_rate() {
+    fn inertia_of_a_parabola_is_its_driving_force_and_of_a_ramp_its_rate() {
         let read = |text| Expression::read(text, &Constants::default()).unwrap();
         let inertia = |velocity| inlet(velocity).inertia(0.02, DVec3::Y * 0.3, 0.5, 0.01, 1e-4);
         let parabola = inertia(InletVelocity::Normal(read("3 * (1 - y^2)")));
@@ -156,10 +155,10 @@ mod tests {
     }
 
     #[test]
-    fn a_metered_inlet_has_its_profile_times_its_rate() {
+    fn mass_flow_velocity_is_scale_times_profile_times_rate() {
         let read = |text| Expression::read(text, &Constants::default()).unwrap();
         let (rate, profile) = (read("6*t"), read("1 - y^2"));
-        let inlet = inlet(InletVelocity::Metered { rate, profile, scale: 0.5 });
+        let inlet = inlet(InletVelocity::MassFlow { rate, profile, scale: 0.5 });
         assert!(
             (inlet.velocity_at(0.0, DVec3::Y * 0.6, 2.0) - DVec3::X * (0.5 * 12.0 * 0.64)).length() < 1e-14
         );
@@ -169,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn at_the_start_only_what_follows_counts() {
+    fn acceleration_at_the_start_is_a_forward_difference() {
         let steps = InletVelocity::TimeTable(vec![(-1.0, 0.0), (0.0, 5.0), (1.0, 5.0)]);
         assert_eq!(inlet(steps).inertia(0.0, DVec3::ZERO, 0.0, 0.01, 1e-3), DVec3::ZERO);
     }

@@ -1,6 +1,6 @@
-//! The lattice on which particles are laid, and how well it fits the walls.
+//! Lattice of the initial particles, and its fit to the walls.
 //!
-//! One lattice with the same spacing along all axes runs through domain, zones and walls: its sums
+//! One lattice with equal spacing along all axes covers domain, zones and walls. Its kernel sums
 //! are the same everywhere, so a fluid at rest is exactly uniform. Walls should lie midway between
 //! two rows (Δ/2 from fluid and from wall particles). Along each axis the lattice is therefore
 //! shifted to the circular mean of the phases of all plane walls across that axis, weighted by
@@ -10,9 +10,9 @@
 //! φ = (Δ/2π) arg Σ A_k exp(2πi c_k/Δ),   c_k: coordinate of wall k, A_k: its area
 //! ```
 //!
-//! A width that is no multiple of Δ cannot be met on both sides: the geometry stays as it is, its
-//! particles stand up to Δ/4 nearer to or farther from the wall, and `sphecs check` names the
-//! misfit. A periodic axis takes the lattice that divides its period.
+//! A width that is not a multiple of Δ cannot fit on both sides. The geometry is kept, particles
+//! are up to Δ/4 closer to or farther from the wall, and `sphecs check` reports the misfit. On a
+//! periodic axis the spacing divides the period.
 
 use std::f64::consts::TAU;
 
@@ -26,11 +26,12 @@ use super::model::Patch;
 pub struct Lattice {
     /// A corner at which cells meet, m.
     pub origin: DVec3,
-    /// Distance of neighbours along each axis, m: Δ, and on periodic axes what divides the period.
+    /// Distance of neighbours along each axis, m: Δ, or the nearest fraction of the period on
+    /// periodic axes.
     pub spacing: DVec3,
     /// Fits of plane walls to the lattice.
     pub fits: Vec<WallFit>,
-    /// Largest distance of fluid particles from their place along each axis, in spacings.
+    /// Largest initial displacement of fluid particles along each axis, in spacings.
     pub jitter: f64,
 }
 
@@ -48,7 +49,7 @@ pub struct WallFit {
 }
 
 impl Lattice {
-    /// Centre of the cell with these indices, m.
+    /// Returns the centre of the cell with these indices, m.
     pub fn point(&self, cell: [i64; 3], dimensions: usize) -> DVec3 {
         let mut point = DVec3::ZERO;
         for axis in 0..dimensions {
@@ -64,20 +65,20 @@ impl Lattice {
         let mut state = cell.into_iter().fold(0, |state, index| mixed(state ^ index as u64));
         for axis in 0..dimensions {
             state = mixed(state);
-            // 53 bits are the digits of a number from 0 to 1.
+            // The upper 53 bits make a uniform f64 from 0 to 1.
             let even = (state >> 11) as f64 / (1_u64 << 53) as f64;
             offset[axis] = self.jitter * (2.0 * even - 1.0) * self.spacing[axis];
         }
         offset
     }
 
-    /// Indices of the first cell and one past the last that a box touches, along an axis.
+    /// Returns the range of cells along an axis that an interval (m) touches.
     pub fn range(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<i64> {
         let index = |x: f64| (x - self.origin[axis]) / self.spacing[axis];
         (index(low) - 1e-9).floor() as i64..(index(high) + 1e-9).ceil() as i64
     }
 
-    /// The lattice for a domain: `anchor` fixes it, otherwise its walls do.
+    /// Returns the lattice of a domain, shifted to `anchor` or else to the walls.
     pub fn fitted(
         domain: &Shape,
         patches: &[&Patch],
@@ -118,7 +119,7 @@ impl Lattice {
     }
 }
 
-/// A number whose bits depend on all bits of another: SplitMix64 of Steele et al. (2014).
+/// Returns a hash of a number: SplitMix64 of Steele et al. (2014).
 fn mixed(number: u64) -> u64 {
     let z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -126,16 +127,16 @@ fn mixed(number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The shift at which walls lie between cells as well as they can, m; None without walls or if they
-/// cancel out.
+/// Returns the shift for the best fit of the walls, m; None without walls or if their phases
+/// cancel.
 fn phase<'a>(walls: impl Iterator<Item = &'a WallFit>, spacing: f64) -> Option<f64> {
     let (mut cosine, mut sine, mut weight) = (0.0, 0.0, 0.0);
     let mut first = None;
     for wall in walls {
-        // Distances from the first wall: phases then keep their digits far from the origin.
+        // Phases of distances from the first wall lose no digits far from the origin.
         let first = *first.get_or_insert(wall.coordinate);
         let angle = TAU * ((wall.coordinate - first) / spacing).fract();
-        // A plane with no area of wall on it (a patch, a tangent) decides only where no wall does.
+        // A plane without wall area (a patch, a tangent) counts only if no plane has any.
         let area = wall.area.max(1e-9 * spacing);
         cosine += area * angle.cos();
         sine += area * angle.sin();
@@ -144,13 +145,13 @@ fn phase<'a>(walls: impl Iterator<Item = &'a WallFit>, spacing: f64) -> Option<f
     let first = first?;
     (cosine.hypot(sine) > 1e-6 * weight).then(|| {
         let angle = sine.atan2(cosine);
-        // Rounding of a perfect fit must not shift the lattice by a hair.
+        // Rounding of a perfect fit must not shift the lattice.
         let angle = if angle.abs() < 1e-9 { 0.0 } else { angle };
         first + spacing * angle / TAU
     })
 }
 
-/// All planes across an axis on which the domain has a surface, with the area of wall on them.
+/// Returns all planes across the axes that touch the surface of the domain, with their wall area.
 fn plane_walls(
     domain: &Shape,
     patches: &[&Patch],
@@ -160,7 +161,7 @@ fn plane_walls(
 ) -> Vec<WallFit> {
     let mut planes = Vec::new();
     domain.planes(&mut planes);
-    // The walls beside a zone: they decide in channels whose own walls slant.
+    // Side walls of the zones: in channels with inclined walls only these are plane.
     for patch in patches {
         for (across, half) in patch.across.iter().zip(patch.half_extent) {
             let along_axis = (0..3).find(|axis| across[*axis].abs() > 1.0 - 1e-9);
@@ -186,7 +187,7 @@ fn plane_walls(
         .collect()
 }
 
-/// Samples on a plane per axis.
+/// Samples on a plane along each axis, in 2D and in 3D.
 const SAMPLES: [usize; 2] = [2000, 64];
 
 fn exposed_area(

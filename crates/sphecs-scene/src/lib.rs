@@ -6,19 +6,21 @@
 //! ```
 //!
 //! * [`notation`]: RON with places, `--set`
-//! * [`schema`]: what may stand in a file
-//! * [`constants`]: its named numbers
+//! * [`schema`]: fields of a file
+//! * [`constants`]: named numbers
 //! * [`expression`], [`geometry`]: fields and shapes
 //! * [`check`]: every check of values
 //! * [`model`], [`scheme`]: the checked scene
 //! * [`lattice`], [`fill`], [`rows`], [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
-//! * [`body`], [`probe`]: what is measured
-//! * [`summary`]: its figures
-//! * [`disk_estimate`]: what a run of it takes of the disk
-//! * [`faults`]: what is wrong with it
+//! * [`body`], [`probe`]: bodies and probes, which are measured
+//! * [`summary`]: figures of `sphecs check`
+//! * [`disk_estimate`]: disk space of its run
+//! * [`faults`]: faults of its text
+//! * [`builder`]: a scene described in Rust, written as the text of a scene file
 
 pub mod body;
+pub mod builder;
 pub mod check;
 pub mod constants;
 pub mod disk_estimate;
@@ -44,6 +46,7 @@ pub mod wall_particles;
 #[cfg(test)]
 mod tests;
 
+pub use builder::SceneBuilder;
 pub use faults::SceneErrors;
 pub use loader::{SceneLoader, SceneValue};
 pub use model::Scene;

@@ -1,4 +1,4 @@
-//! Loading of a scene from a file or a text, with values changed on the way.
+//! Loading of a scene from a file or a text, with changes of values.
 
 use std::borrow::Borrow;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use super::constants;
 use super::expression::Constants;
 use super::faults::{Fault, SceneErrors};
 use super::model::Scene;
-use super::notation::reader::{self, Reading};
+use super::notation::reader::{self, Parsed};
 use super::notation::{paths, typed};
 use super::schema::SceneFile;
 
@@ -79,12 +79,12 @@ pub struct SceneLoader {
 }
 
 impl Scene {
-    /// Begins to load the scene of a RON file; its tables are looked for in the file's folder.
+    /// Begins to load the scene of a RON file; its tables are read from the folder of the file.
     pub fn from_file(path: impl Into<PathBuf>) -> SceneLoader {
         SceneLoader::new(Input::File(path.into()))
     }
 
-    /// Begins to load a scene from RON text under a name; its tables are looked for in the present
+    /// Begins to load a scene from RON text under a name; its tables are read from the current
     /// folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>) -> SceneLoader {
         SceneLoader::new(Input::Text { name: name.into(), text: text.into() })
@@ -177,22 +177,24 @@ fn text_of(path: &Path) -> Result<String, SceneErrors> {
         SceneErrors::new(&shown, "", vec![fault])
     };
     let bytes = std::fs::read(path).map_err(|error| refused(format!("{shown}: {error}")))?;
-    String::from_utf8(bytes).map_err(|error| refused(format!("{shown} is no text: {}", error.utf8_error())))
+    String::from_utf8(bytes)
+        .map_err(|error| refused(format!("{shown} is not a text file: {}", error.utf8_error())))
 }
 
 /// Returns the smoke spacing of a scene whose two spacings are valid, m, without filling the scene.
 fn smoke_spacing(text: &str, sets: &[(String, String)]) -> Option<f64> {
     let edited = paths::apply(text, sets).ok()?;
     let (_, file, _) = sections(&edited.text).ok()?;
-    let [spacing, smoke] = file.map(|file| [file.spacing.value, file.smoke.value])?;
+    let file = file?;
+    let (spacing, smoke) = (file.spacing.value, file.smoke?.value);
     (spacing.is_finite() && spacing > 0.0 && smoke.is_finite() && smoke > 0.0).then_some(smoke)
 }
 
 /// Returns constants and sections of a text with their faults, or the faults alone of a text that
 /// cannot be read at all.
 fn sections(text: &str) -> Result<(Constants, Option<SceneFile>, Vec<Fault>), Vec<Fault>> {
-    let Reading { root, mut faults, lost } = reader::read(text);
-    if lost {
+    let Parsed { root, mut faults, unbalanced } = reader::read(text);
+    if unbalanced {
         return Err(faults);
     }
     let constants = constants::read(&root, &mut faults);
@@ -201,7 +203,7 @@ fn sections(text: &str) -> Result<(Constants, Option<SceneFile>, Vec<Fault>), Ve
     Ok((constants, file, faults))
 }
 
-/// Reads and checks the scene of a text, with values put in, under the name that its faults show.
+/// Reads and checks the scene of a text with `--set` values; `shown` is its name in faults.
 fn read(shown: &str, source: SceneSource<'_>, sets: &[(String, String)]) -> Result<Scene, SceneErrors> {
     let refused = |faults| SceneErrors::new(shown, source.text, faults);
     let edited = paths::apply(source.text, sets).map_err(refused)?;

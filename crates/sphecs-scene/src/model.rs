@@ -26,9 +26,9 @@ use sphecs_core::physics::wall::{Slip, WallModel};
 pub struct Scene {
     /// File stem of the scene, used for the run folder.
     pub name: String,
-    /// One line for people.
+    /// Title, one line.
     pub title: String,
-    /// The scene as run: the RON text with `--set` values put in.
+    /// The scene as run: the RON text with `--set` values.
     pub text: String,
     /// The tables that it names: the path as written, and the text.
     pub tables: Vec<(String, String)>,
@@ -50,7 +50,7 @@ pub struct Scene {
     pub body_force: BodyForce,
     /// The domain: what the fluid fills, zones not included.
     pub domain: Shape,
-    /// Domain ∪ extruded zones: a particle outside it by more than a hair went through a wall.
+    /// Domain ∪ extruded zones: a particle outside it has penetrated a wall.
     pub container: Shape,
     /// Layout of particles in domain, zones and walls.
     pub layout: Layout,
@@ -136,7 +136,7 @@ pub struct Walls {
     /// Treatment of walls in the sums.
     pub model: WallModel,
     /// Parts, in the order of the scene; a wall particle's `patch` is an index into this. The first
-    /// part is the rest.
+    /// part is the remaining surface.
     pub parts: Vec<WallPart>,
 }
 
@@ -146,14 +146,14 @@ pub struct Walls {
 pub struct Layout {
     /// Arrangement of the particles.
     pub fill: Fill,
-    /// Domain ∪ zones, each zone drawn out beyond its far end by more than the support, so that the
-    /// far end is no wall.
+    /// Domain ∪ zones, each zone extended beyond its far end by more than the support, so that
+    /// there is no wall at the far end.
     pub confines: Shape,
-    /// The zones so drawn out: inlets, then outlets.
+    /// The extended zones: inlets, then outlets.
     pub zones: Vec<Shape>,
-    /// Regions of the wall parts from the second on; the first part is the rest.
+    /// Regions of the wall parts from the second on; the first part is the remaining surface.
     pub wall_regions: Vec<Shape>,
-    /// Cylinders whose wall particles stand on rings.
+    /// Cylinders whose wall particles lie on rings.
     pub rings: Vec<Rings>,
     /// True if there are walls at all.
     pub walled: bool,
@@ -206,26 +206,26 @@ pub enum InletVelocity {
     Normal(Expression),
     /// Components, m/s.
     Components([Expression; 3]),
-    /// Speed along `towards` from a table in time: (s, m/s), linear between rows, held at the ends.
+    /// Speed along `towards` from a table in time: (s, m/s), linear between rows, constant beyond
+    /// the ends.
     TimeTable(Vec<(f64, f64)>),
-    /// Speed along `towards` from a table over time and the coordinate along `across[0]` from the
-    /// section's middle (times in s, positions in m, `speeds[time][position]` in m/s), bilinear,
-    /// held at the ends.
+    /// Speed along `towards`, bilinear in time and in the coordinate along `across[0]` from the
+    /// centre of the section, constant beyond the ends.
     ProfileTable {
         /// Times, s, rising.
         times: Vec<f64>,
-        /// Positions from the section's middle, m, rising.
+        /// Positions from the centre of the section, m, rising.
         positions: Vec<f64>,
-        /// Speeds, m/s.
+        /// Speeds, m/s, as `speeds[time][position]`.
         speeds: Vec<Vec<f64>>,
     },
-    /// Speed along `towards` by the mass that it brings: rate(t) × profile(x) × `scale`.
-    Metered {
-        /// kg/s (per metre of depth in 2D), or kg/(s m²), in time.
+    /// Speed along `towards` from a prescribed mass flow: rate(t) × profile(x) × `scale`.
+    MassFlow {
+        /// Mass flow in time, kg/s (per metre of depth in 2D), or mass flux, kg/(s m²).
         rate: Expression,
         /// Shape over the plane.
         profile: Expression,
-        /// Speed over rate and profile: see [`mass_flow`](super::check::mass_flow).
+        /// Speed divided by rate and profile: see [`mass_flow`](super::check::mass_flow).
         scale: f64,
     },
     /// Exact start-up of plane Poiseuille flow from rest between walls at ± `half_width` (m) about

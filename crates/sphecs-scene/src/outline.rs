@@ -1,12 +1,12 @@
-//! Points spread over the surface of a wall part, for integrals over it.
+//! Surface of a wall part as points with areas, for surface integrals.
 //!
 //! ```text
 //! ∮ g dS = ∫ g(nearest point) δ(φ) dV,   δ(φ) = (1 + cos(π φ/Δ))/2Δ for |φ| < Δ
 //! ```
 //!
-//! The signed distance φ is sampled four times a spacing Δ along each axis; what falls into one
-//! cell of the spacing is one point. A band that reaches as far to either side of the surface has
-//! its area to second order in Δ/R.
+//! The signed distance φ is sampled four times per spacing Δ along each axis. The samples in a cell
+//! of size Δ are merged into one point. As the band is symmetric about the surface, the area is of
+//! second order in Δ/R.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -28,8 +28,7 @@ pub struct OutlinePoint {
     pub area: f64,
 }
 
-/// The surface of a wall part in pieces of about a spacing, in an order that depends on the scene
-/// alone.
+/// Returns the surface of a wall part in pieces of about a spacing; their order is reproducible.
 pub fn outline(scene: &Scene, part: u16) -> Vec<OutlinePoint> {
     let spacing = scene.spacing;
     let (low, high) = band(scene, part);
@@ -60,15 +59,16 @@ pub fn outline(scene: &Scene, part: u16) -> Vec<OutlinePoint> {
             }
         }
     }
-    let whole = |(area, point, normal): (f64, DVec3, DVec3)| OutlinePoint {
+    let merged = |(area, point, normal): (f64, DVec3, DVec3)| OutlinePoint {
         point: point / area,
         normal: normal.normalize_or_zero(),
         area,
     };
-    pieces.into_values().filter(|piece| piece.0 > 0.0).map(whole).collect()
+    pieces.into_values().filter(|piece| piece.0 > 0.0).map(merged).collect()
 }
 
-/// The box that holds a part's surface, a period wide where the scene is periodic, m.
+/// Returns the corners of a box around the surface of a part, a period wide in periodic directions,
+/// m.
 fn band(scene: &Scene, part: u16) -> (DVec3, DVec3) {
     let region = usize::from(part).checked_sub(1).and_then(|index| scene.layout.wall_regions.get(index));
     let (mut low, mut high) = scene.layout.confines.bounds();
@@ -84,7 +84,7 @@ fn band(scene: &Scene, part: u16) -> (DVec3, DVec3) {
     (low, high)
 }
 
-/// Middles of equal parts of an interval, at least four of them to a spacing.
+/// Returns the centres of equal parts of an interval, at least four per spacing, m.
 fn samples(low: f64, high: f64, spacing: f64) -> Vec<f64> {
     let count = (4.0 * (high - low) / spacing).ceil().max(1.0) as usize;
     (0..count).map(|at| low + (high - low) * (at as f64 + 0.5) / count as f64).collect()
@@ -99,10 +99,10 @@ mod tests {
 
     use super::outline;
 
-    /// A drum of ten spacings in a box, in 2D and as a ball in 3D: the area of each, normals that
-    /// point away from its middle and cancel.
+    /// Cylinder (2D) and sphere (3D) in a box, ten spacings in radius: the areas are exact, normals
+    /// point outwards and sum to zero.
     #[test]
-    fn the_surface_of_a_body_has_its_area_and_is_closed() {
+    fn outline_of_a_body_has_its_area_and_is_closed() {
         for (dimensions, ball, area) in [
             (2, "Circle(center: (0.1, 0.2)", 2.0 * PI * 0.25),
             (3, "Sphere(center: (0.1, 0.2, 0.0)", 4.0 * PI * 0.0625),

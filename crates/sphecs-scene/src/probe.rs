@@ -1,13 +1,13 @@
-//! Probes: where a scene measures, and what is seen there.
+//! Probes: points, lines and sections at which a scene measures.
 
 use glam::DVec3;
 
 use sphecs_core::particles::zone::Zone;
 
 /// Particles that a probe sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ProbeSight {
-    /// The fluid's: beyond the plane of an inlet or outlet there is nothing.
+    /// Fluid particles only, none beyond the plane of an inlet or outlet.
     #[default]
     Fluid,
     /// Fluid and the particles of the zones behind inlets and outlets.
@@ -33,7 +33,7 @@ pub struct Probe {
     pub kind: ProbeKind,
     /// Interval of the time mean in the results, s; None: no mean.
     pub mean: Option<(f64, f64)>,
-    /// Whose velocity, pressure and density it measures.
+    /// Particles whose velocity, pressure and density it measures.
     pub sees: ProbeSight,
 }
 

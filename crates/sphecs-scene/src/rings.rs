@@ -1,24 +1,24 @@
 //! Wall particles on rings in a cylinder.
 //!
 //! ```text
-//! r_k = R − (k + ½) Δ,   n_k = 2π r_k/Δ, rounded,   k = 0, 1, … as far as the fluid feels
+//! r_k = R − (k + ½) Δ,   n_k = 2π r_k/Δ, rounded,   k = 0, 1, … within reach of the fluid
 //! ```
 //!
-//! Negi et al. (2020), section 4.6, put the first ring on the circumference itself and the others Δ
-//! apart, “such that the volume is consistent”; that is [`FirstRing::Circumference`], r_k = R − k
-//! Δ. By default the rings stand in the middle of the shells that they are to fill, half a spacing
-//! behind the surface as on a lattice, which makes their volume that of the cylinder (with a ring
-//! at R it is that of a radius Δ/2 larger). In 2D.
+//! By default each ring lies in the middle of its shell, the first half a spacing behind the
+//! surface as on a lattice. So the volume of the particles is that of the cylinder. Negi et al.
+//! (2020), section 4.6, put the first ring on the circumference and the others Δ apart, “such that
+//! the volume is consistent”. That is [`FirstRing::Circumference`], r_k = R − k Δ, with the volume
+//! of a cylinder of radius R + Δ/2. In 2D.
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::fill::{Place, wall_thickness};
 use super::model::Scene;
 use sphecs_core::particles::zone::Zone;
 
 /// Place of the first ring of a cylinder.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FirstRing {
     /// Half a spacing behind the surface.
     #[default]
@@ -28,7 +28,7 @@ pub enum FirstRing {
 }
 
 impl FirstRing {
-    /// Its depth, over Δ.
+    /// Depth of the ring behind the surface, in spacings.
     fn depth(self) -> f64 {
         match self {
             FirstRing::HalfSpacing => 0.5,
@@ -37,7 +37,7 @@ impl FirstRing {
     }
 }
 
-/// A cylinder whose wall particles stand on rings.
+/// A cylinder whose wall particles lie on rings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rings {
     /// Centre, m.
@@ -48,11 +48,10 @@ pub struct Rings {
     pub first: FirstRing,
 }
 
-/// Puts the rings of a scene in the places of the wall particles that the lattice has in their
-/// cylinders.
+/// Replaces the wall particles of the lattice in the cylinders of a scene by rings.
 pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
     let spacing = scene.spacing;
-    // A lattice may have a wall particle up to a quarter of a spacing in front of its surface.
+    // Wall particles of the lattice may lie up to a quarter of a spacing in front of the surface.
     let reach = |rings: &Rings| rings.radius + 0.26 * spacing;
     let within = |place: &Place| {
         let inside = |rings: &Rings| place.position.distance(rings.centre) < reach(rings);
@@ -93,7 +92,7 @@ mod tests {
     )"#;
 
     #[test]
-    fn rings_fill_the_cylinder_as_far_as_the_fluid_feels() {
+    fn rings_fill_the_cylinder_within_reach_of_the_fluid() {
         let scene =
             Scene::from_text("cylinder", CYLINDER).load().unwrap_or_else(|faults| panic!("{faults:?}"));
         let all = seeds(&scene);
@@ -106,12 +105,12 @@ mod tests {
             let layer = depth / 0.1 - 0.5;
             assert!((layer - layer.round()).abs() < 1e-9 && depth < &0.35, "{depth} m");
         }
-        // Wendland at 1.5 Δ feels three layers: 2π (0.95 + 0.85 + 0.75)/0.1.
+        // The support of Wendland at h = 1.5 Δ holds three layers: 2π (0.95 + 0.85 + 0.75)/0.1.
         assert_eq!(depths.len(), 60 + 53 + 47);
     }
 
     #[test]
-    fn the_first_ring_may_be_the_circumference() {
+    fn first_ring_may_lie_on_the_circumference() {
         let on_it =
             CYLINDER.replace("radius: 1.0),\n        )]", "radius: 1.0, first: Circumference),\n        )]");
         assert_ne!(on_it, CYLINDER);
@@ -119,7 +118,7 @@ mod tests {
         let all = seeds(&scene);
         let ring = all.iter().filter(|seed| seed.zone == Zone::Wall && seed.patch == 1);
         let radii: Vec<f64> = ring.map(|seed| seed.position.distance(glam::DVec3::X * 0.1)).collect();
-        // One layer more is within what it feels: 2π (1.0 + 0.9 + 0.8 + 0.7)/0.1.
+        // The support holds one more layer: 2π (1.0 + 0.9 + 0.8 + 0.7)/0.1.
         assert_eq!(radii.len(), 63 + 57 + 50 + 44);
         assert_eq!(radii.iter().filter(|radius| (**radius - 1.0).abs() < 1e-12).count(), 63);
     }

@@ -26,7 +26,7 @@ pub struct Wcsph {
     pub smoothing_ratio: f64,
     /// Viscous term.
     pub viscosity: Viscosity,
-    /// Damping of single particles' noise.
+    /// Damping of the noise of single particles.
     pub noise_damping: NoiseDamping,
     /// Particle shifting.
     pub shifting: Shifting,

@@ -9,8 +9,8 @@ use super::model::{ParticleSeed, Scene};
 use super::wall_particles;
 use sphecs_core::particles::zone::Zone;
 
-/// All particles at t = 0: fluid, wall, inflow, outflow, reservoir, each zone in the order of its
-/// lattice. The same scene gives the same list, bit for bit.
+/// Returns all particles at t = 0: fluid, wall, inflow, outflow, reservoir, each zone in the order
+/// of its lattice. The list is reproducible bit by bit.
 pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
     let mut places = places(scene);
     places.sort_by_key(|place| place.zone);

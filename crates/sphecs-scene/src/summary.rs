@@ -1,4 +1,4 @@
-//! Properties of a scene, found without running it: the figures of `sphecs check`.
+//! Figures of a scene before it runs, as `sphecs check` prints them.
 
 use glam::DVec3;
 
@@ -7,19 +7,19 @@ use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::particles::zone::Zone;
 
-/// Memory of a particle in components, arrays, cell list and output, B: a generous round figure
-/// (docs/performance.md).
+/// Memory of a particle in components, arrays, cell list and output, B, rounded up
+/// (docs/book/src/guides/speed.md).
 pub const BYTES_PER_PARTICLE: f64 = 500.0;
 
-/// Bytes of a particle in a frame before compression: its position in f64, velocity, density,
-/// pressure and tag in f32, its zone and its passages.
+/// Returns the size of a particle in a frame before compression, B: position in f64, velocity,
+/// density, pressure and tag in f32, zone and passages.
 pub fn frame_bytes(dimensions: usize) -> f64 {
     (12 * dimensions + 3 * 4 + 1 + 4) as f64
 }
 
 /// The figures of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
+pub struct SceneSummary {
     /// Particles by zone, in the order of [`Zone::ALL`].
     pub by_zone: [usize; 5],
     /// Reynolds number of the reference velocity and length.
@@ -38,15 +38,15 @@ pub struct Summary {
     pub memory: f64,
     /// Output before compression, B.
     pub output: f64,
-    /// The straight wall that lies worst in the lattice: axis, coordinate (m) and misfit in
+    /// Straight wall with the worst fit to the lattice: axis, coordinate (m) and misfit in
     /// spacings.
     pub worst_fit: Option<(char, f64, f64)>,
     /// Remarks for the user: low sound speed, misfit, no free surface.
     pub notes: Vec<String>,
 }
 
-/// The figures of a scene, its particles laid out.
-pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
+/// Returns the figures of a scene with its initial particles.
+pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> SceneSummary {
     let mut by_zone = [0; 5];
     for seed in seeds {
         by_zone[seed.zone as usize] += 1;
@@ -59,7 +59,7 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
     let frames = (scene.time.end / scene.output.every).floor().min(steps) + 1.0;
     let moving = (seeds.len() - by_zone[Zone::Wall as usize]) as f64;
     let worst_fit = worst_fit(scene);
-    Summary {
+    SceneSummary {
         by_zone,
         reynolds: speed * scene.reference_length / viscosity,
         mach: speed / scene.fluid.sound_speed,
@@ -74,19 +74,19 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> Summary {
     }
 }
 
-/// The step that sound allows, s, with the signal speed of Alvarado-Rodríguez et al. (2017), Eq.
-/// 18: c plus the approach of neighbours.
+/// Returns the acoustic limit of the time step, s, with the signal speed of Alvarado-Rodríguez et
+/// al. (2017), Eq. 18: c plus the approach velocity of neighbours.
 fn courant_step(scene: &Scene) -> f64 {
     scene.time.cfl * scene.discretisation.smoothing_length
         / (scene.fluid.sound_speed + scene.reference_velocity)
 }
 
-/// The step that viscosity allows, s.
+/// Returns the viscous limit of the time step, s.
 fn viscous_step(scene: &Scene) -> f64 {
     scene.time.viscous * scene.discretisation.smoothing_length.powi(2) / scene.fluid.viscosity
 }
 
-/// Steps to a time, s.
+/// Returns the estimated number of steps up to a time, s.
 pub fn steps_to(scene: &Scene, until: f64) -> f64 {
     (until / courant_step(scene).min(viscous_step(scene))).ceil()
 }
@@ -108,23 +108,23 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
         ));
     }
     if !scene.inlets.is_empty() && scene.outlets.is_empty() {
-        notes.push("there is no outlet: what the inlets bring stays, and the pressure rises".to_owned());
+        notes.push("there is no outlet: the inflow accumulates and the pressure rises".to_owned());
     }
     if scene.inlets.is_empty() && !scene.outlets.is_empty() {
-        notes.push("there is no inlet: the outlets alone decide what comes and goes".to_owned());
+        notes.push("there is no inlet: the outlets alone determine the inflow and the outflow".to_owned());
     }
     if let Some((axis, coordinate, misfit)) = worst_fit.filter(|(_, _, misfit)| *misfit > 0.1) {
         notes.push(format!(
             "the wall at {axis} = {:.6} m misses the middle between two rows by {misfit:.2} spacings: \
              a spacing that divides the widths fits better",
-            // No digits of rounding, and no minus before nought.
+            // Rounded for print; adding 0 turns −0 into 0.
             (coordinate / scene.spacing * 1e6).round() * 1e-6 * scene.spacing + 0.0
         ));
     }
     if scene.scheme.wcsph().is_some() && scene.initial.pressure.constant() != Some(0.0) {
         notes.push(
             "`initial.pressure` does not reach the fluid: its density is summed before the first step and its pressure \
-             follows from it; a pressure that acts from the start is a matter of spacings or of a body force"
+             follows from it; to start under pressure, reduce the spacing of the particles or use a body force"
                 .to_owned(),
         );
     }
@@ -132,7 +132,7 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
         let lasts = inlet.patch.depth / inlet_speed(inlet, scene);
         if lasts < scene.time.end {
             notes.push(format!(
-                "{} is filled once and its fastest stream drained after {lasts:.3} s, the run ends at {} s: it stops there",
+                "{} is filled once and drained after {lasts:.3} s by its fastest flow: the run stops there, before its end at {} s",
                 inlet.patch.name, scene.time.end
             ));
         }
@@ -141,13 +141,13 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
     notes
 }
 
-/// Largest speed that inlets, walls and initial fields prescribe, sampled, m/s.
+/// Returns the largest speed that inlets, walls and initial fields prescribe, from samples, m/s.
 pub fn largest_given_speed(scene: &Scene) -> f64 {
     let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
     inlets.max(initial_speed(scene)).max(forced_speed(scene))
 }
 
-/// Largest speed that an inlet prescribes, sampled, m/s.
+/// Returns the largest speed that an inlet prescribes, from samples, m/s.
 pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
     let times: Vec<f64> = (0..=20).map(|k| scene.time.end * f64::from(k) / 20.0).collect();
     let patch = &inlet.patch;
@@ -165,7 +165,7 @@ pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
         InletVelocity::PoiseuilleStartup { half_width, body_force } => {
             steady_poiseuille(*body_force, *half_width, scene.fluid.viscosity)
         }
-        InletVelocity::Metered { .. } => places
+        InletVelocity::MassFlow { .. } => places
             .iter()
             .flat_map(|p| times.iter().map(|t| inlet.velocity_at(0.0, *p, *t).length()))
             .fold(0.0, f64::max),
@@ -184,12 +184,12 @@ pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
     }
 }
 
-/// Peak of plane Poiseuille flow, g H²/2ν, m/s.
+/// Returns the peak velocity of plane Poiseuille flow, g H²/2ν, m/s.
 fn steady_poiseuille(force: f64, half_width: f64, viscosity: f64) -> f64 {
     if viscosity > 0.0 { force.abs() * half_width * half_width / (2.0 * viscosity) } else { 0.0 }
 }
 
-/// Speed that a constant body force reaches between plates without inlets, m/s.
+/// Returns the speed that a constant body force reaches between plates without inlets, m/s.
 fn forced_speed(scene: &Scene) -> f64 {
     match &scene.body_force {
         BodyForce::Constant(force) if scene.inlets.is_empty() && scene.layout.walled => {
@@ -219,13 +219,13 @@ fn initial_speed(scene: &Scene) -> f64 {
     largest
 }
 
-/// Volume (area in 2D) within `reach` of a domain, m³ (m²), from samples: right to a per cent or
-/// two.
+/// Returns the volume (area in 2D) within `reach` of a domain, m³ (m²), from samples, accurate to 1
+/// to 2 %.
 pub fn estimated_volume(domain: &Shape, reach: f64, dimensions: usize) -> f64 {
     let (low, high) = domain.bounds();
     let (low, high) = (low - DVec3::splat(reach), high + DVec3::splat(reach));
-    // Samples by an additive recurrence with powers of the root of x^(d+1) = x + 1: even in all
-    // directions, where those of a grid would run beside a thin duct or along it.
+    // Samples by an additive recurrence with powers of the root of x^(d+1) = x + 1. They are
+    // uniform in all directions; the rows of a grid could miss a thin duct.
     const SAMPLES: u32 = 1 << 14;
     let root: f64 = if dimensions == 2 { 1.324_717_957_244_746 } else { 1.220_744_084_605_759_6 };
     let mut hits = 0;

@@ -1,4 +1,4 @@
-//! Places of wall particles behind their surface, and the wall parts that they belong to.
+//! Distance, normal and wall part of the surface in front of a wall particle.
 
 use glam::DVec3;
 
@@ -6,20 +6,20 @@ use super::fill::confined_distance;
 use super::model::{Scene, WallPart};
 
 impl WallPart {
-    /// Returns true if its surface ever moves.
+    /// Returns true if the surface moves at any time.
     pub fn moves(&self) -> bool {
         self.velocity.iter().any(|component| component.constant() != Some(0.0))
     }
 
-    /// Velocity at a point of its surface (m) and time (s), m/s.
+    /// Returns the velocity at a point of the surface (m) and time (s), m/s.
     pub fn velocity_at(&self, point: DVec3, time: f64) -> DVec3 {
         DVec3::from(self.velocity.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
     }
 
-    /// Acceleration v·∇v of what moves with the surface at a point of it (m) and time (s), m/s², by
-    /// a central difference over a thousandth of `length` (m) to either side: that of a cylinder
-    /// that turns is ω² R to its axis.
-    pub fn turning_at(&self, point: DVec3, time: f64, length: f64) -> DVec3 {
+    /// Returns the convective acceleration v·∇v at a point of the surface (m) and time (s), m/s².
+    /// For a rotating cylinder it is ω² R towards the axis. Computed by a central difference over a
+    /// thousandth of `length` (m) to either side.
+    pub fn convective_acceleration_at(&self, point: DVec3, time: f64, length: f64) -> DVec3 {
         let velocity = self.velocity_at(point, time);
         let speed = velocity.length();
         if speed == 0.0 {
@@ -31,10 +31,10 @@ impl WallPart {
     }
 }
 
-/// A wall particle's surface.
+/// Surface in front of a wall particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Distance behind it, m, ≥ 0.
+    /// Distance of the particle behind the surface, m, ≥ 0.
     pub distance: f64,
     /// Unit normal at the nearest point, into the fluid.
     pub normal: DVec3,
@@ -42,7 +42,7 @@ pub struct Surface {
     pub part: u16,
 }
 
-/// The surface in front of a wall particle.
+/// Returns the surface in front of a wall particle.
 ///
 /// A particle that the lattice puts up to Δ/4 in front of its surface has distance 0.
 pub fn surface(scene: &Scene, point: DVec3) -> Surface {
@@ -55,19 +55,19 @@ pub fn surface(scene: &Scene, point: DVec3) -> Surface {
     Surface { distance, normal: snapped(direction), part: part(scene, nearest) }
 }
 
-/// The nearest surface point of a point on either side of it, m, with the unit normal there, into
-/// the fluid, and the wall part.
+/// Returns the surface point nearest to a point on either side, m, with its unit normal into the
+/// fluid and its wall part.
 pub fn surface_at(scene: &Scene, point: DVec3) -> (DVec3, DVec3, u16) {
     let nearest = nearest_point(scene, point);
     (nearest, snapped(-gradient(scene, nearest, probing_step(scene))), part(scene, nearest))
 }
 
-/// The step of differences of the signed distance, m.
+/// Returns the step of differences of the signed distance, m.
 fn probing_step(scene: &Scene) -> f64 {
     1e-4 * scene.spacing
 }
 
-/// The nearest surface point, by walks along the gradient of the signed distance.
+/// Returns the nearest surface point, m, by steps along the gradient of the signed distance.
 fn nearest_point(scene: &Scene, point: DVec3) -> DVec3 {
     let step = probing_step(scene);
     let mut nearest = point;
@@ -81,7 +81,7 @@ fn nearest_point(scene: &Scene, point: DVec3) -> DVec3 {
     nearest
 }
 
-/// Gradient of the signed distance by central differences, made a unit vector.
+/// Returns the normalised gradient of the signed distance, by central differences.
 fn gradient(scene: &Scene, point: DVec3, step: f64) -> DVec3 {
     let mut gradient = DVec3::ZERO;
     for (axis, unit) in DVec3::AXES.iter().enumerate().take(scene.dimensions) {
@@ -91,13 +91,13 @@ fn gradient(scene: &Scene, point: DVec3, step: f64) -> DVec3 {
     gradient.normalize_or_zero()
 }
 
-/// A normal along an axis, freed from the rounding of differences.
+/// Returns a normal without the rounding errors of differences if it is along an axis.
 fn snapped(normal: DVec3) -> DVec3 {
     let clean = normal.map(|component| if component.abs() < 1e-9 { 0.0 } else { component });
     clean.normalize_or_zero()
 }
 
-/// The first part whose region has the surface point, or the rest.
+/// Returns the index of the first part whose region contains the surface point, or 0.
 fn part(scene: &Scene, surface: DVec3) -> u16 {
     let tolerance = 1e-3 * scene.spacing;
     scene
@@ -113,10 +113,10 @@ mod tests {
     use crate::model::Scene;
     use glam::DVec3;
 
-    /// A drum that turns with 2/s and, later, faster: ω² R to its axis whatever it does along
-    /// itself.
+    /// The acceleration of a cylinder that spins up from 2 rad/s is ω² R towards the axis; its
+    /// angular acceleration does not contribute.
     #[test]
-    fn what_turns_is_accelerated_to_its_axis() {
+    fn rotating_surface_has_centripetal_acceleration() {
         let text = r#"Scene(
             title: "Drum", dimensions: 2, spacing: 0.05, smoke: 0.05,
             fluid: (density: 1000.0, viscosity: 0.1, sound_speed: 10.0),
@@ -130,9 +130,9 @@ mod tests {
         let drum = scene.walls.parts.iter().find(|part| part.moves()).expect("a part that moves");
         let point = DVec3::new(0.3, -0.4, 0.0);
         for (time, rate) in [(0.0, 2.0), (0.5, 3.0)] {
-            let found = drum.turning_at(point, time, scene.spacing);
+            let found = drum.convective_acceleration_at(point, time, scene.spacing);
             assert!((found + point * rate * rate).length() < 1e-9, "{found} m/s² at {time} s");
         }
-        assert_eq!(drum.turning_at(DVec3::ZERO, 0.0, scene.spacing), DVec3::ZERO);
+        assert_eq!(drum.convective_acceleration_at(DVec3::ZERO, 0.0, scene.spacing), DVec3::ZERO);
     }
 }

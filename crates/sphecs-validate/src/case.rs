@@ -85,9 +85,9 @@ impl Case {
     }
 
     fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, CaseFaults> {
-        let reader::Reading { root, mut faults, lost } = reader::read(text);
+        let reader::Parsed { root, mut faults, unbalanced } = reader::read(text);
         let shown = format!("{name}.ron");
-        if lost {
+        if unbalanced {
             return Err(CaseFaults::new(&shown, text, faults));
         }
         let constants = constants::read(&root, &mut faults);
@@ -130,7 +130,7 @@ impl Case {
         }
     }
 
-    /// Returns the text of a table beside the case.
+    /// Returns the text of a table in the folder of the case.
     ///
     /// # Errors
     /// Reason why it cannot be read.

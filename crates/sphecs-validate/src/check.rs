@@ -19,7 +19,7 @@ use sphecs_scene::schema::{FormulaText, Text};
 const UNIT: f64 = 1e-3;
 
 /// Returns all faults of a case that was parsed.
-pub fn faults(case: &Case) -> Vec<Fault> {
+pub(crate) fn faults(case: &Case) -> Vec<Fault> {
     let file = &case.file;
     let mut check = Check { case, probes: HashMap::new(), bodies: HashMap::new(), faults: Vec::new() };
     check.unique("run", file.runs.iter().map(|run| &run.name));
@@ -45,7 +45,7 @@ struct Check<'a> {
     case: &'a Case,
     /// Names of the probes in the scene of each run without faults.
     probes: HashMap<&'a str, Vec<String>>,
-    /// Names of the bodies with coefficients, likewise.
+    /// Names of the bodies with coefficients in the scene of each run without faults.
     bodies: HashMap<&'a str, Vec<String>>,
     faults: Vec<Fault>,
 }

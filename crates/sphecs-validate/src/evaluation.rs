@@ -20,7 +20,7 @@ use sphecs_output::error::OutputError;
 const REPORT: &str = "report.json";
 
 /// Evaluates the cases in their order.
-pub struct Evaluator<'a> {
+pub(crate) struct Evaluator<'a> {
     cases: &'a [Case],
     runs: &'a [CaseRun<'a>],
     options: &'a ValidateOptions,
@@ -33,7 +33,7 @@ pub struct Evaluator<'a> {
 
 impl<'a> Evaluator<'a> {
     /// Returns the evaluator before the first run has ended.
-    pub fn new(cases: &'a [Case], runs: &'a [CaseRun<'a>], options: &'a ValidateOptions) -> Self {
+    pub(crate) fn new(cases: &'a [Case], runs: &'a [CaseRun<'a>], options: &'a ValidateOptions) -> Self {
         let finished = runs.iter().map(|_| None).collect();
         Self { cases, runs, options, finished, next: 0, results: Vec::new() }
     }
@@ -42,7 +42,7 @@ impl<'a> Evaluator<'a> {
     ///
     /// # Errors
     /// [`ValidateError`] when a file cannot be written.
-    pub fn add(&mut self, index: usize, finished: FinishedRun) -> Result<(), ValidateError> {
+    pub(crate) fn add(&mut self, index: usize, finished: FinishedRun) -> Result<(), ValidateError> {
         let case = &self.cases[self.runs[index].case_index].name;
         let took = finished.line.failure.clone().unwrap_or_else(|| duration(finished.line.wall_time));
         let name = format!("{case}/{}", finished.line.name);
@@ -55,7 +55,7 @@ impl<'a> Evaluator<'a> {
     ///
     /// # Errors
     /// [`ValidateError`] when a file cannot be written.
-    pub fn evaluate_complete_cases(&mut self) -> Result<(), ValidateError> {
+    pub(crate) fn evaluate_complete_cases(&mut self) -> Result<(), ValidateError> {
         while let Some(case) = self.cases.get(self.next) {
             let of_case = |index: &usize| self.runs[*index].case_index == self.next;
             let of_case: Vec<usize> = (0..self.runs.len()).filter(of_case).collect();
@@ -97,7 +97,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Prints and returns the conclusion from all cases.
-    pub fn conclusion(&self) -> Conclusion {
+    pub(crate) fn conclusion(&self) -> Conclusion {
         let missed: Vec<&str> = self
             .results
             .iter()

@@ -16,8 +16,8 @@
 //! - [`case_report`], [`plot`], `picture`: files that a validation leaves
 //!
 //! To add a case, add `assets/validation/NAME.ron`. Its runs are scenes of `scenes/`; its
-//! references are formulas, exact solutions, tables beside the case or other runs. No code is
-//! needed.
+//! references are formulas, exact solutions, tables in the folder of the case or other runs. No
+//! code is needed.
 
 pub mod case;
 pub mod case_report;

@@ -15,7 +15,7 @@ const WIDTH: u32 = 900;
 /// Draws the pictures of a run folder into `target`, one for each time.
 ///
 /// Returns the name of each file, and its title with the time of the frame or the error.
-pub fn draw(
+pub(crate) fn draw(
     file: &PictureFile,
     run: &Path,
     target: &Path,
@@ -39,7 +39,7 @@ pub fn draw(
 ///
 /// # Errors
 /// The field is unknown.
-pub fn options(file: &PictureFile) -> Result<RenderOptions, String> {
+pub(crate) fn options(file: &PictureFile) -> Result<RenderOptions, String> {
     let slice = |(axis, at): &(AxisFile, Number)| Slice { axis: *axis as usize, at: Some(at.value) };
     Ok(RenderOptions {
         field: file.field.value.parse()?,

@@ -180,7 +180,7 @@ fn render(plot: &PlotFile, curves: &[Curve], path: &Path) -> Result<(), Box<dyn 
             drawn.label(&curve.label).legend(move |(x, y)| PathElement::new([(x, y), (x + KEY, y)], style));
         }
     }
-    // On top, so that the dashes show where both agree.
+    // The reference is drawn on top, so that the dashes show where both agree.
     let style = BLACK.stroke_width(2);
     for (number, curve) in curves.iter().filter(|curve| !curve.reference.is_empty()).enumerate() {
         let dashed = DashedLineSeries::new(curve.reference.iter().copied(), DASH.0, DASH.1, style);

@@ -1,8 +1,8 @@
 //! Concurrent runs of a validation.
 //!
-//! Each thread of one pool takes a run after the other. While there are at least as many runs as
-//! threads, each run has one thread, which avoids the overhead of parallel loops over small steps.
-//! A thread without a run helps the remaining ones. The results are bitwise identical either way.
+//! Each thread of one pool takes one run after another. While there are at least as many runs as
+//! threads, each run has one thread, which avoids the overhead of parallel loops in small steps. A
+//! thread without a run helps the remaining ones. The results are bitwise identical either way.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,7 +25,7 @@ use sphecs_scene::model::Scene;
 
 /// Run to be made: one member of the ensemble of a run of a case.
 #[derive(Clone, Debug)]
-pub struct CaseRun<'a> {
+pub(crate) struct CaseRun<'a> {
     /// Index of the case among all.
     pub case_index: usize,
     /// Run in the case file.
@@ -37,7 +37,7 @@ pub struct CaseRun<'a> {
 
 impl<'a> CaseRun<'a> {
     /// Returns the runs of a case in a tier with all their members.
-    pub fn of_case(case_index: usize, case: &'a Case, tier: Tier, folder: &Path) -> Vec<Self> {
+    pub(crate) fn of_case(case_index: usize, case: &'a Case, tier: Tier, folder: &Path) -> Vec<Self> {
         let wanted = case.file.runs.iter().filter(|run| run.tier <= tier);
         let members =
             wanted.flat_map(|run| run.members(tier).into_iter().enumerate().map(move |member| (run, member)));
@@ -53,7 +53,7 @@ impl<'a> CaseRun<'a> {
 
 /// Run that has ended.
 #[derive(Debug)]
-pub struct FinishedRun {
+pub(crate) struct FinishedRun {
     /// Line of the page.
     pub line: RunLine,
     /// Results; None after a failure.
@@ -67,7 +67,7 @@ pub struct FinishedRun {
 ///
 /// # Errors
 /// The first error of any run or of `finished`; the concurrent runs end as by a signal.
-pub fn run_all(
+pub(crate) fn run_all(
     cases: &[Case],
     runs: &[CaseRun<'_>],
     options: &ValidateOptions,

@@ -21,7 +21,7 @@ pub struct FlowProperties<'a> {
     pub reference_velocity: f64,
     /// For each axis, lower and upper bound of the periodic direction, m.
     pub periodic: [Option<(f64, f64)>; 3],
-    /// Tells whether a point (m) lies in the domain, zones not included.
+    /// Returns true if a point (m) lies in the domain, zones not included.
     pub is_in_domain: &'a (dyn Fn(DVec3) -> bool + Sync),
 }
 

@@ -17,7 +17,7 @@ pub struct Patch {
     pub towards: DVec3,
     /// Unit vectors that span the plane; the second is zero in 2D.
     pub across: [DVec3; 2],
-    /// Half extents of the section's bounding rectangle about `at` along `across`, m.
+    /// Half extents along `across` of the bounding rectangle of the section about `at`, m.
     pub half_extent: [f64; 2],
     /// Length of its zone, m, ≥ the kernel's support.
     pub depth: f64,
@@ -36,7 +36,7 @@ impl Patch {
         point - self.towards * (2.0 * self.along(point))
     }
 
-    /// Tells whether the projection of a point onto the plane lies in the section's bounding
+    /// Returns true if the projection of a point onto the plane lies in the section's bounding
     /// rectangle widened by `margin`, m.
     pub fn covers(&self, point: DVec3, margin: f64) -> bool {
         let offset = point - self.at;
@@ -44,13 +44,13 @@ impl Patch {
             && offset.dot(self.across[1]).abs() <= self.half_extent[1] + margin
     }
 
-    /// Tells whether the normal is oblique to the axes, and so to the lattice.
+    /// Returns true if the normal is oblique to the axes, and so to the lattice.
     pub fn is_oblique(&self) -> bool {
         self.towards.abs().max_element() < 1.0 - PARALLEL_TO_AXIS
     }
 }
 
-/// Returns a patch of a channel of a width of 0.162 m that is turned by an angle, for tests.
+/// Returns a patch of a channel, 0.162 m wide and rotated by an angle, for tests.
 #[cfg(test)]
 pub(super) fn turned_patch(angle: f64) -> Patch {
     let (s, c) = angle.sin_cos();
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_turned_patches_are_oblique() {
+    fn only_rotated_patches_are_oblique() {
         assert!(turned_patch(0.3).is_oblique());
         for quarter in 0..4 {
             assert!(!turned_patch(f64::from(quarter) * std::f64::consts::FRAC_PI_2).is_oblique());
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirror_image_is_as_far_on_the_other_side() {
+    fn mirror_image_is_at_the_same_distance_on_the_other_side() {
         let patch = turned_patch(0.3);
         let point = patch.at + patch.towards * 0.02 + patch.across[0] * 0.01;
         let image = patch.mirrored(point);

@@ -1,11 +1,11 @@
-//! Points that represent the section of an opening: about a spacing apart, with their neighbours.
+//! Points that represent the section of an opening, about a spacing apart, with their neighbours.
 
 use glam::DVec3;
 
 use super::flow::FlowProperties;
 use super::patch::Patch;
 
-/// Distance upstream of the plane at which a point is tested for being in the domain, over Δ: on
+/// Distance upstream of the plane, over Δ, at which a point is tested for being in the domain. On
 /// the plane itself, the surface of the domain, rounding would decide.
 const UPSTREAM: f64 = 1e-3;
 
@@ -119,7 +119,7 @@ impl SectionPoints {
     }
 }
 
-/// A location between points of a section; found once, it interpolates all fields.
+/// A location between points of a section, found once to interpolate all fields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionLocation {
     /// Indices of the four surrounding points: `points[second direction][first direction]`.
@@ -195,7 +195,7 @@ mod tests {
         assert!(disc.offsets.iter().all(|offset| offset.length() < 0.5 && offset.x.abs() < 1e-12));
         let area = disc.offsets.len() as f64 * disc.spacing[0] * disc.spacing[1];
         assert!((area / (0.25 * std::f64::consts::PI) - 1.0).abs() < 0.05, "{area} m²");
-        // Neighbourhood is mutual, and a linear field is exact between four points.
+        // Neighbours are mutual, and a linear field is exact between four points.
         for (point, around) in disc.neighbours.iter().enumerate() {
             for (side, &other) in around.iter().enumerate() {
                 let back = disc.neighbours[other as usize][side ^ 1];

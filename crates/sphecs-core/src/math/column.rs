@@ -169,7 +169,7 @@ impl Columns {
     /// Adds values under a name.
     ///
     /// # Panics
-    /// If the name is taken: two owners would overwrite each other's state.
+    /// If the name is already used, as two owners would overwrite each other's state.
     pub fn put<T: Element>(&mut self, name: impl Into<String>, values: Vec<T>) {
         self.put_column(name, T::into_column(values));
     }

@@ -6,9 +6,9 @@
 //! C_ν = −2 Σ_b Δ^D (x_b²/2) F(r_b) R(r_b)   Lo–Shao sum over ν ∇²v:       1,   R = r²/(r² + η²)
 //! ```
 //!
-//! The Lo–Shao sum of a field v is 2 ν Σ V_b (v_a − v_b) F; for v = y²/2, whose Laplacian is 1, it
-//! is ν C_ν, and without η² (R = 1) C_ν = C_g. On the lattice all sums differ from 1 by a percent
-//! or more. The scheme divides by them, so that a uniform lattice has the reference density and a
+//! The Lo–Shao sum of a field v is 2 ν Σ V_b (v_a − v_b) F. For v = y²/2, whose Laplacian is 1, it
+//! is ν C_ν; without η² (R = 1) C_ν = C_g. On the lattice all sums differ from 1 by a percent or
+//! more. The scheme divides by them, so that a uniform lattice has the reference density and a
 //! parabolic profile the exact viscous force.
 
 use super::kernel::Kernel;

@@ -2,8 +2,8 @@
 
 /// Solves `matrix · x = right`; None if the matrix is singular or not finite.
 ///
-/// A pivot below 1e-10 of the largest entry counts as zero: in moment matrices of kernel sums it is
-/// rounding error, and dividing by it would move a particle across the domain. The unknowns must
+/// A pivot below 1e-10 of the largest entry counts as zero. In moment matrices of kernel sums it is
+/// rounding error; dividing by it would move a particle across the domain. The unknowns must
 /// therefore be of similar size, such as distances over h.
 pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
     const SINGULAR: f64 = 1e-10;

@@ -1,8 +1,8 @@
-//! Contiguous columns of the particles: the truth within a step.
+//! Contiguous columns of the particles, the authoritative state within a step.
 //!
 //! They are sorted by cell, inside a cell by strips along x (`math/grid/sort.rs`) and by particle
-//! id. Particles of the reservoir are not in the arrays: they have no neighbours. Between steps the
-//! components of the world are the truth.
+//! id. Particles of the reservoir are not in the arrays, since they have no neighbours. Between
+//! steps the components of the world are authoritative.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -39,8 +39,8 @@ columns! {
     pressure: Vec<R> => f64, "pressure", Always, Permute(reals);
     /// Evolved pressure half a step earlier, Pa.
     previous_pressure: Vec<R> => f64, "pressure_before", PressureEvolves, Permute(reals);
-    /// Velocity that moved the particle in the last step beyond its own, m/s: of shifting, or of
-    /// the transport velocity.
+    /// Velocity that moved the particle in the last step in addition to its own, m/s, by shifting
+    /// or the transport velocity.
     drift: [Vec<R>; D] => DVec3, "drift", ParticlesDrift, Permute(reals);
     /// Distance, m. Wall: d_w of the particle behind its surface. Others: to the nearest wall
     /// surface, infinite when none is in the support.
@@ -104,7 +104,7 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
 /// Rows that a thread moves at a time.
 const CHUNK: usize = 8192;
 
-/// Rows that are moved at once where they followed each other before. Most did: few leave their
+/// Rows that are moved at once where they were consecutive before, as most were: few leave their
 /// cell in a step.
 const RUN: usize = 8;
 
@@ -149,7 +149,7 @@ fn permute<T: ColumnElement>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec
             let run = rows.iter().zip(rows[0]..).fold(true, |run, (row, next)| run & (*row == next));
             match from.get(first..).and_then(|from| from.first_chunk::<RUN>()) {
                 Some(from) if run => *to = *from,
-                // Not by `map`, which would be a call.
+                // A loop, since `map` would be a function call.
                 _ => {
                     for (to, &row) in to.iter_mut().zip(rows) {
                         *to = from[row as usize];
@@ -164,11 +164,11 @@ fn permute<T: ColumnElement>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec
     std::mem::swap(column, spare);
 }
 
-/// Permutes a column unless all its values are equal: then it needs neither an order nor a spare
+/// Permutes a column unless all its values are equal, when it needs neither an order nor a spare
 /// column.
 fn permute_unless_uniform<T: ColumnElement>(column: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>) {
     let first = column.first().copied().unwrap_or_default();
-    // Without an early return within a chunk, so that the compiler vectorises the loop.
+    // There is no early return within a chunk, so that the compiler vectorises the loop.
     let uniform = |chunk: &[T]| chunk.iter().fold(true, |uniform, value| uniform & (*value == first));
     if column.par_chunks(CHUNK).all(uniform) {
         column.truncate(order.len());

@@ -1,4 +1,4 @@
-//! Particles as sorted columns: the truth within a step.
+//! Particles as sorted columns, the authoritative state within a step.
 //!
 //! - [`arrays`]: the table of columns, and sorting
 //! - [`quantity`]: columns of one quantity, scalar or vector

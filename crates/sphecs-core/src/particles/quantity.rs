@@ -1,7 +1,7 @@
 //! Columns of one quantity of the particles: one column for a scalar, one per axis for a vector.
 //!
-//! Everything that the table of columns (`table`) generates goes through these two
-//! traits: reading and writing a particle, and the form that a checkpoint keeps.
+//! The code that the table of columns (`table`) generates uses these two traits to read and write
+//! particles and checkpoints.
 
 use glam::DVec3;
 

@@ -1,6 +1,7 @@
 //! One particle of the arrays, read and written as vectors in space.
 //!
-//! For boundaries, probes and transitions, which need few particles; the pair passes read columns.
+//! This access is for boundaries, probes and transitions, which need few particles; the pair passes
+//! read columns.
 
 use glam::DVec3;
 

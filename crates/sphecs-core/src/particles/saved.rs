@@ -8,7 +8,7 @@ use crate::math::real::Real;
 /// Order in which a checkpoint keeps the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// The present order: by cell, behind them those added since the last sort.
+    /// The present order: by cell, followed by those added since the last sort.
     AsTheyStand,
     /// By the number of the particle.
     ByNumber,
@@ -16,7 +16,7 @@ pub enum Order {
 
 /// Adds every column that the next step depends on to a checkpoint.
 ///
-/// Particles on their way to the reservoir, which the next sort drops, are left out.
+/// Particles bound for the reservoir, which the next sort drops, are left out.
 pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order, to: &mut Columns) {
     arrays.save_columns(&SavedRows::new(&arrays.id, &arrays.zone, order), to);
 }
@@ -25,7 +25,7 @@ pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order
 ///
 /// # Errors
 /// [`ColumnMismatch`] when a column is missing, of another type or length, or holds a number that
-/// is no zone.
+/// is not a zone.
 pub fn restore<R: Real, const D: usize>(from: &mut Columns) -> Result<ParticleArrays<R, D>, ColumnMismatch> {
     ParticleArrays::restore_columns(from)
 }

@@ -8,7 +8,7 @@
 //! [`ParticleArrays`]: super::arrays::ParticleArrays
 //! [`ParticleRow`]: super::rows::ParticleRow
 
-/// Condition for a column to be in use; a column that is not is empty.
+/// Condition for a column to be in use; unused columns are empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum When {
     /// Always.
@@ -26,7 +26,7 @@ pub(super) enum When {
 pub(super) enum Sort {
     /// Its values are permuted.
     Permute,
-    /// Its values are permuted unless all are equal, as the zones of a box of fluid are.
+    /// Its values are permuted unless all are equal, such as the zones in a box of fluid.
     PermuteUnlessUniform,
     /// Its values are permuted if there are walls; otherwise all are equal.
     PermuteIfWalls,

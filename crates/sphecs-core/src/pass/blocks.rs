@@ -7,18 +7,18 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelI
 
 use crate::math::grid::CellGrid;
 
-/// Most rows of a block of several cells: enough to hide the cost of a task, few enough to balance
-/// the threads.
+/// Largest number of rows of a block of several cells: enough to amortise a task, few enough to
+/// balance the threads.
 const ROWS: usize = 1024;
 
-/// Most rows of a part. A row of a part costs little, so there are more than in a block.
+/// Largest number of rows of a part. A row costs less here, so it is more than for a block.
 const PART: usize = 4096;
 
 /// Rows that are processed together: the compiler vectorises a loop over them without branches.
 pub const GROUP: usize = 64;
 
 /// Output columns that can be split at a row.
-pub trait Columns: Send + Sized {
+pub trait SplittableColumns: Send + Sized {
     /// Returns columns without rows.
     fn none() -> Self;
 
@@ -26,7 +26,7 @@ pub trait Columns: Send + Sized {
     fn cut(self, row: usize) -> (Self, Self);
 }
 
-impl<T: Send> Columns for &mut [T] {
+impl<T: Send> SplittableColumns for &mut [T] {
     fn none() -> Self {
         &mut []
     }
@@ -38,7 +38,7 @@ impl<T: Send> Columns for &mut [T] {
     }
 }
 
-impl<C: Columns, const N: usize> Columns for [C; N] {
+impl<C: SplittableColumns, const N: usize> SplittableColumns for [C; N] {
     fn none() -> Self {
         std::array::from_fn(|_| C::none())
     }
@@ -54,7 +54,7 @@ impl<C: Columns, const N: usize> Columns for [C; N] {
 
 macro_rules! tuples {
     ($($name:ident $low:ident $high:ident),*) => {
-        impl<$($name: Columns),*> Columns for ($($name,)*) {
+        impl<$($name: SplittableColumns),*> SplittableColumns for ($($name,)*) {
             fn none() -> Self {
                 ($($name::none(),)*)
             }
@@ -76,7 +76,7 @@ tuples!(A a_low a_high, B b_low b_high, C c_low c_high, E e_low e_high);
 ///
 /// `work` takes the cells of a block and the rows of the output columns that belong to them. The
 /// result must not depend on the order of the joins.
-pub fn for_each_block<C: Columns, S: Send, const D: usize>(
+pub fn for_each_block<C: SplittableColumns, S: Send, const D: usize>(
     grid: &CellGrid<D>,
     columns: C,
     work: &(impl Fn(Range<usize>, C) -> S + Sync),
@@ -88,7 +88,11 @@ pub fn for_each_block<C: Columns, S: Send, const D: usize>(
 /// Runs `work` over the rows in parts, in parallel, for work that needs no neighbours.
 ///
 /// `work` takes the rows of a part and the same rows of the columns.
-pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn(Range<usize>, C) + Sync)) {
+pub fn for_each_part<C: SplittableColumns>(
+    rows: Range<usize>,
+    columns: C,
+    work: &(impl Fn(Range<usize>, C) + Sync),
+) {
     if rows.len() <= PART {
         return work(rows, columns);
     }
@@ -101,7 +105,7 @@ pub fn for_each_part<C: Columns>(rows: Range<usize>, columns: C, work: &(impl Fn
     );
 }
 
-/// Rows of a part that is searched for a list, of which few rows are part.
+/// Rows of a part that is searched for a list of few rows.
 const LISTED: usize = 1024;
 
 /// Runs `work` over the rows in parts, in parallel, each with a list of its own.
@@ -142,7 +146,7 @@ pub fn join_parts<S: Send>(
     join(low, high)
 }
 
-fn split<C: Columns, S: Send>(
+fn split<C: SplittableColumns, S: Send>(
     starts: &[u32],
     cells: Range<usize>,
     columns: C,
@@ -153,7 +157,8 @@ fn split<C: Columns, S: Send>(
     if rows <= ROWS || cells.len() == 1 {
         return work(cells, columns);
     }
-    // Half of the rows, not of the cells: most cells of a bent domain's box may be empty.
+    // The halves have equal numbers of rows, not cells: most cells around a bent domain may be
+    // empty.
     let middle_row = starts[cells.start] + rows as u32 / 2;
     let inner = &starts[cells.start + 1..cells.end];
     let middle = cells.start + 1 + inner.partition_point(|&start| start < middle_row).min(inner.len() - 1);

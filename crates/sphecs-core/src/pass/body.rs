@@ -5,17 +5,17 @@
 //! (x_b − c) × f_ab = (x_a − c) × f_ab − x_ab × f_ab
 //! ```
 //!
-//! Over fluid particles a and the body's particles b; m f_ab is the force of the pair in the
-//! momentum sum of the scheme, so that the body gains what the fluid loses: Negi et al. (2020),
-//! Eqs. 37 and 38, from the fluid's side. The loop is the fused one (`fused`) over
-//! a pack that holds the body alone. The part along x_ab due to pressure is the pressure part; all
-//! other terms, viscous and turbulent stress and that of the transport velocity, are the viscous
-//! part.
+//! The sums are over fluid particles a and particles b of the body. The force of a pair in the
+//! momentum sum of the scheme is m f_ab, so the body gains the momentum that the fluid loses. These
+//! are Eqs. 37 and 38 of Negi et al. (2020), seen from the fluid. The loop is the fused one
+//! (`fused`) over a pack that holds the body alone. The part along x_ab due to pressure is the
+//! pressure part; all other terms, viscous and turbulent stress and that of the transport velocity,
+//! are the viscous part.
 //!
-//! Two terms of the schemes take a particle's own mean pressure out of all its pairs, p̄_a of Negi
-//! et al. (2020), Eq. 7, and the tensile control of p_a < 0. Over a whole support they nearly
-//! cancel, but the share of the pairs that cross a surface is the very force of the pressure on it:
-//! with them a submerged cylinder has no buoyancy (test
+//! Two terms of the schemes subtract a particle's own pressure from all its pairs: p̄_a of Negi et
+//! al. (2020), Eq. 7, and the tensile control of p_a < 0. Over a full support they nearly cancel,
+//! but over the pairs that cross a surface they equal the pressure force on it. With them a
+//! submerged cylinder has no buoyancy (test
 //! `submerged_cylinder_is_lifted_by_the_displaced_weight`). So the settings for these sums have
 //! neither.
 

@@ -1,9 +1,9 @@
 //! Access to the columns that the pair passes leave for each other.
 //!
 //! [`Written`] holds columns of one writer. The writer is a type that only the module of its pass
-//! can construct, so no other code changes them. A reader is named by a type as well, and the
-//! table of [`Reads`] below lists the passes that may read: a further reader does not compile until
-//! it is in the table, where one sees which pass has to run before it.
+//! can construct, so no other code changes them. A reader is named by a type as well, and the table
+//! of [`Reads`] below lists the passes that may read. A further reader does not compile until it is
+//! in the table, which shows which pass has to run before it.
 
 use std::marker::PhantomData;
 

@@ -6,9 +6,9 @@
 //!
 //! Under Tait's equation only the fluid is summed: a condition sets the pressure of walls and
 //! zones, and their density follows from it. Where the pressure evolves, the pressure of a
-//! condition says nothing of the volumes, so inflow and outflow are summed too. Walls then have the
-//! reference density, which is the sum over their lattice: their own sum would be cut off behind
-//! the last layer.
+//! condition does not determine the volumes, so inflow and outflow are summed too. Walls then have
+//! the reference density, which is the sum over their lattice: their own sum would be cut off
+//! behind the last layer.
 
 use std::ops::Range;
 
@@ -26,8 +26,8 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::summed_density;
 
-/// Least r²/h² under a root: a particle is its own neighbour, and 1/√0 would spoil its own share of
-/// the sum.
+/// Smallest r²/h² under a root: a particle is its own neighbour, and 1/√0 would corrupt its own
+/// term of the sum.
 pub(super) const LEAST_Q2: f64 = 1e-30;
 
 /// Sums the density of the particles that the settings name over all particles, themselves
@@ -97,8 +97,8 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for DensityPass<'a> {
 /// Turns the kernel sums of particles into densities and pressures; a particle without a sum keeps
 /// its values.
 ///
-/// Apart from the sums, because the chain of dependent operations of one particle would delay the
-/// sum of the next. Without a branch, so that the compiler vectorises the loop.
+/// It is a separate loop because the dependent operations of one particle would delay the sum of
+/// the next. It has no branch, so that the compiler vectorises it.
 #[inline(always)]
 pub(super) fn finish<R: Real>(pair: &PairSettings, zone: &[Zone], density: &mut [R], pressure: &mut [R]) {
     let scale = pair.discretisation.kernel_scale();
@@ -149,8 +149,8 @@ fn kernel_sum<K: KernelShape, L: Lanes, const D: usize>(
 
 /// Returns true if the neighbours in the support are found before their kernel values are computed.
 ///
-/// That saves the roots and values of all others, and costs every distance twice and a mispredicted
-/// branch per particle. In single precision, with fewer vectors and cheap roots, it costs as much
+/// That saves the roots and values of all others but computes every distance twice and mispredicts
+/// a branch per particle. In single precision, with fewer vectors and cheap roots, it costs as much
 /// as it saves, or more.
 const fn finds_neighbours_first<K: KernelShape, L: Lanes, const D: usize>() -> bool {
     let is_double = size_of::<L::Real>() == size_of::<f64>();
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn sum_is_that_over_all_neighbours() {
+    fn sum_equals_the_sum_over_all_neighbours() {
         for kernel in Kernel::ALL {
             let mut sample = Sample::<f64, 3>::lattice(settings(kernel, 3, 1.3), [7, 6, 9], false);
             sample.stir(0.4, 1.0);
@@ -213,7 +213,7 @@ mod tests {
             sample.density();
             assert_eq!(
                 sample.particles.density[5], WATER.reference_density,
-                "a wall's density is not summed"
+                "the density of a wall is not summed"
             );
             let neighbours = crate::pass::neighbours::Neighbours::new(&sample.grid, &sample.particles);
             for row in (0..sample.particles.len()).filter(|&row| row != 5) {

@@ -5,7 +5,8 @@
 //! →   f(x) = c_0,   φ_0 = 1, the others 0 at x
 //! ```
 //!
-//! Moving least squares; with φ_0 alone it is the kernel mean, Σ V W f/Σ V W, over the fluid.
+//! These are moving least squares over the fluid; with φ_0 alone they are the kernel mean, Σ V W
+//! f/Σ V W.
 
 use glam::DVec3;
 
@@ -17,7 +18,7 @@ use crate::math::lanes::{self, Lanes};
 use crate::math::linear::solve;
 use crate::math::real::Real;
 
-/// Columns beside the coordinates: volume of the fluid, pressure, velocity.
+/// Columns besides the coordinates: volume of the fluid, pressure, velocity.
 pub(super) const COLUMNS: usize = 2 + 3;
 /// Index of the fluid's volume among the columns behind the coordinates.
 pub(super) const VOLUME: usize = 0;
@@ -34,8 +35,8 @@ pub enum PointFit {
     /// The kernel mean of the pressure, and the velocity along the normal of a section.
     ///
     /// The basis of the velocity is linear along the normal and quadratic across it. A kernel mean
-    /// would lower the peak of a Poiseuille profile with 25 particles across by 3 %, and raise the
-    /// velocity of the layer at the wall, which no outlet can follow.
+    /// would lower the peak of a Poiseuille profile with 25 particles across by 3 %. It would also
+    /// raise the velocity of the layer at the wall, which no outlet can follow.
     Section {
         /// Unit normal of the section.
         normal: DVec3,
@@ -187,7 +188,7 @@ fn section<K: KernelShape, L: Lanes, const D: usize, const N: usize>(
     let right = lanes::sums(right).map(|sum| sum / weight);
     let fitted = solve(moments.map(|row| row.map(|moment| moment / weight)), right);
     Some(PointFlow {
-        // Where the neighbours do not span the basis, the kernel mean.
+        // The kernel mean applies where the neighbours do not span the basis.
         velocity: fitted.map_or(right[0], |coefficients| coefficients[0]),
         pressure: pressure.sum().to_f64() / weight,
         ..PointFlow::default()

@@ -5,8 +5,8 @@
 //! ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj
 //! ```
 //!
-//! The sum of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet & Lok
-//! (1999): it makes the gradient exact where the support is cut, and also on a coarse lattice.
+//! The sum is that of Alvarado-Rodríguez et al. (2017), section 2, with the correction of Bonet &
+//! Lok (1999). So the gradient is exact even where the support is cut and on a coarse lattice.
 //! Walls enter with their image velocities, so the gradient at a wall is that of the velocity
 //! continued through it. Where M is singular (fewer neighbours than dimensions) the uncorrected sum
 //! is kept.
@@ -25,10 +25,11 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::physics::wall::image;
 
-/// Most columns beside the coordinates: velocity, density, image distance and normal in 3D.
+/// Largest number of columns besides the coordinates: velocity, density, image distance and normal
+/// in 3D.
 const MOST_COLUMNS: usize = 3 + 2 + 3;
 
-/// Walls as the neighbour columns describe them, behind velocity and density.
+/// Columns of the neighbours that describe walls, after velocity and density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum WallColumns {
     /// No walls: no column.

@@ -21,10 +21,17 @@
 //! particle depend on the pack of its cell alone, so they are bitwise identical for any number of
 //! threads. Each ordered pair is computed for its own particle: no scatter, no lock.
 //!
-//! Beside the passes: [`blocks`] (parallel loops over blocks and parts), [`body`] (force and torque
-//! on a body), [`column_access`] (which pass reads which columns), [`neighbours`] (neighbours of a point, one by one), [`settings`] (the scene in the
-//! form of plain values), [`sums`] (columns that the passes write) and [`wall_velocity`]
-//! (velocities of dummy walls).
+//! The engine calls them through [`pair_real`], where they are compiled for every precision.
+//!
+//! Modules that are not passes:
+//!
+//! - [`blocks`]: parallel loops over blocks and parts
+//! - [`body`]: force and torque on a body
+//! - [`column_access`]: which pass reads which columns
+//! - [`neighbours`]: neighbours of a point, one by one
+//! - [`settings`]: the scene in the form of plain values
+//! - [`sums`]: columns that the passes write
+//! - [`wall_velocity`]: velocities of dummy walls
 
 pub mod blocks;
 pub mod body;
@@ -36,6 +43,7 @@ pub(crate) mod fused;
 pub mod gradients;
 pub mod neighbours;
 pub mod pack;
+pub mod pair_real;
 pub mod points;
 pub mod rates;
 mod row_pass;

@@ -1,7 +1,7 @@
 //! Neighbours of a point, one by one.
 //!
-//! The scalar counterpart of the packed passes, for few points: probes, inlets, outlets. Periodic
-//! images are included, always in the same order.
+//! This is the scalar counterpart of the packed passes, for few points such as probes, inlets and
+//! outlets. Periodic images are included, always in the same order.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
-/// Search for neighbours in sorted arrays: valid from the sort until the next change of position.
+/// Search for neighbours in sorted arrays, valid from the sort until the next change of position.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighbours<'a, R: Real, const D: usize> {
     /// Grid that the particles were sorted with.
@@ -26,7 +26,8 @@ impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
         Self { grid, particles, support: grid.support() }
     }
 
-    /// Searches within a radius, m, that is a small part of the grid's support: visits few cells.
+    /// Searches within a radius, m, much smaller than the support of the grid, so that few cells
+    /// are visited.
     pub fn within(radius: f64, grid: &'a CellGrid<D>, particles: &'a ParticleArrays<R, D>) -> Self {
         Self { grid, particles, support: radius }
     }
@@ -139,7 +140,7 @@ mod tests {
                     let r2: f64 = (0..D)
                         .map(|d| (point[d] - (arrays.position[d][b] + image[d] as f64 * length[d])).powi(2))
                         .sum();
-                    // A pair on the very edge may fall to either side by rounding.
+                    // Rounding may put a pair on the edge on either side.
                     if r2 < radius * radius * (1.0 - 1e-9) {
                         expected.push((arrays.id[a], arrays.id[b], (r2 * 1e9).round() as i64));
                     }
@@ -195,7 +196,8 @@ mod tests {
 
     #[test]
     fn a_particle_in_one_periodic_cell_has_its_own_images_as_neighbours() {
-        // Period 0.2, support 0.5: the images at ± 0.2 and ± 0.4 beside the particle itself.
+        // With period 0.2 and support 0.5 there are images at ± 0.2 and ± 0.4 besides the particle
+        // itself.
         check([0.2, 0.2], [true, false], 0.5, &[[0.25, 0.5]]);
         let mut grid = CellGrid::new([0.0; 2], [0.2, 0.2], [true, false], 0.5, 0.5);
         let arrays = cloud([0.0; 2], [0.2, 0.2], &[[0.25, 0.5]]);

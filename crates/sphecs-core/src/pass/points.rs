@@ -1,12 +1,12 @@
 //! Fields of the fluid at the points of inlets and outlets, by the [`fits`](super::fits).
 //!
 //! [`sampling`](super::sampling) does the same neighbour by neighbour for probes. Here there are
-//! thousands of points a step: they are put into the order of the cells that they lie in, and the
-//! points of one cell share its pack. The result at a point depends on that pack alone, not on the
-//! other points.
+//! thousands of points per step. They are sorted by cell, and the points of one cell share its
+//! pack. The result at a point depends on that pack alone, not on the other points.
 
 use super::fits::{COLUMNS, PRESSURE, PointFit, PointFlow, VELOCITY, VOLUME};
 use super::pack::{Only, Pack, Source};
+use super::pair_real::PairReal;
 use super::row_pass::{PassInput, PointPass};
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -32,7 +32,7 @@ pub struct PointFlows<const D: usize> {
 
 impl<const D: usize> PointFlows<D> {
     /// Fits the fluid's fields at the points.
-    pub fn find<R: Real>(
+    pub fn find<R: PairReal<D>>(
         &mut self,
         fit: PointFit,
         pair: &PairSettings,
@@ -40,11 +40,11 @@ impl<const D: usize> PointFlows<D> {
         particles: &ParticleArrays<R, D>,
         sums: &mut PairSums<R, D>,
     ) {
-        self.find_in(fit, &particles.pressure, pair, grid, particles, sums);
+        R::fit_points(self, fit, &particles.pressure, pair, grid, particles, sums);
     }
 
     /// Finds the kernel means of a particle column over the fluid, as pressures.
-    pub fn find_mean<R: Real>(
+    pub fn find_mean<R: PairReal<D>>(
         &mut self,
         column: &[R],
         pair: &PairSettings,
@@ -52,42 +52,43 @@ impl<const D: usize> PointFlows<D> {
         particles: &ParticleArrays<R, D>,
         sums: &mut PairSums<R, D>,
     ) {
-        self.find_in(PointFit::Column, column, pair, grid, particles, sums);
+        R::fit_points(self, PointFit::Column, column, pair, grid, particles, sums);
     }
+}
 
-    fn find_in<R: Real>(
-        &mut self,
-        fit: PointFit,
-        pressure: &[R],
-        pair: &PairSettings,
-        grid: &CellGrid<D>,
-        particles: &ParticleArrays<R, D>,
-        sums: &mut PairSums<R, D>,
-    ) {
-        sums.packs.prepare();
-        sums.columns.find_fluid_volume(pair, particles);
-        let Self { points, found, order, in_order } = self;
-        order.clear();
-        let cells = points.iter().map(|&point| cell_bits(grid.unwrapped_index(point)));
-        order.extend(cells.zip(0_u64..).map(|(cell, number)| cell << u32::BITS | number));
-        order.sort_unstable();
-        in_order.resize(points.len(), None);
+/// Fits a pressure column and the velocity of the fluid at the points.
+pub fn fit_points<R: Real, const D: usize>(
+    flows: &mut PointFlows<D>,
+    fit: PointFit,
+    pressure: &[R],
+    pair: &PairSettings,
+    grid: &CellGrid<D>,
+    particles: &ParticleArrays<R, D>,
+    sums: &mut PairSums<R, D>,
+) {
+    sums.packs.prepare();
+    sums.columns.find_fluid_volume(pair, particles);
+    let PointFlows { points, found, order, in_order } = flows;
+    order.clear();
+    let cells = points.iter().map(|&point| cell_bits(grid.unwrapped_index(point)));
+    order.extend(cells.zip(0_u64..).map(|(cell, number)| cell << u32::BITS | number));
+    order.sort_unstable();
+    in_order.resize(points.len(), None);
 
-        let mut columns: [&[R]; COLUMNS] = [&[]; COLUMNS];
-        columns[VOLUME] = &sums.columns.fluid_volume;
-        columns[PRESSURE] = pressure;
-        for d in 0..D {
-            columns[VELOCITY + d] = &particles.velocity[d];
-        }
-        let columns = &columns[..fit.columns(D)];
-        let position = &particles.position;
-        let input = PassInput { pair, grid, position, columns, only: Only::All, packs: &sums.packs };
-        input.run_at(&FitPass { fit, points }, order, in_order);
+    let mut columns: [&[R]; COLUMNS] = [&[]; COLUMNS];
+    columns[VOLUME] = &sums.columns.fluid_volume;
+    columns[PRESSURE] = pressure;
+    for d in 0..D {
+        columns[VELOCITY + d] = &particles.velocity[d];
+    }
+    let columns = &columns[..fit.columns(D)];
+    let position = &particles.position;
+    let input = PassInput { pair, grid, position, columns, only: Only::All, packs: &sums.packs };
+    input.run_at(&FitPass { fit, points }, order, in_order);
 
-        found.resize(points.len(), None);
-        for (&entry, &flow) in order.iter().zip(&*in_order) {
-            found[number(entry)] = flow;
-        }
+    found.resize(points.len(), None);
+    for (&entry, &flow) in order.iter().zip(&*in_order) {
+        found[number(entry)] = flow;
     }
 }
 
@@ -144,10 +145,9 @@ mod tests {
     use crate::particles::zone::Zone;
     use crate::pass::samples::{SPACING, Sample, settings};
 
-    /// Fits in a disordered box without periodic sides, with the given fields, at its corner, an
-    /// edge, its middle, and far away; every seventh particle is a wall's, with nonsense for its
-    /// fields.
-    fn fitted<R: Real, const D: usize>(
+    /// Returns fits in a disordered box without periodic sides: at its corner, an edge, its centre
+    /// and far away. Every seventh particle is a wall particle with meaningless fields.
+    fn fitted<R: PairReal<D>, const D: usize>(
         set: InstructionSet,
         fit: PointFit,
         velocity: impl Fn([f64; D]) -> f64,
@@ -175,7 +175,7 @@ mod tests {
         flows.points.into_iter().zip(flows.found).collect()
     }
 
-    fn check<R: Real, const D: usize>(set: InstructionSet, tolerance: f64) {
+    fn check<R: PairReal<D>, const D: usize>(set: InstructionSet, tolerance: f64) {
         let sum = |x: [f64; D]| x.iter().zip([2.0, -3.0, 5.0]).map(|(x, slope)| slope * x).sum::<f64>();
         let linear = fitted::<R, D>(set, PointFit::Pressure, |_| 0.0, |x| 7.0 + sum(x));
         let section = PointFit::Section { normal: DVec3::X, across: [DVec3::Y, DVec3::Z] };
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    fn check_images<R: Real, const D: usize>(set: InstructionSet, tolerance: f64) {
+    fn check_images<R: PairReal<D>, const D: usize>(set: InstructionSet, tolerance: f64) {
         let normal = DVec3::new(0.8, -0.6, 0.0);
         let sum = |x: [f64; D]| x.iter().zip([2.0, -3.0, 5.0]).map(|(x, slope)| slope * x).sum::<f64>();
         let (velocity, pressure) = (|x: [f64; D]| 1.0 - 0.5 * sum(x), |x: [f64; D]| 7.0 + sum(x));

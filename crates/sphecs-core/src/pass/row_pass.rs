@@ -4,13 +4,12 @@
 //! where the result goes. The driver packs the neighbourhood of every cell once and runs the sums
 //! inside the function that has the vector instructions.
 //!
-//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. Nearly every pass is
-//!   one.
+//! - [`RowPass`]: the sum of a particle depends on its neighbourhood alone. This is the usual kind.
 //! - [`BlockPass`]: particles are finished in batches, or a block has a summary (`strain`, `rates`,
 //!   `edac`).
 //! - [`PointPass`]: the sums are at a list of points, such as those of inlets and outlets.
 //!
-//! Every method that a trait asks for must be `#[inline(always)]`. Otherwise its body would be
+//! Every method that a trait requires must be `#[inline(always)]`. Otherwise its body would be
 //! compiled without the vector instructions.
 
 use std::marker::PhantomData;
@@ -19,7 +18,7 @@ use std::ops::Range;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
-use super::blocks::{Columns, for_each_block};
+use super::blocks::{SplittableColumns, for_each_block};
 use super::pack::{Only, Pack, PackPool, Source};
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
@@ -30,7 +29,7 @@ use crate::math::real::Real;
 /// Points that a thread takes at a time.
 const POINTS: usize = 64;
 
-/// Everything that a pass reads of the neighbours.
+/// Neighbour data that a pass reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassInput<'a, R, const D: usize> {
     /// Settings of the pair passes.
@@ -60,7 +59,7 @@ pub(super) struct Block<'a, R, const D: usize> {
 impl<R: Real, const D: usize> Block<'_, R, D> {
     /// Returns the rows of the block.
     #[inline(always)]
-    pub fn rows(&self) -> Range<usize> {
+    pub(super) fn rows(&self) -> Range<usize> {
         let grid = self.source.grid;
         grid.rows(self.cells.start).start..grid.rows(self.cells.end - 1).end
     }
@@ -69,8 +68,8 @@ impl<R: Real, const D: usize> Block<'_, R, D> {
 /// A pass with a state of its own within a block of cells.
 pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: Columns;
-    /// Result of a block beside its columns.
+    type Outputs: SplittableColumns;
+    /// Result of a block besides its columns.
     type Summary: Send;
 
     /// Sums for the particles of a block and stores the results.
@@ -87,7 +86,7 @@ pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
 /// A pass whose sum for a particle depends on the neighbourhood alone.
 pub(super) trait RowPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: Columns;
+    type Outputs: SplittableColumns;
     /// Result for one particle.
     type Sum;
 
@@ -185,17 +184,17 @@ pub(super) trait PointPass<R: Real, const D: usize>: Sync {
 
 impl<'a, R: Real, const D: usize> PassInput<'a, R, D> {
     /// Runs a pass over all cells, in parallel, particle by particle.
-    pub fn run<P: RowPass<R, D>>(self, pass: &P, outputs: P::Outputs) {
+    pub(super) fn run<P: RowPass<R, D>>(self, pass: &P, outputs: P::Outputs) {
         self.run_blocks(&EachRow(pass), outputs);
     }
 
     /// Runs a pass over all cells, in parallel, block by block; returns the joined summaries.
-    pub fn run_blocks<P: BlockPass<R, D>>(self, pass: &P, outputs: P::Outputs) -> P::Summary {
+    pub(super) fn run_blocks<P: BlockPass<R, D>>(self, pass: &P, outputs: P::Outputs) -> P::Summary {
         self.pair.discretisation.kernel.with_shape(OverBlocks { input: self, pass, outputs })
     }
 
     /// Runs a pass over the points of a list, in parallel.
-    pub fn run_at<P: PointPass<R, D>>(self, pass: &P, points: &[P::Point], found: &mut [P::Found]) {
+    pub(super) fn run_at<P: PointPass<R, D>>(self, pass: &P, points: &[P::Point], found: &mut [P::Found]) {
         self.pair.discretisation.kernel.with_shape(OverPoints { input: self, pass, points, found });
     }
 

@@ -20,13 +20,13 @@ use crate::particles::zone::Zone;
 use crate::physics::eos::Tait;
 
 /// Spacing of all samples, m.
-pub const SPACING: f64 = 0.01;
+pub(super) const SPACING: f64 = 0.01;
 
 /// Fluid of all samples.
-pub const WATER: Tait = Tait { reference_density: 1000.0, sound_speed: 4.0 };
+pub(super) const WATER: Tait = Tait { reference_density: 1000.0, sound_speed: 4.0 };
 
 /// Particles, their grid and the settings of the passes.
-pub struct Sample<R: Real, const D: usize> {
+pub(super) struct Sample<R: Real, const D: usize> {
     pub pair: PairSettings,
     pub grid: CellGrid<D>,
     pub particles: ParticleArrays<R, D>,
@@ -34,21 +34,21 @@ pub struct Sample<R: Real, const D: usize> {
 }
 
 /// Returns the settings of a sample.
-pub fn settings(kernel: Kernel, dimensions: usize, smoothing_ratio: f64) -> PairSettings {
+pub(super) fn settings(kernel: Kernel, dimensions: usize, smoothing_ratio: f64) -> PairSettings {
     let discretisation =
         Discretisation::new(kernel, dimensions, SPACING, smoothing_ratio, WATER.reference_density);
     PairSettings::new(&discretisation, WATER)
 }
 
 /// Returns settings with the same spacing and smoothing ratio in 3D.
-pub fn in_space(pair: &PairSettings) -> PairSettings {
+pub(super) fn in_space(pair: &PairSettings) -> PairSettings {
     let Discretisation { kernel, smoothing_ratio, .. } = pair.discretisation;
     let PairSettings { discretisation, lattice, .. } = settings(kernel, 3, smoothing_ratio);
     PairSettings { discretisation, lattice, ..pair.clone() }
 }
 
 /// Returns a pseudo-random number in −1..1 that depends on the key alone.
-pub fn noise(key: u32) -> f64 {
+pub(super) fn noise(key: u32) -> f64 {
     let mut x = u64::from(key).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -59,7 +59,7 @@ impl<R: Real, const D: usize> Sample<R, D> {
     /// Returns a box of fluid on a lattice of `counts` particles, at rest at the reference density.
     ///
     /// Unless it is periodic, the box has a margin of one spacing.
-    pub fn lattice(pair: PairSettings, counts: [usize; D], periodic: bool) -> Self {
+    pub(super) fn lattice(pair: PairSettings, counts: [usize; D], periodic: bool) -> Self {
         let margin = if periodic { 0.0 } else { SPACING };
         let lower = [-0.3 - margin; D];
         let upper = std::array::from_fn(|d| -0.3 + counts[d] as f64 * SPACING + margin);
@@ -97,7 +97,7 @@ impl<R: Real, const D: usize> Sample<R, D> {
 
     /// Disorders the particles: moves each by up to `shift` (in Δ) and gives it a velocity of up to
     /// `speed`, m/s, by its number.
-    pub fn stir(&mut self, shift: f64, speed: f64) {
+    pub(super) fn stir(&mut self, shift: f64, speed: f64) {
         for row in 0..self.particles.len() {
             let key = self.particles.id[row] * 8;
             let mut point = [0.0; D];
@@ -114,25 +114,25 @@ impl<R: Real, const D: usize> Sample<R, D> {
     }
 
     /// Sorts the particles into the cells.
-    pub fn sort(&mut self) {
+    pub(super) fn sort(&mut self) {
         let order = self.grid.build(&self.particles.position, &self.particles.id, |_| true).expect("inside");
         self.particles.reorder(order, &mut SpareColumns::default());
         self.sums.forget_order();
     }
 
     /// Sums density and pressure.
-    pub fn density(&mut self) {
+    pub(super) fn density(&mut self) {
         sum_density(&self.pair, &self.grid, &mut self.particles, &mut self.sums);
     }
 
     /// Sums density, pressure and rates of strain.
-    pub fn strain(&mut self) {
+    pub(super) fn strain(&mut self) {
         let level = TimeLevel::Present;
         sum_density_and_strain(&self.pair, &self.grid, &mut self.particles, level, &mut self.sums);
     }
 
     /// Finds the velocities of dummy walls, where walls are dummies.
-    pub fn velocity_seen(&mut self) {
+    pub(super) fn velocity_seen(&mut self) {
         if self.pair.wall_model.sees_kernel_mean() {
             let level = TimeLevel::Present;
             find_velocity_seen(&self.pair, &self.grid, &self.particles, level, &mut self.sums);
@@ -140,18 +140,18 @@ impl<R: Real, const D: usize> Sample<R, D> {
     }
 
     /// Sums the rates.
-    pub fn rates(&mut self) -> RatesSummary {
+    pub(super) fn rates(&mut self) -> RatesSummary {
         self.velocity_seen();
         sum_rates(&self.pair, &self.grid, &mut self.particles, TimeLevel::Present, &mut self.sums)
     }
 
     /// Returns the row of a particle.
-    pub fn row(&self, id: u32) -> usize {
+    pub(super) fn row(&self, id: u32) -> usize {
         self.particles.id.iter().position(|&found| found == id).expect("the particle exists")
     }
 
     /// Returns density, divergence, acceleration and shift by particle number.
-    pub fn results(&self) -> Vec<Vec<f64>> {
+    pub(super) fn results(&self) -> Vec<Vec<f64>> {
         let columns = [&self.particles.density, self.sums.divergence.read(AfterPasses)];
         let vectors = [&self.particles.acceleration, self.sums.shift.read(AfterPasses)];
         let mut rows: Vec<usize> = (0..self.particles.len()).collect();
@@ -163,7 +163,7 @@ impl<R: Real, const D: usize> Sample<R, D> {
 
 /// Returns the velocity of a dummy particle, summed neighbour by neighbour; of other particles
 /// their own.
-pub fn dummy_velocity<R: Real, const D: usize>(sample: &Sample<R, D>, row: usize) -> [f64; D] {
+pub(super) fn dummy_velocity<R: Real, const D: usize>(sample: &Sample<R, D>, row: usize) -> [f64; D] {
     let particles = &sample.particles;
     let of = |row: usize| -> [f64; D] { std::array::from_fn(|d| particles.velocity[d][row].to_f64()) };
     if particles.zone[row] != Zone::Wall {
@@ -194,7 +194,7 @@ pub fn dummy_velocity<R: Real, const D: usize>(sample: &Sample<R, D>, row: usize
 }
 
 /// Asserts that two sets of columns agree to `tolerance` of the largest number of each column.
-pub fn assert_close(found: &[Vec<f64>], expected: &[Vec<f64>], tolerance: f64, what: &str) {
+pub(super) fn assert_close(found: &[Vec<f64>], expected: &[Vec<f64>], tolerance: f64, what: &str) {
     for (column, (found, expected)) in found.iter().zip(expected).enumerate() {
         let size = expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         assert_eq!(found.len(), expected.len());

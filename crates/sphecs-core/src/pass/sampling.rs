@@ -1,4 +1,4 @@
-//! The fluid's fields at arbitrary points: velocity by a quadratic fit, pressure and density by a
+//! Fields of the fluid at arbitrary points: velocity by a quadratic fit, pressure and density by a
 //! linear one.
 //!
 //! ```text
@@ -6,12 +6,12 @@
 //! →   f(x) = c_0,   φ = 1, ξ, η, …, ξ², ξη, η², …
 //! ```
 //!
-//! Moving least squares: Liu & Liu (2006), as Negi et al. (2020), Eq. 22, use it with a linear
-//! basis for their mirror points. A linear field is reproduced exactly, next to a boundary too, and
-//! so is a quadratic velocity. A linear fit would lower the peak of a Poiseuille profile with 50
-//! particles across by 0.2 %, and raise the velocity at the wall by 0.3 %. Pressure is too noisy
-//! for curvatures. Where the neighbours do not span the quadratic basis well, the linear fit is
-//! used; where they do not span that, the Shepard mean.
+//! This is the moving least squares method of Liu & Liu (2006), which Negi et al. (2020), Eq. 22,
+//! use with a linear basis for their mirror points. It reproduces linear fields exactly, even next
+//! to a boundary, and also quadratic velocities. A linear fit would lower the peak of a Poiseuille
+//! profile with 50 particles across by 0.2 %, and raise the velocity at the wall by 0.3 %. Pressure
+//! is too noisy for curvatures. Where the neighbours do not span the quadratic basis well, the fit
+//! is linear; where they do not span that basis, it is the Shepard mean.
 
 use glam::{DMat4, DVec3, DVec4};
 
@@ -35,8 +35,8 @@ const FIELDS: usize = 5;
 /// Largest gain of a quadratic fit: variance of its value over that of the particles, for
 /// independent noise.
 ///
-/// It is 0.1 to 0.3 within the fluid and 1 to 3 on a flat wall; a fit of gain 1 has the noise of
-/// one particle.
+/// The gain is 0.1 to 0.3 within the fluid and 1 to 3 on a flat wall. A fit of gain 1 has the noise
+/// of one particle.
 const MOST_GAIN: f64 = 5.0;
 
 /// Samples the fields of sorted particles.

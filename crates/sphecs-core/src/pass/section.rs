@@ -4,14 +4,14 @@
 //! q = Σ_b m_b ((v_b + w_b) · n) M4((x_b − x_s) · n/Δ)/Δ,   M4: cubic B-spline, |x| < 2
 //! ```
 //!
-//! in kg/s (kg/(s m), per metre of depth, in 2D). w is the drift, the velocity by which shifting or
-//! the transport velocity moved the particle beyond v. q is the mass flow of the particles,
-//! smoothed along the normal. With the density smoothed in the same way mass is conserved exactly:
-//! a steady flow has the same q in every section, whatever the position of its walls on the
+//! in kg/s (kg/(s m), per metre of depth, in 2D). The drift w is the velocity by which shifting or
+//! the transport velocity moved the particle beyond v. The sum q is the mass flow of the particles,
+//! smoothed along the normal. With the density smoothed in the same way mass is conserved exactly.
+//! A steady flow has the same q in every section, whatever the position of its walls on the
 //! lattice. Without w it would not: next to sharp edges shifting moves the fluid as a whole
-//! (docs/noise.md). A sum of interpolated values over the section conserves mass less well: between
-//! walls oblique to the lattice it was up to 4 % too large. Over layers of particles that are Δ
-//! apart M4 sums to one wherever the plane lies.
+//! (docs/notebook/2026-11-23-noise.md). A sum of interpolated values over the section conserves
+//! mass less well: between walls oblique to the lattice it was up to 4 % too large. Over layers of
+//! particles that are Δ apart M4 sums to one wherever the plane lies.
 
 use std::collections::HashSet;
 

@@ -1,10 +1,10 @@
-//! Sub-particle stress of all particles, as the rates need it.
+//! Sub-particle stress of all particles, for the rates.
 //!
 //! Fluid, inflow and outflow have the stress of their velocity gradient
-//! ([`gradients`](super::gradients)). Walls have none of their own: they take the kernel mean of
-//! the flow's T/ρ², as they take its pressure, so that a uniform stress exerts no force on the
-//! fluid beside a wall. With T = 0 in the wall the cut of the stress at the surface would push
-//! particles off it.
+//! ([`gradients`](super::gradients)). Walls have no stress of their own. They take the kernel mean
+//! of T/ρ² of the flow, as they take its pressure, so a uniform stress exerts no force on the fluid
+//! next to a wall. With T = 0 in the wall the cut of the stress at the surface would push particles
+//! off it.
 
 use std::ops::Range;
 
@@ -84,7 +84,7 @@ fn find_flow_stress<R: Real, const D: usize>(
     for_each_block(grid, outputs, &work, &|(), ()| ());
 }
 
-/// Sets the stress of the wall particles to the kernel mean of the flow's.
+/// Sets the stress of the wall particles to the kernel mean over the flow.
 fn extrapolate_stress<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,
@@ -104,7 +104,7 @@ fn extrapolate_stress<R: Real, const D: usize>(
     let columns = &neighbours[..=components(D)];
     let input = PassInput { pair, grid, position: &particles.position, columns, only: Only::All, packs };
     input.run(&WallStressPass { zone }, wall_stress.each_mut().map(Vec::as_mut_slice));
-    // Written only now: the extrapolation reads stresses while it runs.
+    // They are written only now, since the extrapolation reads stresses while it runs.
     for (column, found) in stress.iter_mut().zip(wall_stress.iter()) {
         for (row, (stress, found)) in column.iter_mut().zip(found).enumerate() {
             if zone[row] == Zone::Wall {
@@ -225,7 +225,7 @@ mod tests {
                 assert!((sample.sums.eddy_viscosity.read(AfterPasses)[row] / eddy - 1.0).abs() < 1e-11);
             }
         }
-        // A uniform stress exerts no force, beside a wall either.
+        // A uniform stress exerts no force, even next to a wall.
         let summary = sample.rates();
         assert!((summary.eddy_viscosity / eddy - 1.0).abs() < 1e-11);
         let row = sample.row(middle);
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn uniform_shear_has_one_stress_in_fluid_and_wall() {
+    fn uniform_shear_has_equal_stress_in_fluid_and_wall() {
         check([13, 12], 4 * 13 + 6);
         check([9, 12, 9], (4 * 9 + 12 * 9 * 4 + 4) as u32);
     }

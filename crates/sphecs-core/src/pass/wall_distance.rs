@@ -1,15 +1,15 @@
-//! Distance of the flow's particles to the nearest wall surface.
+//! Distance of flow particles to the nearest wall surface.
 //!
 //! ```text
 //! s_b = x_b + d_b n_b,   t = x_a − s_b,   t_n = t·n_b,   t_s = √(|t|² − t_n²)
 //! d_a = min_b √(t_n² + max(0, t_s − R)²),   R = 0.75 Δ
 //! ```
 //!
-//! Every wall particle knows its foot point s_b on the surface and represents a disc of radius R
+//! Every wall particle stores its foot point s_b on the surface and represents a disc of radius R
 //! around it. R is more than half the diagonal of a lattice cell, so the discs of a flat wall leave
 //! no gap and its distance is exact. At a convex corner a disc reaches beyond the wall by at most R
-//! − Δ/2, and shortens a distance by no more than that. Beside the particle of the corner itself,
-//! which belongs to one face only, a distance to the other face is 12 % too long. At a concave
+//! − Δ/2, and shortens a distance by no more than that. Next to the wall particle at the corner,
+//! which belongs to one face only, the distance to the other face is 12 % too long. At a concave
 //! corner the nearer wall counts. The distance is positive on both sides of the surface.
 
 use super::pack::{Only, Pack, Source};
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn distance_at_corners_is_that_of_the_nearer_surface() {
+    fn distance_at_corners_is_to_the_nearer_surface() {
         let edge = 6.0 * SPACING;
         // Convex: the wall fills x < edge and y < edge. Concave: it fills all but x > edge and
         // y > edge.

@@ -5,8 +5,9 @@
 //! velocity of the dummy: physics/wall/dummy.rs
 //! ```
 //!
-//! Adami et al. (2012), Eqs. 22 and 23. All other particles enter with their own velocity. A wall
-//! particle without such a neighbour has the velocity of its wall: it is in nobody's support.
+//! These are Eqs. 22 and 23 of Adami et al. (2012). All other particles enter with their own
+//! velocity. A wall particle without such a neighbour has the velocity of its wall, since it is in
+//! no support.
 
 use std::ops::Range;
 

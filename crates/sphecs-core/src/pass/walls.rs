@@ -5,8 +5,8 @@
 //! ρ_w by the inverse of Tait, where the pressure is Tait's
 //! ```
 //!
-//! Adami et al. (2012), Eq. 27, over fluid, inflow and outflow. A wall particle without such a
-//! neighbour has the reference state: it is in nobody's support.
+//! This is Eq. 27 of Adami et al. (2012), summed over fluid, inflow and outflow. A wall particle
+//! without such a neighbour has the reference state, since it is in no support.
 
 use std::ops::Range;
 
@@ -23,11 +23,11 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Least Σ w(q) that is divided by: less is at the very edge of the support, where nothing
-/// contributes.
+/// Smallest Σ w(q) to divide by; a smaller sum occurs only at the edge of the support, where
+/// nothing contributes.
 pub(super) const LEAST_WEIGHT: f64 = 1e-20;
 
-/// Columns of the pack beside the coordinates: density and pressure of the flow.
+/// Columns of the pack besides the coordinates: density and pressure of the flow.
 const COLUMNS: usize = 2;
 
 /// Sets pressure and density of the wall particles from the flow around them.
@@ -38,7 +38,7 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     grid: &CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
-    force: &(impl Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync),
+    force: &WallForce<'_, R, D>,
 ) {
     sums.packs.prepare();
     if sums.columns.find_walls(pair, particles) == 0 {
@@ -58,8 +58,8 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     set_wall_states(pair, particles, wall_pressure, walls_before);
 }
 
-/// Sets pressure and density of the wall particles; apart from the pass, which reads pressures
-/// while it runs.
+/// Sets pressure and density of the wall particles after the pass, which reads pressures while it
+/// runs.
 fn set_wall_states<R: Real, const D: usize>(
     pair: &PairSettings,
     particles: &mut ParticleArrays<R, D>,
@@ -86,16 +86,16 @@ fn set_wall_states<R: Real, const D: usize>(
     for_each_part(0..zone.len(), [&mut particles.pressure[..], &mut particles.density[..]], &work);
 }
 
-struct WallPressurePass<'a, F, R: Real, const D: usize> {
+/// Returns g − a_wall at the wall particle of a row, m/s².
+type WallForce<'a, R, const D: usize> = dyn Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync + 'a;
+
+struct WallPressurePass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
     particles: &'a ParticleArrays<R, D>,
-    force: &'a F,
+    force: &'a WallForce<'a, R, D>,
 }
 
-impl<'a, F, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, F, R, D>
-where
-    F: Fn(&ParticleArrays<R, D>, usize) -> [f64; D] + Sync,
-{
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, R, D> {
     type Outputs = &'a mut [R];
     /// Pressure, Pa.
     type Sum = f64;
@@ -105,7 +105,7 @@ where
         self.particles.zone[row] == Zone::Wall
     }
 
-    /// Of several wall layers the last has no flow in its support.
+    /// The last of several wall layers has no flow in its support.
     #[inline(always)]
     fn isolated(&self) -> Option<f64> {
         Some(0.0)
@@ -166,7 +166,7 @@ mod tests {
     use crate::math::kernel::Kernel;
     use crate::pass::samples::{SPACING, Sample, WATER, noise, settings};
 
-    /// Fluid above a wall, its pressure given by height.
+    /// Returns fluid above a wall with a pressure that depends on height.
     fn over_a_wall(pair: PairSettings, pressure: impl Fn(f64) -> f64) -> Sample<f64, 2> {
         let mut sample = Sample::<f64, 2>::lattice(pair, [12, 14], false);
         for row in 0..sample.particles.len() {
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn wall_pressure_stays_within_the_fluids() {
+    fn wall_pressure_stays_within_the_range_of_the_fluid() {
         let mut sample = over_a_wall(settings(Kernel::WendlandC2, 2, 1.3), |_| 0.0);
         for row in 0..sample.particles.len() {
             if sample.particles.zone[row] == Zone::Fluid {

@@ -16,7 +16,7 @@ use crate::particles::arrays::ParticleArrays;
 use crate::physics::wall::image;
 use crate::physics::wave_sums::{WaveLanes, WavePair, WaveSetting, WaveSums};
 
-/// Most columns beside the coordinates: velocity, density, image distance.
+/// Largest number of columns besides the coordinates: velocity, density, image distance.
 const MOST_COLUMNS: usize = 3 + 2;
 
 /// Sums of one particle.
@@ -31,7 +31,8 @@ pub struct WaveFound {
 /// Sums over the neighbours of the particles of `rows`, which must be in ascending order, into
 /// `found`.
 ///
-/// Walls enter as the images that the fluid has of them.
+/// Walls enter as images without a velocity cap and without slip, whatever the wall model of the
+/// scene.
 pub fn sum_waves<R: Real, const D: usize>(
     setting: &WaveSetting,
     pair: &PairSettings,

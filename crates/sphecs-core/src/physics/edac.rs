@@ -6,7 +6,7 @@
 //! p̃_ab    = (ρ_b p_a + ρ_a p_b)/(ρ_a + ρ_b) − p̄_a,
 //! A = ρ v ⊗ w,   η̃_ab = 2 ν ρ_a ρ_b/(ρ_a + ρ_b)
 //! dp_a/dt = ρ_a c_s² Σ V_b v_ab·∇W + (1/m) Σ S_ab η̃ᵉ_ab (p_a − p_b) F
-//!           + r [c_s² (ρ_a − ρ0) − p_a],
+//!           + (r c_s/h) [c_s² (ρ_a − ρ0) − p_a],
 //!           ν_edac = α h c_s/8 in η̃ᵉ,   r = 0 by default
 //! dx_a/dt = v_a + w_a,   w_a = −Δt (p_b/m) Σ S_ab ∇W,   F = (dW/dr)/r ≤ 0
 //! ```
@@ -15,22 +15,22 @@
 //! p_b the background pressure. Deviations from the paper:
 //!
 //! * The last term of the pressure's equation is our own, the option `relaxation`. Without it the
-//!   volumes drift: the pressure follows the divergence of v, the particles move with v + w, and
-//!   where a flow is strained their distances grow by 3 % (docs/edac.md). An acoustic wave keeps
-//!   p = c_s² (ρ − ρ0), so the term does not act on it; the difference decays at the rate r.
-//! * With p̄_a the same for all pairs of a particle, Σ S p̃ ∇W = Σ S p_ab ∇W − p̄_a Σ S ∇W, and the
-//!   last sum is that of the transport velocity: the mean pressure needs no pass of its own. The
+//!   volumes drift: the pressure follows the divergence of v, but the particles move with v + w. In
+//!   a strained flow their distances grow by 3 % (docs/edac.md). An acoustic wave keeps
+//!   p = c_s² (ρ − ρ0), so the term does not act on it. The difference decays at the rate r c_s/h.
+//! * As p̄_a is the same for all pairs of a particle, Σ S p̃ ∇W = Σ S p_ab ∇W − p̄_a Σ S ∇W. The
+//!   last sum is also that of the transport velocity, so the mean pressure needs no extra pass. The
 //!   loop sums differences to p_a: in single precision the pressures themselves would cancel. The
 //!   particle's own half of the stress, ρ_a v_a (w_a·Σ S ∇W)/2, comes from the same sum.
 //! * The published viscous factor F r²/(r² + η²), η² = 0.01 h², is the option `as_published`: F is
 //!   finite at r = 0 without it.
-//! * ν and ν_edac are divided by the lattice coefficient of the viscous sum (`math/lattice.rs`):
-//!   the quintic spline at h = 1.2 Δ returns 0.9994 ν in 2D, and 0.9917 ν with the published
+//! * ν and ν_edac are divided by the lattice coefficient of the viscous sum (`math/lattice.rs`).
+//!   The quintic spline at h = 1.2 Δ returns 0.9994 ν in 2D, and 0.9917 ν with the published
 //!   factor.
-//! * The divergence takes a wall's own velocity, as Adami et al. (2012), not its image's: the image
-//!   factor 1 + d_b/d_a is 30 for a particle 0.1 Δ from a wall, and the divergence drives the
-//!   pressure here. With the factor the fluid of `scenes/quickstart.ron` thinned by 20 % within a
-//!   second at its smoke spacing.
+//! * The divergence takes the velocity of the wall itself, as in Adami et al. (2012), not of its
+//!   image. The image factor 1 + d_b/d_a is 30 for a particle 0.1 Δ from a wall, and here the
+//!   divergence drives the pressure. With the factor the fluid of `scenes/quickstart.ron` thinned
+//!   by 20 % within a second at its smoke spacing.
 //! * The volumes are divided by the lattice sum S0, which Wendland's kernel needs: without it
 //!   forces at h = 1.3 Δ are 2 % off. For the quintic spline at 1.2 Δ the difference is 6e-5.
 
@@ -50,7 +50,7 @@ pub struct Edac {
     pub average_pressure: bool,
     /// True if ν and ν_edac are divided by their lattice coefficient.
     pub lattice_normalised: bool,
-    /// Rate r at which the pressure relaxes to that of the summed density, over c_s/h,
+    /// r, the rate at which the pressure relaxes to that of the summed density, over c_s/h,
     /// dimensionless; 0 as published.
     pub relaxation: f64,
     /// True if the viscous sums have the published η² = 0.01 h² in the denominator.
@@ -91,8 +91,8 @@ impl Edac {
         self.alpha * smoothing_length * sound_speed / 8.0
     }
 
-    /// Returns r [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s, the
-    /// density minus ρ0, kg/m³, and the pressure, Pa.
+    /// Returns (r c_s/h) [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s,
+    /// the density minus ρ0, kg/m³, and the pressure, Pa.
     pub fn relaxing(&self, smoothing_length: f64, sound_speed: f64, excess: f64, pressure: f64) -> f64 {
         self.relaxation * sound_speed / smoothing_length * (sound_speed * sound_speed * excess - pressure)
     }

@@ -4,9 +4,9 @@
 //! ρ_a = (m/S0) Σ_b W_ab,   a itself included
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Eq. 9, over fluid, walls, inflow and outflow, divided by the
-//! lattice sum S0 = Σ Δ^D W: without it the error of the sum gives a uniform fill a pressure of
-//! hundreds of Pa.
+//! This is Eq. 9 of Alvarado-Rodríguez et al. (2017), over fluid, walls, inflow and outflow,
+//! divided by the lattice sum S0 = Σ Δ^D W. Without S0 the error of the sum gives a uniform fill a
+//! pressure of hundreds of Pa.
 
 /// Returns the density, kg/m³, from a kernel sum Σ W (1/m^D), the mass of a particle (kg) and the
 /// lattice sum S0.

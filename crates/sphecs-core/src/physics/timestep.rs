@@ -7,21 +7,21 @@
 //! ```
 //!
 //! Alvarado-Rodríguez et al. (2017), Eq. 18, with C = 0.3, or 0.5 under kick–drift–kick
-//! ([`Integrator`]). Their text announces a viscous limit that the equation lacks: C_ν adds it,
-//! 0.125 as for any explicit scheme. λ_a is sharper: the rate at which the viscous sum damps a
-//! particle among neighbours at rest. The leapfrog damps by 1 − 2 λ Δt in two steps
-//! (`integrator/verlet.rs`), and C_λ = ½ keeps this positive. Shear that alternates from particle
-//! to particle is damped at 1.06 to 1.36 λ (lattices in 2D and 3D, h from 1.33 to 2.2 Δ), for which
-//! the leapfrog is stable up to λ Δt = 0.7 together with acoustic waves at C = 0.3.
+//! ([`Integrator`]). Their text announces a viscous limit that the equation lacks. C_ν adds it,
+//! 0.125 as for any explicit scheme. The limit by λ_a is sharper: λ_a is the rate at which the
+//! viscous sum damps a particle among neighbours at rest. The leapfrog damps by 1 − 2 λ Δt in two
+//! steps (`integrator/verlet.rs`), and C_λ = ½ keeps this positive. Shear that alternates from
+//! particle to particle is damped at 1.06 to 1.36 λ (lattices in 2D and 3D, h from 1.33 to 2.2 Δ).
+//! For this the leapfrog is stable up to λ Δt = 0.7, together with acoustic waves at C = 0.3.
 //!
 //! Under `Wcsph` the largest λ_a is that of particles with no wall in their support. The image
 //! velocities of a no-slip wall damp the particles next to it several times as fast; the part that
 //! a step does not resolve is treated implicitly ([`friction`]).
 //!
-//! Under `EdacTvf` the signal velocity is c_s + max |v|, C = 0.25 and the acceleration at least
-//! that of the body force, as in the description of the scheme. λ_a is the larger of the damping
-//! rates of velocity and pressure, over all particles, with C_λ = 0.3: with ½ a start at C = 1
-//! diverges (test `longest_allowed_time_steps_keep_all_values_finite`).
+//! Under `EdacTvf` the signal velocity is c_s + max |v|, C = 0.25 and the acceleration at least the
+//! body force, as its authors describe it. For λ_a the larger of the damping rates of velocity and
+//! pressure is taken, over all particles, with C_λ = 0.3. With C_λ = ½ a start at C = 1 diverges
+//! (test `longest_allowed_time_steps_keep_all_values_finite`).
 //!
 //! [`friction`]: super::integrator::friction
 //! [`Integrator`]: super::integrator::Integrator

@@ -16,8 +16,11 @@
 //! Consistent  L v = Σ V_b v_ob ((D+2) e_t² − (D−1)) F
 //! ```
 //!
-//! `Normalised` is 0 where no neighbour is beside o. `Printed` has the sign corrected: as published
-//! a bump steepens. `Consistent` is that of Español & Revenga (2003).
+//! `Normalised` is 0 where no neighbour has a transverse distance from o. `Printed` has the sign
+//! corrected: as published a bump steepens. `Consistent` is that of Español & Revenga (2003).
+//!
+//! On a complete lattice `Normalised` returns ∇²_t v and 1/3 (in 3D 1/2) of ∂²v/∂n². `Printed`
+//! returns 3/4 of the transverse part and 1/4 of ∂²v/∂n² in 2D.
 //!
 //! In 3D the sums run over both transverse axes. `Consistent` diverges where the support is cut.
 //! The equation itself is in [`wave_equation`](crate::boundary::outlet::wave_equation).
@@ -225,8 +228,8 @@ mod tests {
     use crate::math::lanes::Array;
 
     /// Returns the sums over a square lattice of spacing 1 about the origin, for a velocity field
-    /// along x and a Wendland kernel of h = 3 Δ: at 2 Δ the fourth moments of the lattice are 2 %
-    /// off.
+    /// along x. The kernel is Wendland with h = 3 Δ, since at 2 Δ the fourth moments of the lattice
+    /// are 2 % off.
     fn lattice_sums(setting: &WaveSetting, v: impl Fn(f64, f64) -> f64) -> WaveSums {
         let mut sums = WaveLanes::<Array<f64, 1>, 2>::new();
         let h = 3.0;

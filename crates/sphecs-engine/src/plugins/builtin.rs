@@ -1,4 +1,4 @@
-//! Plugins that every simulation has: the assignment of systems to sets.
+//! Built-in systems of every simulation and their sets.
 
 use bevy_ecs::schedule::IntoScheduleConfigs;
 use bevy_ecs::world::World;
@@ -30,12 +30,12 @@ use crate::systems::transitions::{TransitionLists, transition};
 use crate::systems::wcsph::kick::kick;
 use crate::systems::wcsph::rates::{add_wall_friction, sum_density, sum_gradients, sum_rates};
 use crate::systems::wcsph::shift::shift;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{ProbeKind, Scene, Scheme};
 
 /// Adds the systems of the engine for a scene in the precision `R` and in `D` dimensions.
-pub(crate) fn add_builtin<R: Real, const D: usize>(scene: &Scene, context: &mut PluginContext<'_>) {
+pub(crate) fn add_builtin<R: PairReal<D>, const D: usize>(scene: &Scene, context: &mut PluginContext<'_>) {
     add_arrays::<R, D>(context);
     match scene.scheme {
         Scheme::Wcsph(_) => add_wcsph::<R, D>(context),
@@ -50,7 +50,7 @@ fn run_stage(world: &mut World) {
 }
 
 /// Adds the particle arrays, their sort, and the transfer from the components.
-fn add_arrays<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
+fn add_arrays<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.world.init_resource::<StateLocation>();
     context.world.init_resource::<Stopwatch>();
     context.world.init_resource::<PatchRows>();
@@ -63,10 +63,10 @@ fn add_arrays<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
 
 /// Adds the scheme of Alvarado-Rodríguez et al. (2017): density, gradients, rates, forces, kick,
 /// shifting.
-fn add_wcsph<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
+fn add_wcsph<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.save_resource::<Clock>("clock");
     context.save_resource::<RatesFound>("rates_found");
-    context.save_resource::<StepsSinceCorrection>("steps_since_plain");
+    context.save_resource::<StepsSinceCorrection>("steps_since_correction");
     context.world.init_resource::<AddedForces>();
     context.world.init_resource::<Bodies>();
     context.world.insert_resource(Sums::<R, D>(Default::default()));
@@ -84,8 +84,8 @@ fn add_wcsph<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
     context.step.add_systems(shift::<R, D>.in_set(StepSet::Shift));
 }
 
-/// Returns true if the displacements of the shifting are stored, which only the mass flow through a
-/// section needs.
+/// Returns true if the displacements by shifting are stored; only the mass flow through a section
+/// needs them.
 fn stores_drift(scene: &Scene) -> bool {
     let has_sections =
         scene.output.probes.iter().any(|probe| matches!(probe.kind, ProbeKind::Section { .. }));
@@ -95,7 +95,7 @@ fn stores_drift(scene: &Scene) -> bool {
 
 /// Adds the scheme of Negi et al. (2020): volumes, rates, forces, kick–drift–kick with the
 /// transport velocity.
-fn add_edac_tvf<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
+fn add_edac_tvf<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.save_resource::<Clock>("clock");
     context.save_resource::<RatesFound>("rates_found");
     context.world.init_resource::<AddedForces>();
@@ -118,7 +118,7 @@ fn add_edac_tvf<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
 }
 
 /// Adds the systems of inflow, outflow and wall particles, and the change of zones.
-fn add_boundaries<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
+fn add_boundaries<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.save_resource::<OutletDiagnostics>("outlet_diagnostics");
     context.save_resource::<WallProjections>("wall_projections");
     context.save_resource::<FreeNumbers>("free_numbers");
@@ -145,7 +145,7 @@ fn add_boundaries<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
 }
 
 /// Adds the checks after each step.
-fn add_checks<R: Real, const D: usize>(context: &mut PluginContext<'_>) {
+fn add_checks<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.world.init_resource::<Failure>();
     context.save_resource::<PreviousRow>("previous_row");
     context.step.add_systems(check_state::<R, D>.in_set(StepSet::Observe));

@@ -1,4 +1,4 @@
-//! Data of the world beside the particles.
+//! Data of the world apart from the particles.
 //!
 //! - [`clock`]: time, step and step size
 //! - [`entity_index`]: the entity of each particle number, and the particles in the reservoir

@@ -7,7 +7,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::pass::rates::TimeLevel;
 use sphecs_core::pass::sums::PairSums;
 
-/// Sums of the pair passes, which are computed anew in every step.
+/// Sums of the pair passes, which are computed in every step.
 #[derive(Resource, Default)]
 pub struct Sums<R: Real, const D: usize>(pub PairSums<R, D>);
 

@@ -7,8 +7,8 @@ use bevy_ecs::world::World;
 use super::pair_sums::Sums;
 use crate::arrays::Arrays;
 use crate::transfer;
-use sphecs_core::math::real::Real;
 use sphecs_core::pass::column_access::AfterPasses;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// Location of the current particle state.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub enum StateLocation {
 
 /// Fills the arrays if the components are current; a system of
 /// [`StepSet::Gather`](crate::schedule::StepSet).
-pub fn gather<R: Real, const D: usize>(world: &mut World) {
+pub fn gather<R: PairReal<D>, const D: usize>(world: &mut World) {
     if *world.resource::<StateLocation>() == StateLocation::Components {
         world.resource_scope(|world, mut arrays: Mut<Arrays<R, D>>| {
             transfer::gather(world, &mut arrays);
@@ -34,7 +34,7 @@ pub fn gather<R: Real, const D: usize>(world: &mut World) {
 }
 
 /// Updates the components if the arrays are current.
-pub fn scatter<R: Real, const D: usize>(world: &mut World) {
+pub fn scatter<R: PairReal<D>, const D: usize>(world: &mut World) {
     if *world.resource::<StateLocation>() == StateLocation::Arrays {
         world.resource_scope(|world, arrays: Mut<Arrays<R, D>>| {
             transfer::scatter(world, &arrays);

@@ -8,9 +8,9 @@
 //! `tests/restart.rs` inspects every resource of a world, and fails for one that is neither saved
 //! nor listed there with a reason.
 //!
-//! To save something new: for a resource, derive `Serialize` and `Deserialize` and insert it by
-//! `save_resource`; for a column of the arrays, add it to `particles/saved.rs`, which does not
-//! compile without it; for a component, add it to `saved_state/particles.rs`.
+//! To save a new resource, derive `Serialize` and `Deserialize` and insert it by `save_resource`.
+//! Add a new column of the arrays to `particles/saved.rs`, which does not compile without it. Add a
+//! new component to `saved_state/particles.rs`.
 
 pub(crate) mod particles;
 

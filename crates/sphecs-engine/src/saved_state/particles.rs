@@ -1,4 +1,4 @@
-//! Particles of a saved state: the arrays, and the values that only the components have.
+//! Particles of a saved state: the arrays and the values that exist only in the components.
 //!
 //! ```text
 //! arrays.*      rows in their order, or by number after a caller changed components:
@@ -11,8 +11,8 @@
 //! grid.*        the box of the cell grid, which follows from the initial particles
 //! ```
 //!
-//! Everything else of a particle follows from these columns: its other components are its row, the
-//! sub-particle stress is computed before it is read, and the entities are new.
+//! All else follows from these columns. The other components repeat the row, the sub-particle
+//! stress is computed before it is read, and the entities are new.
 
 use bevy_ecs::entity::Entity;
 use bevy_ecs::query::Has;
@@ -34,13 +34,13 @@ use crate::systems::transitions::reservoir::FreeNumbers;
 use crate::transfer::count_roles;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::saved::{self, Order};
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
 /// Saves the particles of a world.
-pub(crate) fn save<R: Real, const D: usize>(world: &mut World, to: &mut Columns) {
+pub(crate) fn save<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut Columns) {
     let order = match *world.resource::<StateLocation>() {
         StateLocation::Components => {
             // The next step starts from the components. Their order in the world depends on every
@@ -148,7 +148,7 @@ pub(crate) fn restore_grid<const D: usize>(
 ///
 /// # Errors
 /// [`ColumnMismatch`] if the columns do not fit the scene.
-pub(crate) fn restore<R: Real, const D: usize>(
+pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     world: &mut World,
     from: &mut Columns,
 ) -> Result<(), ColumnMismatch> {
@@ -156,13 +156,12 @@ pub(crate) fn restore<R: Real, const D: usize>(
     let arrays = saved::restore::<R, D>(from)?;
     if arrays.evolves_pressure != world.resource::<Arrays<R, D>>().evolves_pressure {
         return Err(ColumnMismatch(
-            "the columns of the pressure are those of another scheme than the scene's".to_owned(),
+            "the columns of the pressure belong to another scheme than the scene has".to_owned(),
         ));
     }
     if arrays.drifts != world.resource::<Arrays<R, D>>().drifts {
         return Err(ColumnMismatch(
-            "the columns of the drift are those of another scheme or other probes than the scene's"
-                .to_owned(),
+            "the columns of the drift belong to another scheme or other probes than the scene has".to_owned(),
         ));
     }
     let stored = from.take::<u32>("stored.id")?;
@@ -286,7 +285,7 @@ fn restore_components(
         let wall = particles.get_mut(id as usize).and_then(Option::as_mut);
         let wall = wall.filter(|particle| particle.zone == Zone::Wall);
         let wall = wall.ok_or_else(|| {
-            ColumnMismatch(format!("particle {id} has a wall surface, but is no wall particle"))
+            ColumnMismatch(format!("particle {id} has a wall surface but is not a wall particle"))
         })?;
         wall.surface = WallSurface { distance: distance[at], normal: normal[at] };
     }

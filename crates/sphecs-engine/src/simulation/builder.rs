@@ -20,7 +20,7 @@ use crate::systems::boundaries::outlet_registry::OutletFaults;
 use crate::systems::boundaries::outlets::insert_outlets;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
-use sphecs_core::math::real::Real;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{ParticleSeed, Precision, Scene};
 
 /// Builder of a [`Simulation`], from [`Simulation::builder`].
@@ -110,7 +110,7 @@ impl SimulationBuilder {
         }
     }
 
-    fn build_typed<R: Real, const D: usize>(self) -> Result<Simulation, BuildError> {
+    fn build_typed<R: PairReal<D>, const D: usize>(self) -> Result<Simulation, BuildError> {
         let Self { scene, start, plugins } = self;
         let mut contents = match start {
             Start::Scene => Contents::Particles(sphecs_scene::spawn::seeds(&scene)),
@@ -158,7 +158,7 @@ impl Contents {
 }
 
 /// Builds the plugins of the engine and of the caller; returns both schedules.
-fn build_plugins<R: Real, const D: usize>(
+fn build_plugins<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     plugins: &[Box<dyn Plugin>],
     world: &mut World,

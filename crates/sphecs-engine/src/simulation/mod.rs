@@ -26,8 +26,8 @@ use crate::systems::divergence::{DivergedParticle, Failure};
 use crate::systems::monitor::{self, MonitorRow};
 use crate::systems::sampling;
 use sphecs_core::math::column::Columns;
-use sphecs_core::math::real::Real;
 pub use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::section::Section;
 use sphecs_scene::model::{ProbeSight, Scene, Scheme};
 
@@ -54,7 +54,7 @@ struct TypedFunctions {
 }
 
 impl TypedFunctions {
-    fn new<R: Real, const D: usize>(scene: &Scene) -> Self {
+    fn new<R: PairReal<D>, const D: usize>(scene: &Scene) -> Self {
         Self {
             scatter: state_location::scatter::<R, D>,
             save: particles::save::<R, D>,

@@ -14,10 +14,10 @@ use crate::resources::clock::Clock;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::join_parts;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::timestep::TimeStepLimits;
 
 /// Rows per task of a thread.
@@ -46,7 +46,7 @@ impl StepSettings<'_> {
 
 /// Clock, inflow and outflow zones: everything that a step advances besides the fluid.
 #[derive(SystemParam)]
-pub(crate) struct ZoneMotion<'w, 's, R: Real, const D: usize> {
+pub(crate) struct ZoneMotion<'w, 's, R: PairReal<D>, const D: usize> {
     scene: Res<'w, ActiveScene>,
     rows: Res<'w, PatchRows>,
     outlets: Res<'w, Outlets<R, D>>,
@@ -55,7 +55,7 @@ pub(crate) struct ZoneMotion<'w, 's, R: Real, const D: usize> {
     velocities: Local<'s, Vec<DVec3>>,
 }
 
-impl<R: Real, const D: usize> ZoneMotion<'_, '_, R, D> {
+impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
     /// Moves inflow and outflow particles over a time step, s, and advances the clock.
     pub(crate) fn finish_step(&mut self, time_step: f64, arrays: &mut ParticleArrays<R, D>) {
         let (scene, clock) = (&*self.scene.0, &mut *self.clock);
@@ -77,7 +77,8 @@ impl<R: Real, const D: usize> ZoneMotion<'_, '_, R, D> {
     }
 }
 
-/// Returns true if all rows are fluid that needs no restart: a loop over them has no branches.
+/// Returns true if all rows are fluid without need of a restart, so that a loop over them has no
+/// branches.
 #[inline(always)]
 pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
     zone.iter()
@@ -87,9 +88,9 @@ pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
 
 /// Returns the largest |dv/dt| of fluid particles, m/s².
 ///
-/// It is not found by the pair pass, since body forces, walls and plugins add to the accelerations
+/// The pair pass cannot find it, since body forces, walls and plugins add to the accelerations
 /// afterwards. A maximum does not depend on the order of its operands.
-pub(crate) fn largest_acceleration<R: Real, const D: usize>(
+pub(crate) fn largest_acceleration<R: PairReal<D>, const D: usize>(
     arrays: &ParticleArrays<R, D>,
     lanes: InstructionSet,
 ) -> f64 {
@@ -101,7 +102,7 @@ pub(crate) fn largest_acceleration<R: Real, const D: usize>(
 
 /// Finds the largest |dv/dt|² of some rows.
 ///
-/// A vectorised task only to be compiled for the instruction set; its loops are scalar.
+/// A vectorised task so that it is compiled for the instruction set; its loops are scalar.
 struct LargestSquare<'a, R, const D: usize> {
     zone: &'a [Zone],
     acceleration: &'a [Vec<R>; D],
@@ -111,7 +112,7 @@ struct LargestSquare<'a, R, const D: usize> {
 /// Number of independent maxima: a single one would be a chain of dependent comparisons.
 const MAXIMA: usize = 16;
 
-impl<R: Real, const D: usize> Vectorised<R> for LargestSquare<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> Vectorised<R> for LargestSquare<'_, R, D> {
     type Output = f64;
 
     #[inline(always)]

@@ -14,13 +14,11 @@ use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{RatesFound, Sums};
 use crate::resources::scene::ActiveScene;
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
 use sphecs_core::pass::column_access::AfterPasses;
-use sphecs_core::pass::density;
-use sphecs_core::pass::edac;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::kick_drift::{self, KickDrift};
 use sphecs_scene::model::{BodyForce, Patch, Scene, Scheme};
@@ -35,10 +33,10 @@ fn terms(scene: &Scene) -> Option<&Edac> {
 
 /// Computes the density of fluid, inflow and outflow particles by summation.
 ///
-/// At the outer end of a zone the support is truncated, and the sum with it. Particles there get
-/// the reference density; otherwise their volumes would double and push their neighbours into the
-/// fluid.
-pub(crate) fn sum_volumes<R: Real, const D: usize>(
+/// At the outer end of a zone the support is truncated, and the sum is too small. Particles there
+/// get the reference density; otherwise their volumes would double and push their neighbours into
+/// the fluid.
+pub(crate) fn sum_volumes<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -46,7 +44,7 @@ pub(crate) fn sum_volumes<R: Real, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+    R::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
     let scene = &*scene.0;
     let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, -1.0)).zip(&rows.inflow);
     let outlets = scene.outlets.iter().map(|outlet| (&outlet.patch, 1.0)).zip(&rows.outflow);
@@ -62,7 +60,7 @@ pub(crate) fn sum_volumes<R: Real, const D: usize>(
 
 /// Computes pair forces, pressure rate and acceleration by the background pressure, and the
 /// extremes that limit the time step.
-pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
+pub(crate) fn sum_edac_rates<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -71,7 +69,7 @@ pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
     mut found: ResMut<RatesFound>,
 ) {
     let Some(terms) = terms(&scene.0) else { return };
-    let summary = edac::sum_rates(&pair.0, terms, &grid.0, &mut arrays, &mut sums.0);
+    let summary = R::sum_edac_rates(&pair.0, terms, &grid.0, &mut arrays, &mut sums.0);
     *found = RatesFound {
         largest_signal: scene.0.fluid.sound_speed + summary.speed,
         largest_speed: summary.speed,
@@ -83,7 +81,7 @@ pub(crate) fn sum_edac_rates<R: Real, const D: usize>(
 }
 
 /// Chooses the time step and advances velocity, pressure and position.
-pub(crate) fn kick_and_drift<R: Real, const D: usize>(
+pub(crate) fn kick_and_drift<R: PairReal<D>, const D: usize>(
     (scene, settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
     mut zones: ZoneMotion<R, D>,
@@ -91,7 +89,7 @@ pub(crate) fn kick_and_drift<R: Real, const D: usize>(
 ) {
     let gravity = match &scene.0.body_force {
         BodyForce::Constant(force) => force.length(),
-        // The accelerations already contain it.
+        // The accelerations already contain a force that varies in space.
         BodyForce::Expression(_) => 0.0,
     };
     let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
@@ -113,7 +111,7 @@ pub(crate) fn kick_and_drift<R: Real, const D: usize>(
 }
 
 /// Advances velocity, pressure, drift and position of the fluid; other rows have no drift.
-fn advance_fluid<R: Real, const D: usize>(
+fn advance_fluid<R: PairReal<D>, const D: usize>(
     scheme: KickDrift,
     arrays: &mut ParticleArrays<R, D>,
     background: &[Vec<R>; D],
@@ -133,7 +131,7 @@ fn advance_fluid<R: Real, const D: usize>(
         ..
     } = arrays;
     let (zone, needs_restart, acceleration) = (&**zone, &**needs_restart, &*acceleration);
-    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, [velocity, half, drift], pressures): RowColumns<R, D>| {
         let rates = Rates { acceleration, background, pressure: pressure_rate };
         R::dispatch(
             lanes,
@@ -159,9 +157,9 @@ fn advance_fluid<R: Real, const D: usize>(
     for_each_part(0..zone.len(), columns, &work);
 }
 
-/// Columns of some rows: positions; velocities, velocities half a step earlier, drifts; pressures,
-/// pressures half a step earlier.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
+/// Columns of some rows: positions; velocities, now and half a step earlier, and drifts; pressures,
+/// now and half a step earlier.
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 3], [&'a mut [R]; 2]);
 
 /// Rates that the passes summed.
 #[derive(Clone, Copy)]
@@ -173,7 +171,7 @@ struct Rates<'a, R, const D: usize> {
 
 /// Kick and drift of some rows.
 ///
-/// A vectorised task only to be compiled for the instruction set; its loops are scalar.
+/// A vectorised task so that it is compiled for the instruction set; its loops are scalar.
 struct DriftPart<'a, R, const D: usize> {
     scheme: KickDrift,
     zone: &'a [Zone],
@@ -187,7 +185,7 @@ struct DriftPart<'a, R, const D: usize> {
     pressures: [&'a mut [R]; 2],
 }
 
-impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
     type Output = ();
 
     #[inline(always)]
@@ -214,9 +212,8 @@ impl<R: Real, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
     }
 }
 
-impl<R: Real, const D: usize> DriftPart<'_, R, D> {
-    /// Advances fluid rows, which are `part` of the written columns and either all to be restarted
-    /// or all not.
+impl<R: PairReal<D>, const D: usize> DriftPart<'_, R, D> {
+    /// Advances fluid rows, `part` of the written columns; all or none of them need a restart.
     #[inline(always)]
     fn advance(&mut self, rows: Range<usize>, part: Range<usize>, needs_restart: bool) {
         let scheme = self.scheme;
@@ -247,7 +244,7 @@ impl<R: Real, const D: usize> DriftPart<'_, R, D> {
 /// (p_b/ρ0) ∇C.
 ///
 /// For a uniform distribution, Σ (V_a² + V_b²) ∇W/m is 2 ∇C/ρ0.
-pub(crate) fn shift_outlets<R: Real, const D: usize>(
+pub(crate) fn shift_outlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     rows: Res<PatchRows>,

@@ -9,9 +9,9 @@ use glam::DVec3;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::BodyForce;
 
 /// Forces per mass that plugins add; each is evaluated for every fluid particle in every stage.
@@ -71,7 +71,7 @@ pub(crate) fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3
 ///
 /// The body force acts on outflow particles too. Without it, the wave equation of an outlet loses
 /// 40 % of a Poiseuille profile that the body force drives.
-pub(crate) fn add_forces<R: Real, const D: usize>(
+pub(crate) fn add_forces<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     added: Res<AddedForces>,

@@ -14,10 +14,10 @@ use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::wall_projection::WallProjections;
 use sphecs_core::math::grid::CellGrid;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
 /// Row of `monitor.nc`: integral quantities of the flow at one time.
@@ -96,7 +96,7 @@ fn mean_flow(now: &[i64], before: &[i64], mass: f64, interval: f64) -> Vec<f64> 
 /// Computes the row of the present state and starts a new interval of the mean flows.
 ///
 /// The arrays must be sorted and have the density at the present positions.
-pub(crate) fn monitor_row<R: Real, const D: usize>(world: &mut World) -> MonitorRow {
+pub(crate) fn monitor_row<R: PairReal<D>, const D: usize>(world: &mut World) -> MonitorRow {
     let clock = *world.resource::<Clock>();
     let ledger = world.resource::<Ledger>();
     let now = PreviousRow {
@@ -111,7 +111,7 @@ pub(crate) fn monitor_row<R: Real, const D: usize>(world: &mut World) -> Monitor
     row
 }
 
-fn quantities<R: Real, const D: usize>(
+fn quantities<R: PairReal<D>, const D: usize>(
     world: &World,
     clock: &Clock,
     now: &PreviousRow,
@@ -180,7 +180,7 @@ impl FluidSums {
 /// threads.
 const CHUNK: usize = 4096;
 
-fn fluid_sums<R: Real, const D: usize>(
+fn fluid_sums<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     grid: &CellGrid<D>,
     arrays: &ParticleArrays<R, D>,

@@ -10,13 +10,12 @@ use crate::resources::grid::{Grid, SortBuffers};
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::Sums;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
-use sphecs_core::pass::wall_distance::find_wall_distance;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// Sorts the arrays into cells, computes the distances to the walls and finds the rows of each
 /// patch.
-pub(crate) fn sort_particles<R: Real, const D: usize>(
+pub(crate) fn sort_particles<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     (mut grid, mut buffers): (ResMut<Grid<D>>, ResMut<SortBuffers<R>>),
@@ -37,6 +36,6 @@ pub(crate) fn sort_particles<R: Real, const D: usize>(
             return;
         }
     }
-    find_wall_distance(&pair.0, &grid.0, arrays, &mut sums.0);
+    R::find_wall_distance(&pair.0, &grid.0, arrays, &mut sums.0);
     rows.collect(&scene.0, outlets.needs(), &grid.0, arrays);
 }

@@ -13,8 +13,8 @@ use crate::systems::boundaries::walls::find_dummy_velocity;
 use crate::systems::edac::sum_volumes;
 use crate::systems::neighbours::sort_particles;
 use crate::systems::wcsph::rates::{sum_density, sum_gradients};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::sampling::Sampler;
 use sphecs_core::pass::section::{self, Section};
 use sphecs_scene::model::ProbeSight;
@@ -24,7 +24,7 @@ use sphecs_scene::model::ProbeSight;
 ///
 /// The next step repeats this from the same positions, so that results are bitwise independent of
 /// reads.
-pub(crate) fn refresh<R: Real, const D: usize>(world: &mut World) {
+pub(crate) fn refresh<R: PairReal<D>, const D: usize>(world: &mut World) {
     state_location::gather::<R, D>(world);
     for run in [
         |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
@@ -39,7 +39,7 @@ pub(crate) fn refresh<R: Real, const D: usize>(world: &mut World) {
 
 /// Sorts the particles and sums their density as [`refresh`] does, under `EdacTvf`. The pressure is
 /// that of the last step.
-pub(crate) fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
+pub(crate) fn refresh_volumes<R: PairReal<D>, const D: usize>(world: &mut World) {
     state_location::gather::<R, D>(world);
     for run in [
         |world: &mut World| world.run_system_cached(sort_particles::<R, D>),
@@ -52,7 +52,7 @@ pub(crate) fn refresh_volumes<R: Real, const D: usize>(world: &mut World) {
 
 /// Returns the fields at each point, from the particles that its [`ProbeSight`] selects; None at a
 /// point without such particles nearby.
-pub(crate) fn sample<R: Real, const D: usize>(
+pub(crate) fn sample<R: PairReal<D>, const D: usize>(
     world: &World,
     points: &[(DVec3, ProbeSight)],
 ) -> Vec<Option<Sample>> {
@@ -68,7 +68,7 @@ pub(crate) fn sample<R: Real, const D: usize>(
 }
 
 /// Returns the mass flows through sections along their normals, kg/s (per metre of depth in 2D).
-pub(crate) fn mass_flows<R: Real, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
+pub(crate) fn mass_flows<R: PairReal<D>, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
     section::mass_flows(
         world.resource::<Arrays<R, D>>(),
         world.resource::<Pair>().0.discretisation.mass,

@@ -11,8 +11,8 @@
 //! ```
 //!
 //! Little-endian, columns in their order. The CRC of a block locates damage, the digest covers the
-//! whole file. The digest ends the file in every version, so that a version number with a flipped
-//! bit is distinguishable from the version of another program.
+//! whole file. The digest ends the file in every version. So a flipped bit in the version number is
+//! distinguishable from a file of another version.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -165,7 +165,7 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, Rejection> {
     let is_intact = Sha256::digest(body).as_slice() == digest;
     let mut reader = Reader { bytes: body, at: 0 };
     if reader.take(MAGIC.len(), "its magic number")? != MAGIC {
-        return Err(damaged("it does not start as a checkpoint does"));
+        return Err(damaged("it does not start like a checkpoint"));
     }
     let version = reader.number::<4>("its version")? as u32;
     if is_intact && version != VERSION {

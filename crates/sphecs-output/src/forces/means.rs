@@ -13,7 +13,7 @@ use super::spectrum::dominant_frequency;
 use crate::error::OutputError;
 use crate::header::Header;
 use crate::paths::FORCES_MEAN_CSV;
-use crate::table::{Column, Table, TableWriter, number, safe_names};
+use crate::table::{Table, TableColumn, TableWriter, number, safe_names};
 
 /// Name and long name of all quantities.
 pub const QUANTITIES: [(&str, &str); 5] = [
@@ -78,8 +78,9 @@ pub(super) fn write(
         return Ok(None);
     }
     let path = folder.join(FORCES_MEAN_CSV);
-    let mut columns = vec![Column::of_text("body"), Column::new("from", "s"), Column::new("to", "s")];
-    columns.extend(QUANTITIES.map(|(name, _)| Column::new(name, "1")));
+    let mut columns =
+        vec![TableColumn::of_text("body"), TableColumn::new("from", "s"), TableColumn::new("to", "s")];
+    columns.extend(QUANTITIES.map(|(name, _)| TableColumn::new(name, "1")));
     let mut writer = TableWriter::create(&path, &columns)?;
     let with_reference = header.bodies.iter().filter(|body| body.reference.is_some());
     for (body, (_, means)) in with_reference.zip(found) {

@@ -23,7 +23,7 @@ use super::error::OutputError;
 use super::header::{BodyHeader, Header};
 use super::netcdf::dataset::{Dataset, Variable};
 use super::paths::{FORCES_CSV, FORCES_NETCDF};
-use super::table::{Column, Table, TableWriter, number, safe_names};
+use super::table::{Table, TableColumn, TableWriter, number, safe_names};
 use sphecs_core::pass::body::BodySum;
 use sphecs_engine::systems::body_forces::BodyForcesRow;
 
@@ -35,12 +35,12 @@ pub struct ForcesWriter {
 }
 
 /// Returns column and long name of each quantity of a row.
-fn columns(header: &Header) -> Vec<(Column, String)> {
+fn columns(header: &Header) -> Vec<(TableColumn, String)> {
     // In 2D per metre of depth.
     let [force, torque] = if header.dimensions == 2 { ["N m-1", "N"] } else { ["N", "N m"] };
     let mut columns = Vec::new();
     let mut add =
-        |name: String, unit: &str, long_name: String| columns.push((Column::new(name, unit), long_name));
+        |name: String, unit: &str, long_name: String| columns.push((TableColumn::new(name, unit), long_name));
     add("time".into(), "s", "time at the beginning of the step".into());
     add("step".into(), "1", "steps done before".into());
     let names = safe_names(header.bodies.iter().map(|body| body.name.as_str()));
@@ -88,7 +88,7 @@ impl ForcesWriter {
     pub fn resume(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
         let path = folder.join(FORCES_CSV);
         let table = if length == 0 {
-            let columns: Vec<Column> = columns(header).into_iter().map(|(column, _)| column).collect();
+            let columns: Vec<TableColumn> = columns(header).into_iter().map(|(column, _)| column).collect();
             TableWriter::create(&path, &columns)?
         } else {
             TableWriter::resume(&path, length)?

@@ -1,4 +1,4 @@
-//! Small datasets, of monitors and probes, held in memory and written at once.
+//! Small datasets of monitors and probes, written from memory in a single call.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::file::{add_variable, write_file};
 use super::layout::put_header;
 use crate::error::OutputError;
 use crate::header::Header;
-use crate::table::{Column, Table};
+use crate::table::{Table, TableColumn};
 
 /// Variable of doubles.
 #[derive(Clone, Debug, Default)]
@@ -37,8 +37,8 @@ pub(crate) struct Dataset {
 impl Dataset {
     /// Returns the columns of a table as variables over time, with the long names of the `known`
     /// columns.
-    pub(crate) fn over_time(title: &str, table: &Table, known: &[(Column, String)]) -> Self {
-        let variable = |(index, column): (usize, &Column)| {
+    pub(crate) fn over_time(title: &str, table: &Table, known: &[(TableColumn, String)]) -> Self {
+        let variable = |(index, column): (usize, &TableColumn)| {
             let mut attributes = vec![("units", column.unit.clone().unwrap_or_default())];
             if let Some((_, long_name)) = known.iter().find(|(other, _)| other == column) {
                 attributes.push(("long_name", long_name.clone()));

@@ -11,8 +11,8 @@ use ::netcdf::{AttributeValue, File, FileMut, NcTypeDescriptor, VariableMut};
 use crate::disk;
 use crate::error::OutputError;
 
-/// Converts an error of the library; a test write finds the cause where the library only reports
-/// "HDF error".
+/// Converts an error of the library. Where it only reports "HDF error", a test write finds the
+/// cause.
 pub(super) fn write_error(path: &Path) -> impl Fn(::netcdf::Error) -> OutputError + '_ {
     move |error| {
         let folder = path.parent().unwrap_or(Path::new("."));
@@ -52,8 +52,8 @@ fn prepare() {
     }
     if !DONE.replace(true) {
         let _guard = LOCK.lock();
-        // SAFETY: the default error stack always exists, no function means no data for it either,
-        // and the lock is the one under which the netcdf crate calls the library.
+        // SAFETY: the default error stack always exists, and without a function its data is not
+        // used. The lock is the one under which the netcdf crate calls the library.
         unsafe {
             H5dont_atexit();
             H5Eset_auto2(H5E_DEFAULT, None, std::ptr::null_mut());
@@ -109,7 +109,7 @@ pub(super) fn add_variable<'f, T: Stored>(
     let mut variable = file.add_variable::<T>(name, dimensions)?;
     if !dimensions.is_empty() {
         variable.set_chunking(chunks)?;
-        // The only compression that xarray, ParaView and netCDF-Java all read.
+        // This is the only compression that xarray, ParaView and netCDF-Java all read.
         variable.set_compression(1, true)?;
     }
     if let Some(missing) = T::MISSING {

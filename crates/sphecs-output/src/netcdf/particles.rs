@@ -1,4 +1,4 @@
-//! Frames in NetCDF files of the layout of [`layout`](super::layout), written and read.
+//! Writing and reading of frames in NetCDF files with the [`layout`](super::layout).
 
 use std::path::{Path, PathBuf};
 
@@ -83,7 +83,7 @@ fn put_frame(
             variable.put_values(values, ([index, 0], [1, values.len()]))
         }
     }
-    // A frame before the last growth of the reservoir has fewer slots than the file.
+    // Frames from before the last growth of the reservoir have fewer slots than the file.
     let longer;
     let frame = if frame.len() < slots.dense_len() {
         let mut padded = frame.clone();
@@ -199,7 +199,7 @@ impl ParticleFile {
         place(&mut frame.passage, ids, &self.row("passage", index)?);
         if self.dimensions == 2 {
             for slot in ids.iter().map(|&slot| slot as usize) {
-                // Zero, but NaN for slots without a position.
+                // It is zero, or NaN for slots without a position.
                 frame.position[2][slot] = 0.0 * frame.position[0][slot] + 0.0;
                 frame.velocity[2][slot] = 0.0 * frame.velocity[0][slot] + 0.0;
             }

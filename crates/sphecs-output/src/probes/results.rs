@@ -13,7 +13,7 @@ use crate::error::OutputError;
 use crate::header::{Header, ProbeShape};
 use crate::netcdf::dataset::{Dataset, Variable};
 use crate::paths::{PROBES_CSV, PROBES_MEAN_CSV, PROBES_NETCDF};
-use crate::table::{Column, TableWriter, number};
+use crate::table::{TableColumn, TableWriter, number};
 
 /// Writes `probes.nc` and, if means are declared, `probes_mean.csv`, and returns their paths.
 ///
@@ -51,7 +51,7 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError>
     if all.iter().any(|series| series.probe.mean.is_some()) {
         let path = folder.join(PROBES_MEAN_CSV);
         let mut columns = columns(header);
-        columns.splice(0..1, [Column::new("from", "s"), Column::new("to", "s")]);
+        columns.splice(0..1, [TableColumn::new("from", "s"), TableColumn::new("to", "s")]);
         TableWriter::create(&path, &columns)?.append(means)?;
         files.push(path);
     }

@@ -9,7 +9,7 @@ use super::{ProbePoints, ProbeSample, ProbeSet, ProbeValues};
 use crate::error::OutputError;
 use crate::header::{Header, ProbeShape};
 use crate::paths::PROBES_CSV;
-use crate::table::{Column, TableWriter, line, number};
+use crate::table::{TableColumn, TableWriter, line, number};
 use sphecs_core::particles::sample::Sample;
 
 /// Returns name, unit and long name of the quantities, in the order of the columns after the
@@ -31,10 +31,11 @@ pub(super) fn quantities(header: &Header) -> [(&'static str, &'static str, &'sta
 pub(super) const PLACE: usize = 6;
 
 /// Returns the columns of `probes.csv`.
-pub(super) fn columns(header: &Header) -> Vec<Column> {
-    let mut columns = vec![Column::new("time", "s"), Column::of_text("probe"), Column::of_text("point")];
-    columns.extend(["x", "y", "z"].map(|axis| Column::new(axis, "m")));
-    columns.extend(quantities(header).map(|(name, unit, _)| Column::new(name, unit)));
+pub(super) fn columns(header: &Header) -> Vec<TableColumn> {
+    let mut columns =
+        vec![TableColumn::new("time", "s"), TableColumn::of_text("probe"), TableColumn::of_text("point")];
+    columns.extend(["x", "y", "z"].map(|axis| TableColumn::new(axis, "m")));
+    columns.extend(quantities(header).map(|(name, unit, _)| TableColumn::new(name, unit)));
     columns
 }
 

@@ -1,4 +1,4 @@
-//! Bodies of the file → parts of the wall with their references.
+//! Checks of the bodies of a scene file.
 
 use super::checker::Checker;
 use crate::faults::{Fault, advice};
@@ -9,7 +9,7 @@ use crate::schema::{BodyFile, SceneFile};
 use crate::wall_particles::surface;
 use sphecs_core::particles::zone::Zone;
 
-/// All bodies that are sound; `end` is that of the run, s.
+/// Returns all bodies without faults; `end` is the end of the run, s.
 pub fn bodies(
     file: &SceneFile,
     (walls, regions, domain): (&Walls, &[Shape], &Shape),
@@ -50,7 +50,7 @@ pub fn bodies(
     bodies
 }
 
-/// Velocity and area come together, and bring the length with them.
+/// Returns the reference of the coefficients; velocity and area must be given together.
 fn reference(file: &BodyFile, check: &mut Checker<'_>) -> Option<BodyReference> {
     let positive = |number: &_, unit, check: &mut Checker<'_>| check.positive(number, unit);
     let velocity = file.velocity.as_ref().map(|number| positive(number, "m/s", check));
@@ -73,16 +73,16 @@ fn reference(file: &BodyFile, check: &mut Checker<'_>) -> Option<BodyReference> 
     };
     match (velocity, area) {
         (None, None) if length.is_none() => None,
-        (None, _) => missing("velocity", "that of the undisturbed flow, m/s"),
-        (_, None) => missing("area", "the body's face, m², in 2D its width across the flow, m"),
+        (None, _) => missing("velocity", "the velocity of the undisturbed flow, m/s"),
+        (_, None) => missing("area", "the frontal area of the body, m², in 2D its width across the flow, m"),
         (Some(velocity), Some(area)) => match length.or(is_flat.then_some(area)) {
             Some(length) => Some(BodyReference { velocity, area, length }),
-            None => missing("length", "that of the Strouhal number, m, which no area gives in 3D"),
+            None => missing("length", "the length of the Strouhal number, m, which has no default in 3D"),
         },
     }
 }
 
-/// The interval of the means, the second half of the run if none is given.
+/// Returns the interval of the means, s, by default the second half of the run.
 fn mean(file: &BodyFile, end: f64, check: &mut Checker<'_>) -> (f64, f64) {
     let Some(mean) = &file.mean else { return (0.5 * end, end) };
     let (from, to) = &mean.value;
@@ -94,7 +94,7 @@ fn mean(file: &BodyFile, end: f64, check: &mut Checker<'_>) -> (f64, f64) {
     interval
 }
 
-/// Every body must have particles to feel the fluid with.
+/// Checks that every body has wall particles.
 pub fn have_particles(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     for (body, written) in scene.bodies.iter().zip(&file.bodies) {
         let walls = places.iter().filter(|place| place.zone == Zone::Wall);
@@ -105,7 +105,7 @@ pub fn have_particles(scene: &Scene, file: &SceneFile, places: &[Place], faults:
                     written.part.span,
                     "must be a part of the walls that has particles",
                 )
-                .help("the region of a part must hold the surface of the wall; where two hold it, the first has it"),
+                .help("the region of a part must contain the surface of the wall; where two contain it, the first one counts"),
             );
         }
     }

@@ -12,13 +12,12 @@ use crate::notation::typed::Spanned;
 use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
 use sphecs_core::boundary::outlet::OutletCondition;
 
-/// Layers of the zone of an inlet, as Alvarado-Rodríguez et al. (2017).
+/// Layers of the zone of an inlet, as in Alvarado-Rodríguez et al. (2017).
 const INLET_LAYERS: f64 = 5.0;
-/// Layers of the zone of an outlet: more than their five, so that neither end influences its
-/// middle.
+/// Layers of the zone of an outlet, more than their five, so that neither end affects its middle.
 const OUTLET_LAYERS: f64 = 8.0;
 
-/// Returns all inlets; None with a fault.
+/// Returns all inlets; None if one has a fault.
 pub fn inlets(
     files: &[InletFile],
     site: &Site<'_>,
@@ -104,8 +103,8 @@ fn velocity(
             Some(InletVelocity::TimeTable(rows))
         }
         InletVelocityFile::ProfileTable { file: path } => tables::profile_table(path, folder, check),
-        InletVelocityFile::MassFlow { rate, profile } => metered(rate, "rate", profile.as_ref(), check),
-        InletVelocityFile::MassFlux { flux, profile } => metered(flux, "flux", profile.as_ref(), check),
+        InletVelocityFile::MassFlow { rate, profile } => mass_velocity(rate, "rate", profile.as_ref(), check),
+        InletVelocityFile::MassFlux { flux, profile } => mass_velocity(flux, "flux", profile.as_ref(), check),
         InletVelocityFile::PoiseuilleStartup { half_width: given, body_force } => {
             Some(InletVelocity::PoiseuilleStartup {
                 half_width: given.as_ref().map_or(half_width, |given| check.positive(given, "m")),
@@ -115,17 +114,17 @@ fn velocity(
     }
 }
 
-/// Returns the velocity by a rate in time and a profile in space, not yet scaled: see
-/// [`meter`](super::meter).
-fn metered(
+/// Returns the velocity from a rate in time and a profile in space, before it is scaled by
+/// [`mass_flow`](super::mass_flow).
+fn mass_velocity(
     rate: &Formula,
     name: &str,
     profile: Option<&Formula>,
     check: &mut Checker<'_>,
 ) -> Option<InletVelocity> {
-    let mut expression = |formula: &Formula, name: &str, strangers: &[usize], rule: &str, help: &str| {
+    let mut expression = |formula: &Formula, name: &str, excluded: &[usize], rule: &str, help: &str| {
         let expression = check.formula(formula);
-        if expression.depends_on(strangers) {
+        if expression.depends_on(excluded) {
             let title = format!("`{name}` of an inlet {rule}");
             check.report(Fault::new(title, formula.span, rule).help(help));
             return None;
@@ -141,7 +140,7 @@ fn metered(
             expression(profile, "profile", &[3], of_place, &help)
         }
     };
-    Some(InletVelocity::Metered { rate: found?, profile: shape?, scale: 1.0 })
+    Some(InletVelocity::MassFlow { rate: found?, profile: shape?, scale: 1.0 })
 }
 
 fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64, f64)> {
@@ -160,7 +159,7 @@ fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64,
     result
 }
 
-/// Returns all outlets; None with a fault.
+/// Returns all outlets; None if one has a fault.
 pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -> Option<Vec<Outlet>> {
     names(files.iter().map(|file| file.name.as_ref()), "outlets", check);
     let outlets: Vec<Option<Outlet>> = files
@@ -191,7 +190,7 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
     outlets.into_iter().collect()
 }
 
-/// Reports the parameters that an outlet's condition cannot work with.
+/// Reports the parameters of an outlet condition that are out of range.
 fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
     let parameters = file.value.parameters();
     let condition = format!("the outlet condition `{}`", parameters.name());

@@ -9,7 +9,7 @@ use crate::notation::typed::Spanned;
 use crate::schema::{Formula, FormulaText, Number, Vector};
 use sphecs_core::physics::parameter_fault::ParameterFault;
 
-/// Collects faults; what it returns for a faulty value is harmless.
+/// Collects faults and replaces faulty values by harmless ones.
 pub struct Checker<'a> {
     constants: &'a Constants,
     text: &'a str,
@@ -17,24 +17,25 @@ pub struct Checker<'a> {
     pub dimensions: usize,
     /// Faults found so far.
     pub faults: Vec<Fault>,
-    /// Tables that are there already, and those read from files: the path as written, and the text.
+    /// Tables given or already read: the path as written, and the text.
     pub tables: Vec<(String, String)>,
-    /// Number of placeholders met in place of faulty values.
+    /// Number of placeholders found in place of faulty values.
     placeholders: usize,
 }
 
 impl<'a> Checker<'a> {
-    /// No fault yet.
+    /// Returns a checker without faults.
     pub fn new(constants: &'a Constants, text: &'a str) -> Self {
         Self { constants, text, dimensions: 2, faults: Vec::new(), tables: Vec::new(), placeholders: 0 }
     }
 
-    /// Faults and placeholders so far: unchanged over a piece of the file, that piece is sound.
-    pub fn blemishes(&self) -> usize {
+    /// Returns the number of faults and placeholders so far. If it does not change while a part of
+    /// the file is checked, that part has no faults.
+    pub fn fault_count(&self) -> usize {
         self.faults.len() + self.placeholders
     }
 
-    /// Notes a fault, unless it is the consequence of an earlier one.
+    /// Adds a fault, unless it is the consequence of an earlier one.
     pub fn report(&mut self, fault: Fault) {
         if fault.span.is_some_and(Span::is_placeholder) {
             self.placeholders += 1;
@@ -50,13 +51,13 @@ impl<'a> Checker<'a> {
         self.report(if fault.advice.is_empty() { found } else { found.help(fault.advice) });
     }
 
-    /// Counts a value that stands in for a faulty one.
-    pub fn meet(&mut self, span: Span) {
+    /// Counts a placeholder for a faulty value.
+    pub fn note_placeholder(&mut self, span: Span) {
         self.placeholders += usize::from(span.is_placeholder());
     }
 
-    fn within(&mut self, number: &Number, unit: &str, holds: bool, rule: &str) -> f64 {
-        self.meet(number.span);
+    fn require(&mut self, number: &Number, unit: &str, holds: bool, rule: &str) -> f64 {
+        self.note_placeholder(number.span);
         if holds {
             return number.value;
         }
@@ -69,7 +70,7 @@ impl<'a> Checker<'a> {
         1.0
     }
 
-    /// The field that a value stands in, read from the text before it: `spacing`.
+    /// Returns the name of the field of a value, such as `spacing`, from the text before it.
     fn name_before(&self, span: Span) -> String {
         let before = self.text.get(..span.start).unwrap_or("").trim_end();
         let name = before
@@ -80,40 +81,40 @@ impl<'a> Checker<'a> {
         name.map_or("the number".to_owned(), |name| format!("`{name}`"))
     }
 
-    /// A finite number above zero.
+    /// Returns a finite number above zero.
     pub fn positive(&mut self, number: &Number, unit: &str) -> f64 {
         let holds = number.value.is_finite() && number.value > 0.0;
-        self.within(number, unit, holds, "must be finite and greater than 0")
+        self.require(number, unit, holds, "must be finite and greater than 0")
     }
 
-    /// A finite number from zero.
+    /// Returns a finite number of at least zero.
     pub fn not_negative(&mut self, number: &Number, unit: &str) -> f64 {
         let holds = number.value.is_finite() && number.value >= 0.0;
-        self.within(number, unit, holds, "must be finite and not negative")
+        self.require(number, unit, holds, "must be finite and not negative")
     }
 
-    /// A finite number.
+    /// Returns a finite number.
     pub fn finite(&mut self, number: &Number, unit: &str) -> f64 {
         let holds = number.value.is_finite();
-        self.within(number, unit, holds, "must be finite")
+        self.require(number, unit, holds, "must be finite")
     }
 
-    /// A number above zero and up to `most`.
+    /// Returns a number above zero and up to `most`.
     pub fn fraction(&mut self, number: &Number, most: f64) -> f64 {
         let holds = number.value > 0.0 && number.value <= most;
         let rule = format!("must be greater than 0 and at most `{most}`");
-        self.within(number, "", holds, &rule)
+        self.require(number, "", holds, &rule)
     }
 
-    /// A finite vector with as many components as the scene has dimensions; z = 0 in 2D.
+    /// Returns a finite vector with one component per dimension; z = 0 in 2D.
     pub fn vector(&mut self, vector: &Vector, unit: &str) -> DVec3 {
         self.components_of(vector, self.dimensions, unit)
     }
 
-    /// A finite vector of `count` components.
+    /// Returns a finite vector of `count` components.
     pub fn components_of(&mut self, vector: &Vector, count: usize, unit: &str) -> DVec3 {
         let mut result = DVec3::ZERO;
-        if !self.counted(vector, count) {
+        if !self.has_components(vector, count) {
             return DVec3::X;
         }
         for (axis, number) in vector.value.iter().enumerate() {
@@ -122,8 +123,8 @@ impl<'a> Checker<'a> {
         result
     }
 
-    fn counted<T>(&mut self, list: &Spanned<Vec<T>>, count: usize) -> bool {
-        self.meet(list.span);
+    fn has_components<T>(&mut self, list: &Spanned<Vec<T>>, count: usize) -> bool {
+        self.note_placeholder(list.span);
         if list.is_placeholder() || list.value.len() == count {
             return !list.is_placeholder();
         }
@@ -139,19 +140,19 @@ impl<'a> Checker<'a> {
         false
     }
 
-    /// A unit vector.
+    /// Returns a unit vector.
     pub fn direction(&mut self, vector: &Vector) -> DVec3 {
         let direction = self.vector(vector, "").normalize_or_zero();
         if direction == DVec3::ZERO && !vector.is_placeholder() {
             let name = self.name_before(vector.span);
             self.report(Fault::new(format!("{name} has no direction"), vector.span, "must not be zero"));
         }
-        // Directions along an axis are meant exactly.
+        // Rounding must not tilt a direction along an axis.
         let snapped = direction.map(|c| if c.abs() < 1e-12 { 0.0 } else { c });
         snapped.try_normalize().unwrap_or(DVec3::X)
     }
 
-    /// A field of x, y, z, t.
+    /// Returns an expression of x, y, z, t.
     pub fn formula(&mut self, formula: &Formula) -> Expression {
         match &formula.value {
             FormulaText::Number(value) => {
@@ -187,22 +188,22 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A field, 0 if not given.
+    /// Returns an expression, 0 if not given.
     pub fn formula_or_zero(&mut self, formula: Option<&Formula>) -> Expression {
         formula.map_or(Expression::Constant(0.0), |formula| self.formula(formula))
     }
 
-    /// A vector field with as many components as the scene has dimensions; z = 0 in 2D.
+    /// Returns a vector of expressions with one component per dimension; z = 0 in 2D.
     pub fn components(&mut self, components: &Spanned<Vec<Formula>>) -> [Expression; 3] {
         let mut result = std::array::from_fn(|_| Expression::Constant(0.0));
-        self.counted(components, self.dimensions);
+        self.has_components(components, self.dimensions);
         for (slot, formula) in result.iter_mut().zip(&components.value) {
             *slot = self.formula(formula);
         }
         result
     }
 
-    /// A vector field, 0 if not given.
+    /// Returns a vector of expressions, 0 if not given.
     pub fn components_or_zero(&mut self, components: Option<&Spanned<Vec<Formula>>>) -> [Expression; 3] {
         match components {
             Some(components) => self.components(components),

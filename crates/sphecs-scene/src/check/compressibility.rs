@@ -7,9 +7,9 @@ use crate::summary;
 use sphecs_core::boundary::outlet::method::References;
 use sphecs_core::physics::edac::Edac;
 
-/// Adds the faults of streams as fast as sound, of pressures that would double the density and of a
-/// background pressure that the time step cannot follow.
-pub fn against(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
+/// Reports velocities at the sound speed, pressures that would double the density, and a background
+/// pressure that is unstable at the time step.
+pub fn check_limits(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     let sound_speed = scene.fluid.sound_speed;
     let most = scene.fluid.density * sound_speed * sound_speed;
     for (inlet, written) in scene.inlets.iter().zip(&file.inlets) {
@@ -33,7 +33,7 @@ pub fn against(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
         }
         if pressure.abs() >= most {
             let label = format!("has a pressure of {pressure} Pa, must be below ρ0 c0² = {most} Pa");
-            faults.push(Fault::new("the pressure of an outlet is out of reach", written.head, label));
+            faults.push(Fault::new("the pressure of an outlet is too large", written.head, label));
         }
     }
     if let Scheme::EdacTvf(scheme) = &scene.scheme {

@@ -1,4 +1,4 @@
-//! Checks of the scene as a whole: memory, overlaps, openings, fields on the particles.
+//! Checks of the complete scene: memory, overlaps, openings, fields at the particles.
 
 use glam::DVec3;
 
@@ -14,12 +14,12 @@ use crate::summary::{self, BYTES_PER_PARTICLE};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::wall::Slip;
 
-/// More than any machine has, B: what `--allow-oversize` does not reach.
+/// Memory limit even with `--allow-oversize`, more than any machine has, B.
 const MOST_MEMORY: f64 = 1e15;
 
-/// Adds the faults of a scene whose parts are sound; `stands` when no value stands in for a faulty
-/// one.
-pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fault>) {
+/// Adds the faults that only the complete scene shows; `is_complete` is true if no value is a
+/// placeholder.
+pub fn check(scene: &Scene, file: &SceneFile, is_complete: bool, faults: &mut Vec<Fault>) {
     let others = faults.len();
     overlaps(scene, file, faults);
     if faults.len() > others {
@@ -41,16 +41,16 @@ pub fn check(scene: &Scene, file: &SceneFile, stands: bool, faults: &mut Vec<Fau
                 .help("give the fluid its `viscosity`, or the walls `slip: FreeSlip`"),
         );
     }
-    // These look at values in whose places harmless ones stand if there are faults.
-    if stands && faults.is_empty() {
-        compressibility::against(scene, file, faults);
+    // These checks would misread placeholders.
+    if is_complete && faults.is_empty() {
+        compressibility::check_limits(scene, file, faults);
         probes(scene, file, faults);
         bodies::have_particles(scene, file, &places, faults);
         fields(scene, file, &places, faults);
     }
 }
 
-/// A domain whose parts are so far apart that the lattice between them is more than memory holds.
+/// Reports a domain whose parts are so far apart that the lattice does not fit into memory.
 fn too_empty(
     (domain, dimensions): (&Shape, usize),
     reach: f64,
@@ -69,11 +69,11 @@ fn too_empty(
     );
     Some(
         Fault::new("the parts of the domain are too far apart", file.spacing.span, label)
-            .help("look for a shape of `domain` that stands far from the others"),
+            .help("find a shape of `domain` far away from the others"),
     )
 }
 
-/// More particles than memory or particle numbers allow, estimated from the domain alone.
+/// Reports more particles than memory or particle numbers allow, estimated from the domain.
 pub fn too_many(
     (domain, dimensions): (&Shape, usize),
     scheme: &Scheme,
@@ -108,33 +108,33 @@ pub fn too_many(
         )
         .help(format!(
             "raise `spacing` to at least `{least:.2e}`{}",
-            // Particle numbers end where they end.
-            if memory.is_some() { ", or begin all the same by `--allow-oversize`" } else { "" }
+            // The range of the particle numbers is a hard limit.
+            if memory.is_some() { ", or run with `--allow-oversize`" } else { "" }
         )),
     )
 }
 
-/// Places of `at` in the file: inlets, then outlets.
+/// Returns the spans of `at` in the file: inlets, then outlets.
 fn at_spans(file: &SceneFile) -> Vec<Span> {
     let inlets = file.inlets.iter().map(|inlet| inlet.at.span);
     inlets.chain(file.outlets.iter().map(|outlet| outlet.at.span)).collect()
 }
 
-/// Zones that run into the domain or into each other.
+/// Reports zones that overlap the domain or each other.
 fn overlaps(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     let patches: Vec<(&Patch, bool)> = fill::patches(scene).collect();
     let spans = at_spans(file);
-    let hair = 1e-3 * scene.spacing;
+    let tolerance = 1e-3 * scene.spacing;
     for (index, (patch, is_inlet)) in patches.iter().enumerate() {
         let mut into_domain = None;
         let mut into_zone = None;
         for point in zone_points(patch, *is_inlet, scene) {
-            if fill::periodic_distance(&scene.domain, &scene.periodic, point) < -hair {
+            if fill::periodic_distance(&scene.domain, &scene.periodic, point) < -tolerance {
                 into_domain.get_or_insert(point);
             }
             for (other, zone) in scene.layout.zones.iter().enumerate().take(index) {
                 let beyond = fill::beyond(patches[other].0, patches[other].1, point);
-                if zone.contains(point, -hair) && beyond < patches[other].0.depth {
+                if zone.contains(point, -tolerance) && beyond < patches[other].0.depth {
                     into_zone.get_or_insert(other);
                 }
             }
@@ -163,7 +163,7 @@ fn overlaps(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     }
 }
 
-/// Points of a zone, a spacing apart.
+/// Returns points of a zone, a spacing apart, m.
 fn zone_points(patch: &Patch, is_inlet: bool, scene: &Scene) -> Vec<DVec3> {
     let outwards = if is_inlet { -patch.towards } else { patch.towards };
     let steps = |extent: f64| ((extent / scene.spacing).ceil() as i32).clamp(0, 200);
@@ -189,7 +189,7 @@ fn zone_points(patch: &Patch, is_inlet: bool, scene: &Scene) -> Vec<DVec3> {
     points
 }
 
-/// Probes must be where fluid can be.
+/// Checks that probes lie in the domain.
 fn probes(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     for (probe, written) in scene.output.probes.iter().zip(&file.output.probes) {
         let points = match &probe.kind {
@@ -203,13 +203,13 @@ fn probes(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
             faults.push(Fault::new(
                 format!("probe `{}` is outside the domain", probe.name),
                 written.kind.head,
-                format!("({}, {}, {}) m is no place for fluid", point.x, point.y, point.z),
+                format!("is ({}, {}, {}) m, must be in the domain", point.x, point.y, point.z),
             ));
         }
     }
 }
 
-/// There must be fluid, in the zones too, and no side without wall, patch or period.
+/// Checks that domain and zones have particles and that every side is wall, patch or periodic.
 fn openings(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     let count = |zone: Zone, patch: usize| {
         let counted = places.iter().filter(|p| p.zone == zone && usize::from(p.patch) == patch);
@@ -260,7 +260,7 @@ fn openings(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<
     }
 }
 
-/// Fields must be finite wherever particles are and at all times of the run.
+/// Checks that fields are finite at all particles and at sampled times of the run.
 fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     let of = |zone: fn(Zone) -> bool| {
         let chosen = places.iter().filter(move |place| zone(place.zone));
@@ -317,7 +317,7 @@ fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fa
                 finite(expression, formula, &points, &all_times);
             }
             (
-                InletVelocity::Metered { rate: expression, .. },
+                InletVelocity::MassFlow { rate: expression, .. },
                 Written::MassFlow { rate: formula, .. } | Written::MassFlux { flux: formula, .. },
             ) => finite(expression, formula, &[DVec3::ZERO], &all_times),
             (InletVelocity::Components(components), Written::Components(formulas)) => {

@@ -1,4 +1,4 @@
-//! Periodic directions and the fill.
+//! Checks of the periodic directions and the fill.
 
 use super::checker::Checker;
 use super::patches::Site;
@@ -11,17 +11,17 @@ use crate::schema::{FillFile, Text};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// A period must be a whole number of spacings to this relative accuracy.
+/// Relative tolerance of a period that must be a whole number of spacings.
 const WHOLE: f64 = 1e-6;
 
-/// Largest jitter in spacings: two neighbours stay more than half a spacing apart.
+/// Largest jitter, in spacings, which keeps neighbours more than half a spacing apart.
 const MOST_JITTER: f64 = 0.2;
 
-/// Bounds of the periodic directions.
+/// Returns the bounds of the periodic directions, m.
 pub fn periodic(
     names: &[Text],
     (domain, spacing): (&Shape, f64),
-    sound: bool,
+    is_valid: bool,
     check: &mut Checker<'_>,
 ) -> [Option<(f64, f64)>; 3] {
     let mut periodic = [None; 3];
@@ -44,7 +44,7 @@ pub fn periodic(
             check.report(Fault::new("a periodic axis is named twice", name.span, label));
         }
         periodic[axis] = Some((low[axis], high[axis]));
-        if !sound {
+        if !is_valid {
             continue;
         }
         let period = high[axis] - low[axis];
@@ -53,7 +53,7 @@ pub fn periodic(
             let whole = cells.round().max(1.0);
             check.report(
                 Fault::new(
-                    format!("the period along {} is no whole number of spacings", name.value),
+                    format!("the period along {} is not a whole number of spacings", name.value),
                     name.span,
                     format!("is `{period}` m, that is {cells:.3} spacings"),
                 )
@@ -71,10 +71,11 @@ pub fn periodic(
     periodic
 }
 
-/// A place where the domain's faces across a periodic axis differ, sampled a hair inside both.
+/// Returns a point at which the faces of the domain across a periodic axis differ, m, from samples
+/// just inside both.
 fn mismatch(domain: &Shape, axis: usize, spacing: f64, dimensions: usize) -> Option<glam::DVec3> {
     let (low, high) = domain.bounds();
-    let hair = 1e-3 * spacing;
+    let offset = 1e-3 * spacing;
     let others: Vec<usize> = (0..dimensions).filter(|other| *other != axis).collect();
     let count = if others.len() == 1 { 1000_usize } else { 50 };
     for index in 0..count.pow(others.len() as u32) {
@@ -84,18 +85,18 @@ fn mismatch(domain: &Shape, axis: usize, spacing: f64, dimensions: usize) -> Opt
             point[other] = low[other] + along * (high[other] - low[other]) / count as f64;
         }
         let (mut first, mut last) = (point, point);
-        first[axis] = low[axis] + hair;
-        last[axis] = high[axis] - hair;
+        first[axis] = low[axis] + offset;
+        last[axis] = high[axis] - offset;
         let (a, b) = (domain.signed_distance(first), domain.signed_distance(last));
-        // Near an edge of the face the hair itself makes a difference.
-        if (a <= 0.0) != (b <= 0.0) && a.abs().max(b.abs()) > 2.0 * hair {
+        // Near an edge of the face the offset of the samples could make a difference.
+        if (a <= 0.0) != (b <= 0.0) && a.abs().max(b.abs()) > 2.0 * offset {
             return Some(first);
         }
     }
     None
 }
 
-/// The arrangement of particles; None with a fault.
+/// Returns the arrangement of particles; None if it has a fault.
 pub fn fill(
     file: Option<&Spanned<FillFile>>,
     site: &Site<'_>,
@@ -109,7 +110,7 @@ pub fn fill(
     };
     match &file.value {
         FillFile::Lattice { anchor, jitter } => {
-            let before = check.blemishes();
+            let before = check.fault_count();
             let anchor = anchor.as_ref().map(|anchor| check.vector(anchor, "m"));
             let jitter = jitter.as_ref().map_or(0.0, |jitter| {
                 if !(0.0..=MOST_JITTER).contains(&jitter.value) {
@@ -118,7 +119,7 @@ pub fn fill(
                 }
                 jitter.value
             });
-            (check.blemishes() == before).then(|| Fill::Lattice(Lattice { jitter, ..lattice(anchor) }))
+            (check.fault_count() == before).then(|| Fill::Lattice(Lattice { jitter, ..lattice(anchor) }))
         }
         FillFile::WallFitted { lower, upper } => {
             let (low, high) = (check.formula(lower), check.formula(upper));

@@ -1,15 +1,15 @@
-//! Inlets that are given by the mass they bring: the scale between profile and speed.
+//! Inlets with a prescribed mass flow: the scale between profile and speed.
 //!
 //! ```text
 //! v(x, t) = k ṁ(t) f(x),   k = 1/(ρ0 Σ_r f(x_r) A_r)    for a rate, kg/s
 //! v(x, t) = k q(t) f(x),   k = A/(ρ0 Σ_r f(x_r) A_r)    for a flux, kg/(s m²)
 //! ```
 //!
-//! The sum runs over the rows of particles that the inlet feeds, A_r the section of a row:
-//! particles of mass ρ0 Δ^D at the pitch A_r = Δ^D/pitch, so that what the particles carry over the
-//! plane is the given mass, and not what a profile would carry that is known between the rows too:
-//! of a parabola over 20 rows these differ by 0.13 %. The density is the reference density whatever
-//! the pressure, since a row moves as one and its particles keep their pitch.
+//! The sum runs over the rows of particles that the inlet feeds. A_r = Δ^D/pitch is the
+//! cross-section of a row of particles of mass ρ0 Δ^D. So the particles carry exactly the
+//! prescribed mass over the plane. The integral of the profile would differ, by 0.13 % for a
+//! parabola over 20 rows. The density is the reference density at any pressure, because all
+//! particles of a row move at one velocity and keep their pitch.
 
 use glam::DVec3;
 
@@ -21,22 +21,22 @@ use crate::model::{InletVelocity, Patch, Scene};
 use crate::schema::{InletVelocityFile, SceneFile};
 use sphecs_core::particles::zone::Zone;
 
-/// Sets the scale of every inlet that is given by its mass.
-pub fn meter(scene: &mut Scene, file: &SceneFile, check: &mut Checker<'_>) {
+/// Sets the scale of every inlet with a prescribed mass flow.
+pub fn set_scales(scene: &mut Scene, file: &SceneFile, check: &mut Checker<'_>) {
     for (index, written) in file.inlets.iter().enumerate() {
         let (is_flux, profile_file) = match &written.velocity.value {
             InletVelocityFile::MassFlow { profile, .. } => (false, profile),
             InletVelocityFile::MassFlux { profile, .. } => (true, profile),
             _ => continue,
         };
-        let Some(InletVelocity::Metered { profile, .. }) =
+        let Some(InletVelocity::MassFlow { profile, .. }) =
             scene.inlets.get(index).map(|inlet| &inlet.velocity)
         else {
             continue;
         };
         let (carried, size) = carried(scene, index, profile);
         let span = profile_file.as_ref().map_or(written.velocity.head, |profile| profile.span);
-        // Against the size of its parts: what cancels to rounding is nothing.
+        // Relative to Σ |f| A, so that a sum that cancels up to rounding counts as zero.
         if !carried.is_finite() || carried <= 1e-9 * size {
             let label =
                 format!("has the mean `{}` over the rows of the inlet, must be above 0", carried / size);
@@ -48,13 +48,13 @@ pub fn meter(scene: &mut Scene, file: &SceneFile, check: &mut Checker<'_>) {
         }
         let area = scene.inlets[index].patch.area;
         let per = scene.fluid.density * carried;
-        if let InletVelocity::Metered { scale, .. } = &mut scene.inlets[index].velocity {
+        if let InletVelocity::MassFlow { scale, .. } = &mut scene.inlets[index].velocity {
             *scale = if is_flux { area / per } else { 1.0 / per };
         }
     }
 }
 
-/// Σ f A and Σ |f| A over the rows of an inlet, m² (m in 2D) times what the profile has.
+/// Returns Σ f A and Σ |f| A over the rows of an inlet, m² (m in 2D) times the unit of the profile.
 fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
     let patch = &scene.inlets[index].patch;
     let mut sums = (0.0, 0.0);
@@ -67,8 +67,8 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
     if patch.is_oblique() {
         rows_along(patch, scene, &mut add);
     } else {
-        // Rows of the fill: each particle has the share of its row's section that it has of the
-        // row's length.
+        // In rows of the lattice each particle represents the cross-section of its row times its
+        // share of the length.
         let share = scene.discretisation.cell_volume() / patch.depth;
         for place in fill::places(scene) {
             if place.zone == Zone::Inflow && usize::from(place.patch) == index {
@@ -79,7 +79,8 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
     sums
 }
 
-/// The lines that fill an oblique zone, with their sections: `boundary/inlet/injection.rs`.
+/// Calls `add` with the rows that fill an oblique zone and their cross-sections; see
+/// `boundary/inlet/injection.rs`.
 fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
     let cells = [0, 1].map(|side| {
         let extent = 2.0 * patch.half_extent[side];
@@ -97,7 +98,7 @@ fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
     for first in 0..cells[0] {
         for second in 0..cells[1] {
             let point = patch.at + middle(0, first) + middle(1, second);
-            // Just inside the domain, since the plane is its surface.
+            // The point is moved just inside the domain, whose surface is the plane.
             if scene.domain.contains(point + patch.towards * (1e-3 * scene.spacing), 0.0) {
                 add(point, area);
             }
@@ -113,10 +114,10 @@ mod tests {
 
     fn scene(text: &str, velocity: &str) -> Scene {
         let set = [("inlets.0.velocity", velocity)];
-        Scene::from_text("metered", text).sets(set).load().unwrap_or_else(|faults| panic!("{faults:?}"))
+        Scene::from_text("mass_flow", text).sets(set).load().unwrap_or_else(|faults| panic!("{faults:?}"))
     }
 
-    /// Mass that the particles of the zone carry over the plane at a time, kg/s.
+    /// Returns the mass flow of the particles of the zone through the plane at a time (s), kg/s.
     fn carried(scene: &Scene, time: f64) -> f64 {
         let inlet = &scene.inlets[0];
         let mass = scene.discretisation.mass;
@@ -126,7 +127,7 @@ mod tests {
     }
 
     const CHANNEL: &str = r#"Scene(
-        title: "Metered channel", dimensions: 2, spacing: 0.02, smoke: 0.04,
+        title: "Channel with a mass flow", dimensions: 2, spacing: 0.02, smoke: 0.04,
         fluid: (density: 900.0, viscosity: 1.0e-2, sound_speed: 20.0),
         domain: Box(min: (0.0, 0.0), max: (0.4, 0.413)),
         inlets: [(at: (0.0, 0.2), towards: (1.0, 0.0), velocity: Normal(1.0))],
@@ -135,7 +136,7 @@ mod tests {
     )"#;
 
     const PIPE: &str = r#"Scene(
-        title: "Metered pipe", dimensions: 3, spacing: 0.02, smoke: 0.04,
+        title: "Pipe with a mass flow", dimensions: 3, spacing: 0.02, smoke: 0.04,
         fluid: (density: 900.0, viscosity: 1.0e-2, sound_speed: 20.0),
         domain: Cylinder(from: (0.0, 0.0, 0.0), to: (0.4, 0.0, 0.0), radius: 0.11),
         inlets: [(at: (0.0, 0.0, 0.0), towards: (1.0, 0.0, 0.0), velocity: Normal(1.0))],
@@ -144,8 +145,9 @@ mod tests {
     )"#;
 
     #[test]
-    fn particles_of_an_inlet_carry_the_mass_that_it_is_given() {
-        // A width that is no multiple of the spacing, and a round section on a square lattice.
+    fn particles_of_an_inlet_carry_the_prescribed_mass_flow() {
+        // Cases: a width that is not a multiple of the spacing, and a round section on a square
+        // lattice.
         for (text, profile) in [(CHANNEL, "y*(0.413 - y)"), (PIPE, "0.0121 - y^2 - z^2"), (PIPE, "1 + 3*y")] {
             let ramped = scene(text, &format!("MassFlow(rate: \"30*t\", profile: \"{profile}\")"));
             assert!(
@@ -161,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_uniform_flux_over_an_oblique_inlet_is_a_speed() {
+    fn uniform_flux_over_an_oblique_inlet_gives_a_uniform_speed() {
         let turned = CHANNEL
             .replace("Box(min: (0.0, 0.0), max: (0.4, 0.413))", "Rotated(angle: 20, shape: Box(min: (0.0, 0.0), max: (0.4, 0.413)))")
             .replace("(at: (0.0, 0.2), towards: (1.0, 0.0)", "(at: (\"-0.2*sin(pi/9)\", \"0.2*cos(pi/9)\"), towards: (\"cos(pi/9)\", \"sin(pi/9)\")")

@@ -1,11 +1,10 @@
-//! Scene file → scene: every check of values, all faults in one run.
+//! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
 //! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`section`], [`tables`], [`layout`],
 //!    [`walls`], [`scheme`], [`settings`]: one section of the file each
-//! 3. [`mass_flow`]: speeds of the inlets that are given by the mass they bring, of the rows that
-//!    the fill gives them
-//! 4. [`consistency`]: what only the parts together show, once each of them is sound
+//! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
+//! 4. [`consistency`]: faults that only the complete scene shows, once its parts are valid
 
 use std::path::Path;
 
@@ -43,14 +42,14 @@ pub struct SceneSource<'a> {
     pub text: &'a str,
     /// Folder of tables.
     pub folder: &'a Path,
-    /// Tables in place of those of the folder: the path as the scene writes it, and the text.
+    /// Tables that replace the files of the folder: the path as the scene writes it, and the text.
     pub tables: &'a [(String, String)],
-    /// Memory that a run may take, B; None for no bound.
+    /// Memory limit of a run, B; None for no limit.
     pub memory: Option<f64>,
 }
 
-/// Builds a scene, with every fault found. With faults there may be a scene too, with harmless
-/// values in their places: it is good for further checks only.
+/// Builds a scene and returns it with all faults. A scene with faults has placeholders and serves
+/// only for further checks.
 pub fn check(
     file: &SceneFile,
     constants: &Constants,
@@ -59,55 +58,55 @@ pub fn check(
     let mut checker = Checker::new(constants, source.text);
     checker.tables = source.tables.to_vec();
     let scene = check_sections(file, &mut checker, source);
-    let stands = checker.blemishes() == 0;
+    let is_complete = checker.fault_count() == 0;
     let mut faults = checker.faults;
     if let Some(scene) = &scene {
-        consistency::check(scene, file, stands, &mut faults);
+        consistency::check(scene, file, is_complete, &mut faults);
     }
     (scene, faults)
 }
 
-/// Checks all sections of a scene file; no scene comes of one whose shapes have faults.
+/// Checks all sections of a scene file; returns None if its shapes have faults.
 fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource<'_>) -> Option<Scene> {
-    let before = check.blemishes();
+    let before = check.fault_count();
     let dimensions = settings::dimensions(file, check);
     check.dimensions = dimensions;
     let spacing = check.positive(&file.spacing, "m");
     let scheme = scheme::scheme(&file.scheme, dimensions, check);
-    check.meet(file.domain.span);
+    check.note_placeholder(file.domain.span);
     let domain = shapes::shape(&file.domain.value, check);
-    let mut sound = check.blemishes() == before;
-    // Further sections are read against a stand-in, so that their own faults show in the same run.
+    let mut is_valid = check.fault_count() == before;
+    // A placeholder lets the faults of further sections be found in the same run.
     let domain = domain.unwrap_or(Shape::Ball { center: DVec3::ZERO, radius: 1.0 });
-    if sound
+    if is_valid
         && let Some(fault) =
             consistency::too_many((&domain, dimensions), &scheme, spacing, file, source.memory)
     {
         check.report(fault);
-        sound = false;
+        is_valid = false;
     }
-    let smoke_spacing = check.positive(&file.smoke, "m");
+    let smoke_spacing = file.smoke.as_ref().map_or(spacing, |smoke| check.positive(smoke, "m"));
     let (fluid, body_force, initial) = fluid(file, check);
-    let timeless = check.blemishes();
+    let before_time = check.fault_count();
     let time = settings::time(&file.time, &scheme, check);
-    let end = (check.blemishes() == timeless).then_some(time.end);
+    let end = (check.fault_count() == before_time).then_some(time.end);
     let output = settings::output(&file.output, end, check);
     let (walls, wall_regions, rings) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
     let bodies = bodies::bodies(file, (&walls, &wall_regions, &domain), time.end, check);
-    let periodic = layout::periodic(&file.periodic, (&domain, spacing), sound, check);
+    let periodic = layout::periodic(&file.periodic, (&domain, spacing), is_valid, check);
     let site = patches::Site {
         domain: &domain,
         periodic: &periodic,
         spacing,
         support: scheme.support(spacing),
         dimensions,
-        sound,
+        is_valid,
     };
     let inlets = boundaries::inlets(&file.inlets, &site, source.folder, check);
     let outlets = boundaries::outlets(&file.outlets, &site, check);
     settings::references(file, check);
     let (inlets, outlets) = (inlets?, outlets?);
-    if !sound {
+    if !is_valid {
         return None;
     }
     let BoundaryZones { zones, container, confines } = boundary_zones(&inlets, &outlets, &site);
@@ -142,8 +141,8 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         reference_velocity: 0.0,
         reference_length: 0.0,
     };
-    if check.blemishes() == before {
-        mass_flow::meter(&mut scene, file, check);
+    if check.fault_count() == before {
+        mass_flow::set_scales(&mut scene, file, check);
     }
     settings::derive(&mut scene, file);
     Some(scene)
@@ -170,25 +169,25 @@ fn fluid(file: &SceneFile, check: &mut Checker<'_>) -> (FluidProperties, BodyFor
 
 /// Regions of the inflow and outflow particles.
 struct BoundaryZones {
-    /// Zones, drawn out beyond their depth so that nothing is filled behind them.
+    /// Zones, extended beyond their depth so that nothing is filled behind them.
     zones: Vec<Shape>,
     /// Domain and zones.
     container: Shape,
-    /// Domain and drawn-out zones.
+    /// Domain and extended zones.
     confines: Shape,
 }
 
 fn boundary_zones(inlets: &[Inlet], outlets: &[Outlet], site: &patches::Site<'_>) -> BoundaryZones {
     let (domain, spacing, dimensions) = (site.domain, site.spacing, site.dimensions);
     let (mut zones, mut container, mut confines) = (Vec::new(), vec![domain.clone()], vec![domain.clone()]);
-    let drawn_out = site.support + 3.0 * spacing;
+    let extension = site.support + 3.0 * spacing;
     for (patch, inwards) in inlets
         .iter()
         .map(|inlet| (&inlet.patch, inlet.patch.towards))
         .chain(outlets.iter().map(|o| (&o.patch, -o.patch.towards)))
     {
         container.push(section::zone(domain, patch, -inwards, patch.depth, spacing, dimensions));
-        let zone = section::zone(domain, patch, -inwards, patch.depth + drawn_out, spacing, dimensions);
+        let zone = section::zone(domain, patch, -inwards, patch.depth + extension, spacing, dimensions);
         confines.push(zone.clone());
         zones.push(zone);
     }
@@ -202,7 +201,7 @@ fn joined(mut shapes: Vec<Shape>) -> Shape {
     }
 }
 
-/// Returns true if the fill is a lattice: then it can be measured against the walls.
+/// Returns the lattice of the fill, if it is one, to measure its fit to the walls.
 pub fn lattice(fill: &Fill) -> Option<&super::lattice::Lattice> {
     match fill {
         Fill::Lattice(lattice) => Some(lattice),

@@ -1,4 +1,4 @@
-//! The plane of an inlet or outlet: is it on the domain's surface, and free outside.
+//! Checks that the plane of an inlet or outlet is on the surface of the domain and free outside.
 
 use glam::DVec3;
 
@@ -9,10 +9,10 @@ use crate::geometry::Shape;
 use crate::model::Patch;
 use crate::schema::{Number, Text, Vector};
 
-/// Longer zones than any flow needs; it bounds the particles in them.
+/// Largest number of layers of a zone, more than any flow needs; it bounds the number of particles.
 const MOST_LAYERS: f64 = 1e4;
 
-/// Domain that patches are cut into.
+/// Domain and discretisation that the patches are checked against.
 #[derive(Clone, Copy, Debug)]
 pub struct Site<'a> {
     /// The domain.
@@ -25,13 +25,13 @@ pub struct Site<'a> {
     pub support: f64,
     /// 2 or 3.
     pub dimensions: usize,
-    /// True if domain, spacing and kernel are sound; otherwise nothing is measured.
-    pub sound: bool,
+    /// True if domain, spacing and kernel have no faults; otherwise nothing is measured.
+    pub is_valid: bool,
 }
 
 /// Fields of a patch in the file.
 pub struct PatchFile<'a> {
-    /// Name, or None.
+    /// Name, if given.
     pub name: Option<&'a Text>,
     /// Name if none is given.
     pub default_name: String,
@@ -43,17 +43,17 @@ pub struct PatchFile<'a> {
     pub depth: Option<&'a Number>,
     /// Layers of the zone if no length is given.
     pub layers: f64,
-    /// True if the flow comes in.
+    /// True for an inlet.
     pub is_inlet: bool,
 }
 
-/// A checked patch with its section measured; None with a fault.
+/// Returns a checked patch with its measured section; None if it has a fault.
 pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> Option<Patch> {
-    let before = check.blemishes();
+    let before = check.fault_count();
     let at = check.vector(file.at, "m");
     let towards = check.direction(file.towards);
     let depth = depth(file, site, check);
-    if check.blemishes() > before || !site.sound {
+    if check.fault_count() > before || !site.is_valid {
         return None;
     }
     let inwards = if file.is_inlet { towards } else { -towards };
@@ -73,14 +73,14 @@ pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> 
     Some(patch)
 }
 
-/// Whole layers, at least the support.
+/// Returns the depth of the zone in whole layers, at least the support, m.
 fn depth(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> f64 {
     let layers = |depth: f64| (depth / site.spacing - 1e-6).ceil() * site.spacing;
     let Some(number) = file.depth else {
         return layers((file.layers * site.spacing).max(site.support));
     };
     let depth = check.positive(number, "m");
-    if depth > MOST_LAYERS * site.spacing && site.sound {
+    if depth > MOST_LAYERS * site.spacing && site.is_valid {
         check.report(Fault::new(
             "a zone is too long",
             number.span,
@@ -88,7 +88,7 @@ fn depth(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> f64 
         ));
         return 1.0;
     }
-    if depth < site.support * (1.0 - 1e-9) && site.sound {
+    if depth < site.support * (1.0 - 1e-9) && site.is_valid {
         let kind = if file.is_inlet { "inlet" } else { "outlet" };
         let label = format!("is `{depth}` m, must be at least `{:.4e}` m (the support)", site.support);
         check.report(
@@ -103,7 +103,7 @@ fn depth(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> f64 
     layers(depth)
 }
 
-/// The domain begins behind the plane and ends before it.
+/// Checks that the domain ends at the plane.
 fn on_surface(
     file: &PatchFile<'_>,
     at: DVec3,
@@ -112,9 +112,9 @@ fn on_surface(
     check: &mut Checker<'_>,
 ) -> Option<()> {
     let kind = if file.is_inlet { "inlet" } else { "outlet" };
-    let hair = 1e-3 * site.spacing;
-    let inner = site.domain.signed_distance(at + hair * inwards);
-    let outer = site.domain.signed_distance(at - hair * inwards);
+    let offset = 1e-3 * site.spacing;
+    let inner = site.domain.signed_distance(at + offset * inwards);
+    let outer = site.domain.signed_distance(at - offset * inwards);
     if inner < 0.0 && outer > 0.0 {
         return Some(());
     }
@@ -141,10 +141,7 @@ fn on_surface(
         Fault::new(
             format!("the {kind} is not on the domain's surface"),
             file.at.span,
-            format!(
-                "nothing of the domain is behind this point, it begins at {}",
-                printed(near, site.dimensions)
-            ),
+            format!("the domain is not behind this point, it begins at {}", printed(near, site.dimensions)),
         )
         .help("`at` must be a point of the opening, `towards` must be perpendicular to it")
     };
@@ -153,7 +150,7 @@ fn on_surface(
 }
 
 fn printed(point: DVec3, dimensions: usize) -> String {
-    // Six decimals and no `-0`.
+    // Six decimals; adding 0 turns −0 into 0.
     let point = (point * 1e6).round() / 1e6 + DVec3::ZERO;
     let digits = |x: f64| format!("{:.6}", x + 0.0).trim_end_matches('0').trim_end_matches('.').to_owned();
     match dimensions {
@@ -162,7 +159,7 @@ fn printed(point: DVec3, dimensions: usize) -> String {
     }
 }
 
-/// The whole opening must look out of the domain, not only the point given.
+/// Checks that the domain ends over the whole opening, not only at the given point.
 fn outside_is_free(
     patch: &Patch,
     file: &PatchFile<'_>,
@@ -170,15 +167,15 @@ fn outside_is_free(
     site: &Site<'_>,
     check: &mut Checker<'_>,
 ) -> Option<()> {
-    let hair = 1e-3 * site.spacing * inwards;
+    let offset = 1e-3 * site.spacing * inwards;
     let count = 21;
     for index in 0..count * count {
         let place = |index: i32| f64::from(index) / f64::from(count - 1) * 1.98 - 0.99;
         let point = patch.at
             + place(index % count) * patch.half_extent[0] * patch.across[0]
             + place(index / count) * patch.half_extent[1] * patch.across[1];
-        let open = site.domain.contains(point + hair, 0.0);
-        if open && site.domain.contains(point - 2.0 * hair, 0.0) {
+        let open = site.domain.contains(point + offset, 0.0);
+        if open && site.domain.contains(point - 2.0 * offset, 0.0) {
             check.report(
                 Fault::new(
                     "the opening is not a plane end of the domain",

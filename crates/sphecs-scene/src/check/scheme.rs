@@ -1,14 +1,15 @@
-//! The numerical scheme of a scene file, defaults put in.
+//! Checks of the numerical scheme of a scene file, with defaults.
 
 use super::checker::Checker;
 use crate::faults::Fault;
 use crate::model::{EdacTvf, Scheme, Wcsph};
+use crate::notation::typed::Spanned;
 use crate::schema::{Number, SchemeFile};
 use sphecs_core::math::kernel::Kernel;
 use sphecs_core::physics::edac::Edac;
 use sphecs_core::physics::integrator::Integrator;
 
-/// h/Δ where a scene gives none: measured best for the kernel with the lattice-normalised sums.
+/// Returns the default h/Δ, the best measured for the kernel with lattice-normalised sums.
 fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
     match (kernel, dimensions) {
         (Kernel::WendlandC2, 2) => 1.5,
@@ -17,7 +18,7 @@ fn default_ratio(kernel: Kernel, dimensions: usize) -> f64 {
     }
 }
 
-/// h/Δ, the default put in.
+/// Returns h/Δ, given or by default.
 fn ratio(number: Option<&Number>, kernel: Kernel, dimensions: usize, check: &mut Checker<'_>) -> f64 {
     match number {
         Some(number) if !(0.8..=4.0).contains(&number.value) => {
@@ -36,7 +37,7 @@ fn ratio(number: Option<&Number>, kernel: Kernel, dimensions: usize, check: &mut
     }
 }
 
-/// A number from zero to `most`, the default put in.
+/// Returns a number from zero to `most`, given or by default.
 fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut Checker<'_>) -> f64 {
     match number {
         Some(number) if !(0.0..=most).contains(&number.value) => {
@@ -55,7 +56,20 @@ fn up_to(number: Option<&Number>, usual: f64, most: f64, name: &str, check: &mut
     }
 }
 
-/// The scheme, defaults put in.
+/// Checks that a corrective step occurs at all.
+fn check_integrator(file: Option<&Spanned<Integrator>>, check: &mut Checker<'_>) {
+    if let Some(integrator) = file
+        && integrator.value == (Integrator::Verlet { corrective_step_every: 0 })
+    {
+        check.report(Fault::new(
+            "`corrective_step_every` must be at least 1",
+            integrator.span,
+            "is `0`".to_owned(),
+        ));
+    }
+}
+
+/// Returns the scheme, with defaults for missing parameters.
 pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> Scheme {
     match file {
         SchemeFile::Wcsph {
@@ -69,15 +83,7 @@ pub fn scheme(file: &SchemeFile, dimensions: usize, check: &mut Checker<'_>) -> 
         } => {
             let kernel = kernel.unwrap_or(Kernel::WendlandC2);
             let smoothing_ratio = ratio(smoothing_ratio.as_ref(), kernel, dimensions, check);
-            if let Some(integrator) = integrator
-                && integrator.value == (Integrator::Verlet { corrective_step_every: 0 })
-            {
-                check.report(Fault::new(
-                    "`corrective_step_every` must be at least 1",
-                    integrator.span,
-                    "is `0`".to_owned(),
-                ));
-            }
+            check_integrator(integrator.as_ref(), check);
             if let Some(viscosity) = viscosity {
                 for fault in viscosity.value.faults() {
                     check.report_parameter(&fault, "the viscous term", viscosity.span);

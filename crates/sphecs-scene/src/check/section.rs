@@ -1,4 +1,4 @@
-//! The section of a patch: its frame, its size, its outline, and the zone that it is drawn out to.
+//! Section of a patch: axes, size, outline, and the zone extruded from it.
 
 use glam::{DMat3, DVec3};
 
@@ -6,12 +6,13 @@ use super::patches::Site;
 use crate::geometry::Shape;
 use crate::model::Patch;
 
-/// Unit vectors that span the plane; the second is zero in 2D. For a flow along x they are y and z.
+/// Returns the unit vectors that span the plane, y and z for a flow along x; the second is zero in
+/// 2D.
 pub fn across(towards: DVec3, dimensions: usize) -> [DVec3; 2] {
     if dimensions == 2 {
         return [DVec3::new(-towards.y, towards.x, 0.0), DVec3::ZERO];
     }
-    // The axis least like the flow, y before z before x, made perpendicular.
+    // The axis with the smallest component along the flow, y before z before x, made perpendicular.
     let candidates = [DVec3::Y, DVec3::Z, DVec3::X];
     let least = candidates
         .into_iter()
@@ -21,7 +22,8 @@ pub fn across(towards: DVec3, dimensions: usize) -> [DVec3; 2] {
     [first, towards.cross(first)]
 }
 
-/// Distance from a point inside to the surface along a direction, m, found by steps and bisection.
+/// Returns the distance from a point inside to the surface along a direction, m, by steps and
+/// bisection.
 pub fn exit(domain: &Shape, from: DVec3, direction: DVec3, spacing: f64) -> Option<f64> {
     let (low, high) = domain.bounds();
     let height = high.z - low.z;
@@ -47,11 +49,11 @@ pub fn exit(domain: &Shape, from: DVec3, direction: DVec3, spacing: f64) -> Opti
     Some(0.5 * (near + far))
 }
 
-/// Centres the patch on its section and measures it, on the plane a hair inside the domain.
+/// Centres the patch on its section and measures it, on a plane just inside the domain.
 pub fn measure(patch: &mut Patch, inwards: DVec3, site: &Site<'_>) {
     let aside = 1e-3 * site.spacing * inwards;
     let axes = site.dimensions - 1;
-    // A chord of a circle through its middle is a diameter only after the second axis was centred.
+    // A chord of a circle is a diameter only after the second axis has been centred.
     for round in 0..3 * axes {
         let axis = round % axes;
         let across = patch.across[axis];
@@ -59,7 +61,7 @@ pub fn measure(patch: &mut Patch, inwards: DVec3, site: &Site<'_>) {
         let (Some(up), Some(down)) = (reach(across), reach(-across)) else {
             continue;
         };
-        // Rounding must not push a centred patch off its centre.
+        // Rounding must not move a centred patch.
         let shift = 0.5 * (up - down);
         if shift.abs() > 1e-9 * (up + down) {
             patch.at += shift * across;
@@ -80,7 +82,8 @@ enum Outline {
     Other,
 }
 
-/// Fraction of the bounding rectangle that belongs to the section, by 200 × 200 samples.
+/// Returns the fraction of the bounding rectangle that belongs to the section, by 200 × 200
+/// samples.
 fn covered(patch: &Patch, aside: DVec3, domain: &Shape) -> f64 {
     let count = 200;
     let mut inside = 0;
@@ -118,7 +121,7 @@ fn area(patch: &Patch, aside: DVec3, site: &Site<'_>) -> f64 {
     }
 }
 
-/// The patch's section drawn out of the domain.
+/// Returns the section of the patch extruded out of the domain.
 pub fn zone(
     domain: &Shape,
     patch: &Patch,
@@ -138,7 +141,7 @@ pub fn zone(
             let [first, second] = patch.across;
             let third = if dimensions == 2 { DVec3::Z } else { second };
             let depth = if dimensions == 2 { f64::INFINITY } else { b };
-            // x along `outwards`; a right-handed frame, so that it is a rotation.
+            // The frame, x along `outwards`, is right-handed, so that the matrix is a rotation.
             let right_handed = outwards.cross(first).dot(third) > 0.0;
             let frame = DMat3::from_cols(outwards, if right_handed { first } else { -first }, third);
             Shape::Placed {

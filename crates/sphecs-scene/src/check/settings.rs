@@ -1,4 +1,4 @@
-//! Dimensions, time, output, probes and references.
+//! Checks of dimensions, time, output, probes and references.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFil
 use crate::summary;
 use sphecs_core::boundary::inlet::Feed;
 
-/// 2 or 3.
+/// Returns the number of dimensions, 2 or 3.
 pub fn dimensions(file: &SceneFile, check: &mut Checker<'_>) -> usize {
     match file.dimensions.value {
         2 => 2,
@@ -29,7 +29,7 @@ pub fn dimensions(file: &SceneFile, check: &mut Checker<'_>) -> usize {
     }
 }
 
-/// A body force, constant if it can be.
+/// Returns the body force, constant if its components are.
 pub fn body_force(components: [Expression; 3]) -> BodyForce {
     match components.each_ref().map(Expression::constant) {
         [Some(x), Some(y), Some(z)] => BodyForce::Constant(DVec3::new(x, y, z)),
@@ -37,7 +37,7 @@ pub fn body_force(components: [Expression; 3]) -> BodyForce {
     }
 }
 
-/// End and time step, defaults put in.
+/// Returns end and time step, with defaults.
 pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSettings {
     let usual = match scheme {
         Scheme::Wcsph(scheme) => scheme.integrator.courant_factor(),
@@ -50,11 +50,11 @@ pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSe
     }
 }
 
-/// Wall time between checkpoints where a scene gives none, s: what a kill may cost, against a
-/// second for a million particles.
+/// Default interval of checkpoints, s of wall time: the loss when a run is killed, compared with 1
+/// s of writing per million particles.
 const CHECKPOINT_EVERY: f64 = 600.0;
 
-/// Output and probes.
+/// Returns output and probes.
 pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> OutputSettings {
     let every = check.positive(&file.every, "s");
     let monitor_every =
@@ -66,7 +66,7 @@ pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> O
             check.report(Fault::new(
                 "a probe's name is empty or given twice",
                 name.span,
-                "every probe must have a name of its own",
+                "every probe must have a unique name",
             ));
         }
         let mean = probe.mean.as_ref().map(|mean| {
@@ -110,7 +110,8 @@ fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {
     }
 }
 
-/// The reservoir, whose particles [`derive()`] counts; one that takes nothing has none.
+/// Returns the reservoir; [`derive()`] sets the number of its particles, which is 0 without
+/// recycling.
 pub fn reservoir(file: &ReservoirFile, check: &mut Checker<'_>) -> Reservoir {
     let recycle = file.recycle.as_ref().is_none_or(|recycle| recycle.value);
     if let Some(recycle) = file.recycle.as_ref().filter(|recycle| !recycle.value) {
@@ -131,7 +132,7 @@ pub fn reservoir(file: &ReservoirFile, check: &mut Checker<'_>) -> Reservoir {
     Reservoir { initial: 0, when_empty: file.when_empty, recycle }
 }
 
-/// References must be positive if given.
+/// Checks that given references are positive.
 pub fn references(file: &SceneFile, check: &mut Checker<'_>) {
     if let Some(velocity) = &file.reference.velocity {
         check.positive(velocity, "m/s");
@@ -145,7 +146,7 @@ pub fn references(file: &SceneFile, check: &mut Checker<'_>) {
 /// references.
 pub fn derive(scene: &mut Scene, file: &SceneFile) {
     let cell = scene.spacing.powi(scene.dimensions as i32 - 1);
-    // What is filled once takes nothing from the reservoir.
+    // An inlet that is filled once takes no particles from the reservoir.
     let fed = scene.inlets.iter().filter(|inlet| inlet.feed == Feed::Fed);
     let inflow: f64 = fed.map(|inlet| inlet.patch.area / cell * (inlet.patch.depth / scene.spacing)).sum();
     let particles = file.reservoir.particles.as_ref().map(|p| p.value as usize);
@@ -157,7 +158,7 @@ pub fn derive(scene: &mut Scene, file: &SceneFile) {
     scene.reference_velocity = velocity.unwrap_or_else(|| summary::largest_given_speed(scene));
 }
 
-/// Width of the narrowest patch, or of the domain across periodic directions, m.
+/// Returns the width of the narrowest patch, or of the domain across periodic directions, m.
 fn narrowest(scene: &Scene) -> f64 {
     let patches = fill::patches(scene).map(|(patch, _)| 2.0 * patch.half_extent[0]);
     let narrowest = patches.fold(f64::INFINITY, f64::min);

@@ -1,21 +1,21 @@
-//! Shapes of the file → signed distances.
+//! Checks of the shapes of a scene file, which make them signed distances.
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::checker::Checker;
 use crate::faults::Fault;
 use crate::geometry::Shape;
-use crate::geometry::bend::{Bend, Section};
+use crate::geometry::bend::{Bend, BendSection};
 use crate::geometry::polygon;
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
-use crate::schema::{Number, SectionFile, ShapeFile, Vector};
+use crate::schema::{BendSectionFile, Number, ShapeFile, Vector};
 
-/// A shape, None if a fault leaves nothing to be built.
+/// Returns a shape; None if a fault prevents it.
 pub fn shape(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
-    let before = check.blemishes();
+    let before = check.fault_count();
     let shape = built(file, check);
-    shape.filter(|_| check.blemishes() == before)
+    shape.filter(|_| check.fault_count() == before)
 }
 
 fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
@@ -91,7 +91,7 @@ fn rotation(angle: &Number, axis: Option<&Vector>, check: &mut Checker<'_>) -> D
     let axis = match axis {
         Some(axis) if check.dimensions == 3 => check.direction(axis),
         Some(axis) => {
-            let label = "must be left out: in 2D everything turns about z";
+            let label = "must be left out: in 2D rotations are about z";
             check.report(Fault::new("`axis` has no meaning in 2D", axis.span, label));
             DVec3::Z
         }
@@ -119,7 +119,7 @@ fn needs(dimensions: usize, name: &str, other: &str, place: Span, check: &mut Ch
 }
 
 fn all(files: &Spanned<Vec<ShapeFile>>, check: &mut Checker<'_>) -> Option<Vec<Shape>> {
-    check.meet(files.span);
+    check.note_placeholder(files.span);
     if files.value.is_empty() {
         check.report(Fault::new("a shape is made of no shapes", files.span, "must hold at least one"));
     }
@@ -139,9 +139,9 @@ fn placed(
 }
 
 fn cuboid(min: &Vector, max: &Vector, check: &mut Checker<'_>) -> Option<Shape> {
-    let before = check.blemishes();
+    let before = check.fault_count();
     let (mut low, mut high) = (check.vector(min, "m"), check.vector(max, "m"));
-    if check.blemishes() > before {
+    if check.fault_count() > before {
         return None;
     }
     for axis in 0..check.dimensions {
@@ -151,7 +151,7 @@ fn cuboid(min: &Vector, max: &Vector, check: &mut Checker<'_>) -> Option<Shape> 
                 format!("a box has no extent along {name}"),
                 max.span,
                 format!(
-                    "{name} is `{}` m, must be greater than that of `min`, `{}` m",
+                    "{name} is `{}` m, must be greater than {name} of `min`, `{}` m",
                     high[axis], low[axis]
                 ),
             ));
@@ -169,11 +169,11 @@ fn ball(center: &Vector, radius: &Number, check: &mut Checker<'_>) -> Option<Sha
 }
 
 fn prism(points: &Spanned<Vec<Vector>>, from: f64, to: f64, check: &mut Checker<'_>) -> Option<Shape> {
-    check.meet(points.span);
-    let before = check.blemishes();
+    check.note_placeholder(points.span);
+    let before = check.fault_count();
     let corners: Vec<DVec2> =
         points.value.iter().map(|point| check.components_of(point, 2, "m").truncate()).collect();
-    if check.blemishes() > before {
+    if check.fault_count() > before {
         return None;
     }
     if corners.len() < 3 {
@@ -206,7 +206,7 @@ fn prism(points: &Spanned<Vec<Vector>>, from: f64, to: f64, check: &mut Checker<
 fn bend(
     [start, direction, center]: [&Vector; 3],
     angle: &Number,
-    section: &SectionFile,
+    section: &BendSectionFile,
     check: &mut Checker<'_>,
 ) -> Option<Shape> {
     needs(3, "Bend", "Polygon", start.span, check)?;
@@ -224,9 +224,9 @@ fn bend(
         return None;
     }
     let section = match section {
-        SectionFile::Circular { radius } => Section::Circular(check.positive(radius, "m")),
-        SectionFile::Rectangular { width, height } => {
-            Section::Rectangular(check.positive(width, "m") / 2.0, check.positive(height, "m") / 2.0)
+        BendSectionFile::Circular { radius } => BendSection::Circular(check.positive(radius, "m")),
+        BendSectionFile::Rectangular { width, height } => {
+            BendSection::Rectangular(check.positive(width, "m") / 2.0, check.positive(height, "m") / 2.0)
         }
     };
     if section.half_width() >= radius {

@@ -1,5 +1,5 @@
-//! Tables of inlet velocities in CSV files beside the scene; faults carry the table's own line and
-//! column.
+//! Tables of inlet velocities in CSV files of the folder of the scene; faults have line and column
+//! of the table.
 
 use std::path::Path;
 
@@ -9,13 +9,13 @@ use crate::model::InletVelocity;
 use crate::notation::tree::Span;
 use crate::schema::Text;
 
-/// A number of a table and its place.
+/// A number of a table and its position.
 struct Cell {
     value: f64,
     span: Span,
 }
 
-/// Rows of numbers; `#` begins a comment, a first row without numbers is a heading.
+/// Reads rows of numbers; `#` begins a comment, a first row without numbers is a heading.
 fn read(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<(String, Vec<Vec<Cell>>)> {
     if path.is_placeholder() {
         return None;
@@ -44,7 +44,7 @@ fn read(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<(String, 
             Ok(record) => record,
             Err(error) => {
                 let start = error.position().map_or(0, |p| p.byte() as usize);
-                let fault = Fault::new("the table is no CSV", line(&text, start), error.to_string());
+                let fault = Fault::new("the table is not CSV", line(&text, start), error.to_string());
                 check.report(fault.in_text(&path.value, &text));
                 return None;
             }
@@ -63,7 +63,7 @@ fn read(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<(String, 
                 Ok(value) if value.is_finite() => row.push(Cell { value, span }),
                 _ => {
                     let label = format!("is `{cell}`, must be a finite number");
-                    let fault = Fault::new("a table holds something that is no number", span, label);
+                    let fault = Fault::new("a cell of a table is not a number", span, label);
                     check.report(fault.in_text(&path.value, &text));
                     row.push(Cell { value: 1.0, span });
                 }
@@ -77,7 +77,7 @@ fn read(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<(String, 
     (check.faults.len() == before).then_some((text, rows))
 }
 
-/// The text of a table: that of a run which keeps its own, else that of the file.
+/// Returns the text of a table, as saved with a run or else of the file.
 fn text_of(path: &str, folder: &Path, check: &mut Checker<'_>) -> std::io::Result<String> {
     if let Some((_, text)) = check.tables.iter().find(|(known, _)| known == path) {
         return Ok(text.clone());
@@ -87,7 +87,7 @@ fn text_of(path: &str, folder: &Path, check: &mut Checker<'_>) -> std::io::Resul
     Ok(text)
 }
 
-/// The line that begins at or holds a byte.
+/// Returns the span from a byte to the end of its line.
 fn line(text: &str, start: usize) -> Span {
     let start = start.min(text.len());
     let length = text[start..].find('\n').unwrap_or(text.len() - start);
@@ -117,7 +117,7 @@ fn widths(rows: &[Vec<Cell>], width: usize, path: &str, text: &str, check: &mut 
     }
 }
 
-/// Rows of time (s) and speed (m/s).
+/// Returns rows of time (s) and speed (m/s).
 pub fn time_table(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<Vec<(f64, f64)>> {
     let (text, rows) = read(path, folder, check)?;
     let before = check.faults.len();
@@ -131,7 +131,7 @@ pub fn time_table(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option
     (check.faults.len() == before).then_some(table)
 }
 
-/// First row: any number, then positions (m); further rows: time (s), then speeds (m/s).
+/// Returns a table of speeds (m/s): positions (m) in the first row, times (s) in the first column.
 pub fn profile_table(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<InletVelocity> {
     let (text, rows) = read(path, folder, check)?;
     let before = check.faults.len();

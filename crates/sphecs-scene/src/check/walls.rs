@@ -52,13 +52,14 @@ pub fn walls(
 /// Largest distance of the circle of `Concentric` from the surface of the domain, over Δ.
 const OFF_THE_SURFACE: f64 = 1e-3;
 
-/// Returns the rings of a cylinder, which must be the surface of the domain; None with a fault.
+/// Returns the rings of a cylinder, which must be the surface of the domain; None if it has a
+/// fault.
 fn concentric(
     file: &Spanned<WallFillFile>,
     (domain, spacing): (&Shape, f64),
     check: &mut Checker<'_>,
 ) -> Option<Rings> {
-    let before = check.blemishes();
+    let before = check.fault_count();
     let WallFillFile::Concentric { center, radius, first } = &file.value;
     let rings =
         Rings { centre: check.vector(center, "m"), radius: check.positive(radius, "m"), first: *first };
@@ -66,7 +67,7 @@ fn concentric(
         let label = "must be left out in 3D";
         check.report(Fault::new("`Concentric` is for cylinders in 2D", file.head, label));
     }
-    if check.blemishes() > before {
+    if check.fault_count() > before {
         return None;
     }
     let off = (0..16).map(|index| {
@@ -76,14 +77,16 @@ fn concentric(
     });
     let off = off.fold(0.0, f64::max);
     if off > OFF_THE_SURFACE * spacing {
-        let label =
-            format!("is up to `{off:.3e}` m off the surface, must be the circle cut out of the domain");
+        let label = format!(
+            "is up to `{off:.3e}` m off the surface, must be the circle that is cut out of the domain"
+        );
         check.report(
             Fault::new("the circle of `Concentric` is not the surface of the domain", file.head, label).help(
                 "give `center` and `radius` of the `Circle` that the `Difference` of `domain` takes out",
             ),
         );
-        // Nothing would bound the particles of a circle that is not a surface of the domain.
+        // The number of particles of a circle that is not a surface of the domain would have no
+        // bound.
         return None;
     }
     Some(rings)

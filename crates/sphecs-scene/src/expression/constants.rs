@@ -10,7 +10,7 @@ pub struct Constants {
 }
 
 impl Constants {
-    /// Adds a constant, or gives a known one another value.
+    /// Adds a constant or replaces its value.
     pub fn define(&mut self, name: &str, value: f64) {
         match self.named.iter_mut().find(|(known, _)| known == name) {
             Some((_, old)) => *old = value,
@@ -18,20 +18,20 @@ impl Constants {
         }
     }
 
-    /// The value of a constant.
+    /// Returns the value of a constant.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.named.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
     }
 
-    /// Their names.
+    /// Returns the names.
     pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.named.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The value of an expression of constants alone.
+    /// Returns the value of an expression of constants alone.
     ///
     /// # Errors
-    /// The fault with its place in the text; x, y, z and t are faults here.
+    /// The fault with its position in the text; x, y, z and t are not allowed.
     pub fn number(&self, text: &str) -> Result<f64, SyntaxFault> {
         match parser::read(text, self)?.folded() {
             Syntax::Number(value) if value.is_finite() => Ok(value),
@@ -45,10 +45,10 @@ impl Constants {
         }
     }
 
-    /// The value of a field of x, y, z, t.
+    /// Returns an expression of x, y, z, t and the constants.
     ///
     /// # Errors
-    /// The fault with its place in the text.
+    /// The fault with its position in the text.
     pub fn field(&self, text: &str) -> Result<Expression, SyntaxFault> {
         Expression::read(text, self)
     }

@@ -28,7 +28,7 @@ impl Expression {
     /// Reads an expression of x, y, z, t and the constants.
     ///
     /// # Errors
-    /// The fault with its place in the text.
+    /// The fault with its position in the text.
     pub fn read(text: &str, constants: &Constants) -> Result<Self, SyntaxFault> {
         let tree = parser::read(text, constants)?.folded();
         if let Syntax::Number(value) = tree {
@@ -47,8 +47,7 @@ impl Expression {
         }
     }
 
-    /// Returns whether it depends on any of these variables, given by their places among x, y, z,
-    /// t.
+    /// Returns true if it depends on any of these variables, given by their indices in x, y, z, t.
     pub fn depends_on(&self, places: &[usize]) -> bool {
         match self {
             Expression::Constant(_) => false,
@@ -56,7 +55,7 @@ impl Expression {
         }
     }
 
-    /// Returns the value if it depends on nothing.
+    /// Returns the value if it depends on no variable.
     pub fn constant(&self) -> Option<f64> {
         match self {
             Expression::Constant(value) => Some(*value),
@@ -89,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn precedence_is_that_of_mathematics() {
+    fn precedence_follows_mathematics() {
         check("-y^2", -9.0);
         check("2^-1", 0.5);
         check("2^3^2", 512.0);
@@ -136,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn an_expression_knows_what_it_depends_on() {
+    fn dependence_on_variables_is_found() {
         let depends = |text: &str, places: &[usize]| {
             Expression::read(text, &Constants::default()).expect("an expression").depends_on(places)
         };
@@ -145,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_point_at_their_token() {
+    fn faults_mark_their_token() {
         let place = |text: &str| match Expression::read(text, &Constants::default()) {
             Ok(_) => panic!("{text} was read"),
             Err(fault) => (fault.start, fault.end),

@@ -38,7 +38,7 @@ pub const PAIR_FUNCTIONS: &[Binary] = &[
     ("mod", f64::rem_euclid),
 ];
 
-/// Operators between two values, the longer of two with the same beginning first.
+/// Operators between two values; `<=` must precede `<`.
 pub const OPERATORS: &[Binary] = &[
     ("||", |a, b| truth(a != 0.0 || b != 0.0)),
     ("&&", |a, b| truth(a != 0.0 && b != 0.0)),

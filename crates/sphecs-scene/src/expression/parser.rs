@@ -8,13 +8,13 @@ use super::operators::{FUNCTIONS, OPERATORS, PAIR_FUNCTIONS, binary, unary};
 use super::syntax::{Syntax, SyntaxFault, VARIABLES};
 use crate::faults::advice;
 
-/// Deeper nesting than any formula needs; it bounds the recursion.
-const DEEPEST: usize = 48;
+/// Largest nesting, more than any formula needs; it bounds the recursion.
+const MAX_DEPTH: usize = 48;
 
 /// Reads an expression.
 ///
 /// # Errors
-/// The first fault, with its place.
+/// The first fault, with its position.
 pub fn read(text: &str, constants: &Constants) -> Result<Syntax, SyntaxFault> {
     let mut reader = Reader { text, at: 0, depth: 0, constants };
     let tree = reader.binary(0)?;
@@ -37,9 +37,9 @@ struct Reader<'a> {
     constants: &'a Constants,
 }
 
-/// Strength with which an operator binds its left side; the right side is read one stronger, `^`
-/// excepted.
-fn strength(operator: &str) -> usize {
+/// Returns the precedence of an operator; its right side is parsed one level higher, except for
+/// `^`.
+fn precedence(operator: &str) -> usize {
     match operator {
         "||" => 1,
         "&&" => 2,
@@ -64,7 +64,7 @@ impl<'a> Reader<'a> {
         self.at = self.text.len() - self.rest().trim_start().len();
     }
 
-    /// The next token for a message: text, start, end.
+    /// Returns the next token for a message: text, start, end.
     fn next_token(&self) -> (&'a str, usize, usize) {
         let rest = self.rest();
         let word = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
@@ -78,7 +78,7 @@ impl<'a> Reader<'a> {
 
     fn binary(&mut self, weakest: usize) -> Result<Syntax, SyntaxFault> {
         self.depth += 1;
-        if self.depth > DEEPEST {
+        if self.depth > MAX_DEPTH {
             return Err(SyntaxFault::whole(self.text, "is nested too deeply"));
         }
         let mut left = self.operand()?;
@@ -87,7 +87,7 @@ impl<'a> Reader<'a> {
             let Some(operator) = self.operator() else {
                 break;
             };
-            let binds = strength(operator);
+            let binds = precedence(operator);
             if binds < weakest {
                 break;
             }

@@ -9,12 +9,12 @@ use super::syntax::{Syntax, VARIABLES};
 /// Largest stack of a program; the parser bounds the nesting of an expression below it.
 const STACK: usize = 64;
 
-/// One step of a program.
+/// Instruction of a program.
 #[derive(Clone, Copy, Debug)]
 enum Instruction {
     /// Pushes a number.
     Number(f64),
-    /// Pushes x, y, z or t, by its place among them.
+    /// Pushes x, y, z or t, by index.
     Variable(usize),
     /// Changes the sign of the last value.
     Negate,
@@ -63,8 +63,8 @@ impl Program {
         stack[0]
     }
 
-    /// Returns whether the value depends on any of these variables, given by their places among x,
-    /// y, z, t.
+    /// Returns true if the value depends on any of these variables, given by their indices in x, y,
+    /// z, t.
     pub fn depends_on(&self, places: &[usize]) -> bool {
         let is_one_of = |instruction: &Instruction| matches!(instruction, Instruction::Variable(place) if places.contains(place));
         self.instructions.iter().any(is_one_of)
@@ -143,7 +143,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_program_gives_the_bits_of_a_recursive_evaluation(
+        fn program_equals_recursive_evaluation_bitwise(
             tree in trees(), x in variable(), y in variable(), z in variable(), t in variable()
         ) {
             let place = [x, y, z, t];
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn every_depth_that_is_read_has_a_program() {
+    fn every_depth_the_parser_accepts_compiles() {
         let constants = super::super::Constants::default();
         let mut text = "x".to_owned();
         let mut depths = 0;

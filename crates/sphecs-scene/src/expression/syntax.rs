@@ -1,4 +1,4 @@
-//! Syntax tree of an expression, and faults of a text that is none.
+//! Syntax tree of an expression, and syntax faults.
 
 use super::operators::{binary, unary};
 use crate::faults::Fault;
@@ -34,10 +34,10 @@ impl SyntaxFault {
         }
     }
 
-    /// Returns the fault at its place in the scene.
+    /// Returns the fault at its position in the scene.
     ///
-    /// `span` is the place of the quoted text, `inner` the first byte of the text in the quotes;
-    /// None where the text has escapes: then all of it is marked.
+    /// `span` is the span of the quoted text, `inner` its first byte inside the quotes. `inner` is
+    /// None if the text has escapes; then all of it is marked.
     pub fn into_fault(self, span: Span, inner: Option<usize>) -> Fault {
         let place = match inner {
             Some(inner) => Span::new(inner + self.start, inner + self.end),

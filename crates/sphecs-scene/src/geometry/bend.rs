@@ -1,4 +1,4 @@
-//! A section swept along an arc: the elbow of a pipe.
+//! A section swept along an arc, as the elbow of a pipe.
 //!
 //! In the arc's own coordinates (distance ρ from its axis, height ζ along it, angle θ) the section
 //! is a circle or rectangle about ρ = R, ζ = 0. Between the ends the nearest point has the same θ,
@@ -8,39 +8,40 @@ use glam::DVec3;
 
 use super::primitives::corner;
 
-/// Section of a bend, about the arc's line.
+/// Section of a bend, relative to the centre line of the arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Section {
+pub enum BendSection {
     /// Circle of a radius, m.
     Circular(f64),
-    /// Half width along the arc's radius and half height along its axis, m.
+    /// Rectangle with its half width along the radius of the arc and its half height along the
+    /// axis, m.
     Rectangular(f64, f64),
 }
 
-impl Section {
-    /// Signed distance in the section's plane, m.
+impl BendSection {
+    /// Returns the signed distance in the plane of the section, m.
     fn signed_distance(self, radial: f64, height: f64) -> f64 {
         match self {
-            Section::Circular(radius) => radial.hypot(height) - radius,
-            Section::Rectangular(half_width, half_height) => {
+            BendSection::Circular(radius) => radial.hypot(height) - radius,
+            BendSection::Rectangular(half_width, half_height) => {
                 corner(radial.abs() - half_width, height.abs() - half_height)
             }
         }
     }
 
-    /// Half the width along the arc's radius, m.
+    /// Returns half the width along the radius of the arc, m.
     pub fn half_width(self) -> f64 {
         match self {
-            Section::Circular(radius) => radius,
-            Section::Rectangular(half_width, _) => half_width,
+            BendSection::Circular(radius) => radius,
+            BendSection::Rectangular(half_width, _) => half_width,
         }
     }
 
-    /// Half the height along the arc's axis, m.
+    /// Returns half the height along the axis of the arc, m.
     pub fn half_height(self) -> f64 {
         match self {
-            Section::Circular(radius) => radius,
-            Section::Rectangular(_, half_height) => half_height,
+            BendSection::Circular(radius) => radius,
+            BendSection::Rectangular(_, half_height) => half_height,
         }
     }
 }
@@ -59,11 +60,11 @@ pub struct Bend {
     /// Angle turned through, rad, in (0, π].
     pub angle: f64,
     /// Section.
-    pub section: Section,
+    pub section: BendSection,
 }
 
 impl Bend {
-    /// Signed distance, m.
+    /// Returns the signed distance, m.
     pub fn signed_distance(&self, point: DVec3) -> f64 {
         let offset = point - self.center;
         let axis = self.outwards.cross(self.direction);
@@ -94,7 +95,7 @@ impl Bend {
         beyond(before, at_start).min(beyond(after, at_end))
     }
 
-    /// Corners of a box that holds the bend, m.
+    /// Returns the corners of a bounding box, m.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let axis = self.outwards.cross(self.direction);
         let (across, along) = (self.radius + self.section.half_width(), self.section.half_height());
@@ -110,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bounds_hold_every_point_of_a_slanting_bend_and_little_else() {
+    fn bounds_of_an_oblique_bend_are_tight() {
         let outwards = DVec3::new(1.0, 2.0, -0.5).normalize();
         let bend = Bend {
             center: DVec3::new(0.3, -0.2, 0.1),
@@ -118,7 +119,7 @@ mod tests {
             direction: outwards.cross(DVec3::new(0.2, 0.1, 1.0)).normalize(),
             radius: 0.5,
             angle: 3.0,
-            section: Section::Rectangular(0.1, 0.04),
+            section: BendSection::Rectangular(0.1, 0.04),
         };
         let (min, max) = bend.bounds();
         let axis = bend.outwards.cross(bend.direction);

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Shape;
 
 impl Shape {
-    /// Corners of a box that holds the shape, m; z from −∞ to ∞ in 2D.
+    /// Returns the corners of a bounding box, m; z from −∞ to ∞ in 2D.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match self {
             Shape::Box { min, max } => (*min, *max),
@@ -47,8 +47,7 @@ impl Shape {
                         if corner >> axis & 1 == 0 { min[axis] } else { max[axis] }
                     };
                     let local = DVec3::new(pick(0), pick(1), pick(2));
-                    // An infinite z stays infinite and does not touch the others: 2D turns about z
-                    // only.
+                    // In 2D rotations are about z, so the infinite z does not mix with x and y.
                     let placed = if local.z.is_finite() {
                         *rotation * local * *scale + *origin
                     } else {
@@ -67,8 +66,8 @@ impl Shape {
         }
     }
 
-    /// Gradient of the signed distance by central differences over `step`, m, made a unit vector;
-    /// zero where the distance has no direction. Its z is zero in 2D.
+    /// Returns the normalised gradient of the signed distance, by central differences over `step`,
+    /// m. It is zero where the distance has no gradient, and its z is zero in 2D.
     pub fn gradient(&self, point: DVec3, step: f64, dimensions: usize) -> DVec3 {
         let mut gradient = DVec3::ZERO;
         for (axis, unit) in DVec3::AXES.iter().enumerate().take(dimensions) {
@@ -78,8 +77,8 @@ impl Shape {
         gradient.normalize_or_zero()
     }
 
-    /// A nearest point of the surface to a point outside, m, found by walks of the signed distance
-    /// along its gradient. Exact in one walk where the distance is.
+    /// Returns a surface point nearest to a point outside, m, by steps of the signed distance along
+    /// its gradient. One step is enough where the distance is exact.
     pub fn nearest_surface(&self, point: DVec3, step: f64, dimensions: usize) -> DVec3 {
         let mut surface = point;
         for _ in 0..8 {
@@ -94,8 +93,8 @@ impl Shape {
 }
 
 impl Shape {
-    /// Coordinates of planes across an axis (0, 1, 2) that touch the shape's surface: where
-    /// straight walls may be.
+    /// Collects the coordinates of planes across an axis (0, 1, 2) that touch the surface:
+    /// candidates for straight walls.
     pub fn planes(&self, found: &mut Vec<(usize, f64)>) {
         match self {
             Shape::Box { .. } | Shape::Ball { .. } | Shape::Cylinder { .. } => {

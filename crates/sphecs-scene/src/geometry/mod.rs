@@ -3,10 +3,10 @@
 //! * [`primitives`]: box, ball, cylinder
 //! * [`polygon`]: polygon and its extrusion
 //! * [`bend`]: a section swept along an arc
-//! * [`measure`]: nearest surface point, bounds, a plane's section
+//! * [`measure`]: bounds, gradient, nearest surface point
 //!
 //! Outside, the distance to a primitive and to a union is exact. Inside a union and on either side
-//! of an intersection or difference it is a lower bound in size; its sign is right everywhere. To
+//! of an intersection or difference it is a lower bound in size; its sign is correct everywhere. To
 //! add a shape: a module with its distance, a variant and an arm here, a variant in the schema.
 
 use glam::{DMat3, DVec2, DVec3};
@@ -44,7 +44,7 @@ pub enum Shape {
         /// Radius, m.
         radius: f64,
     },
-    /// Polygon in x and y, drawn out along z from `from` to `to` (±∞ in 2D).
+    /// Polygon in x and y, extruded along z from `from` to `to` (±∞ in 2D).
     Prism {
         /// Corners in order, m.
         points: Vec<DVec2>,
@@ -55,25 +55,24 @@ pub enum Shape {
     },
     /// A section swept along an arc.
     Bend(Bend),
-    /// All that is in any of them.
+    /// Union of all of them.
     Union(Vec<Shape>),
     /// Intersection of all of them.
     Intersection(Vec<Shape>),
-    /// Points in the first shape and not in the second.
+    /// Difference: points in the first shape and not in the second.
     Difference(std::boxed::Box<Shape>, std::boxed::Box<Shape>),
-    /// Turned, enlarged and moved: a point of the shape goes to
-    /// `rotation · point · scale + origin`.
+    /// Rotated, scaled and moved: a point of the shape goes to `rotation · point · scale + origin`.
     Placed {
         /// Shape that is placed.
         shape: std::boxed::Box<Shape>,
         /// Rotation.
         rotation: DMat3,
-        /// Factor of enlargement.
+        /// Scale factor.
         scale: f64,
         /// Position of the shape's origin, m.
         origin: DVec3,
     },
-    /// The section of a shape by a plane, drawn out along the plane's normal.
+    /// Section of a shape by a plane, extruded along the normal of the plane.
     Extension {
         /// The shape.
         shape: std::boxed::Box<Shape>,
@@ -89,7 +88,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Signed distance to the surface, m; negative inside.
+    /// Returns the signed distance to the surface, m; negative inside.
     pub fn signed_distance(&self, point: DVec3) -> f64 {
         match self {
             Shape::Box { min, max } => primitives::cuboid(point, *min, *max),
@@ -109,7 +108,8 @@ impl Shape {
             Shape::Extension { shape, at, outwards, length, inset } => {
                 let along = (point - *at).dot(*outwards);
                 let projected = point - (along + inset) * *outwards;
-                // Inside, the section's own end caps the depth at `inset`; the sign is what counts.
+                // The end of the extrusion limits the depth inside to `inset`; only the sign
+                // matters.
                 let lateral = shape.signed_distance(projected);
                 let axial = (-along).max(along - length);
                 primitives::corner(lateral, axial)
@@ -117,32 +117,33 @@ impl Shape {
         }
     }
 
-    /// Returns true if a point is inside or within `tolerance` (m) of the surface. On the seam
-    /// between parts of a union that touch, the distance is 0 give or take rounding: with a
-    /// tolerance it is inside.
+    /// Returns true if a point is inside or within `tolerance` (m) of the surface. On the seam of
+    /// touching parts of a union the distance is zero up to rounding, so a tolerance makes it
+    /// inside.
     pub fn contains(&self, point: DVec3, tolerance: f64) -> bool {
         self.signed_distance(point) <= tolerance
     }
 }
 
-/// Distance to a union: exact outside, and negative on the seams of parts that touch.
+/// Returns the distance to a union: exact outside, negative on the seams of touching parts.
 fn union(shapes: &[Shape], point: DVec3) -> f64 {
     let nearest =
         |point: DVec3| shapes.iter().map(|shape| shape.signed_distance(point)).fold(f64::INFINITY, f64::min);
     let distance = nearest(point);
-    // A seam is within rounding of zero; there, a point is inside if all that surrounds it is.
-    let hair = 1e-12 * (1.0 + point.abs().max_element());
-    if distance.abs() > hair {
+    // On a seam the distance is zero up to rounding; a point there is inside if its surroundings
+    // are.
+    let tolerance = 1e-12 * (1.0 + point.abs().max_element());
+    if distance.abs() > tolerance {
         return distance;
     }
-    let reach = 1e3 * hair;
+    let reach = 1e3 * tolerance;
     let surrounded =
-        SURROUNDINGS.iter().all(|direction| nearest(point + reach * DVec3::from(*direction)) <= hair);
+        SURROUNDINGS.iter().all(|direction| nearest(point + reach * DVec3::from(*direction)) <= tolerance);
     if surrounded { -reach } else { distance }
 }
 
-/// Directions in which the surroundings of a seam are looked at: the 26 neighbours of a cube's
-/// cell. A face, edge or corner of the union leaves at least one of them outside.
+/// Directions in which the surroundings of a seam are sampled: the 26 neighbours of a cell. A face,
+/// edge or corner of the union leaves at least one of them outside.
 const SURROUNDINGS: [[f64; 3]; 26] = {
     let mut directions = [[0.0; 3]; 26];
     let steps = [-1.0, 0.0, 1.0];

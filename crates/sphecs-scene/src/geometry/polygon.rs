@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::primitives::corner;
 
-/// Signed distance to a polygon, m. The corners may go round either way.
+/// Returns the signed distance to a polygon, m. The corners may be in either orientation.
 pub fn polygon(point: DVec2, points: &[DVec2]) -> f64 {
     let mut squared = f64::INFINITY;
     let mut inside = false;
@@ -23,13 +23,14 @@ pub fn polygon(point: DVec2, points: &[DVec2]) -> f64 {
     if inside { -distance } else { distance }
 }
 
-/// Signed distance to a polygon in x and y drawn out along z from `from` to `to`, m; ±∞ in 2D.
+/// Returns the signed distance to a polygon in x and y, extruded along z from `from` to `to`, m; ±∞
+/// in 2D.
 pub fn prism(point: DVec3, points: &[DVec2], from: f64, to: f64) -> f64 {
     let lateral = polygon(point.truncate(), points);
     corner(lateral, (from - point.z).max(point.z - to))
 }
 
-/// Area of a polygon, m²; negative if the corners go round clockwise.
+/// Returns the area of a polygon, m²; negative if the corners are clockwise.
 pub fn signed_area(points: &[DVec2]) -> f64 {
     let mut doubled = 0.0;
     for (index, a) in points.iter().enumerate() {
@@ -38,7 +39,7 @@ pub fn signed_area(points: &[DVec2]) -> f64 {
     doubled / 2.0
 }
 
-/// Two edges of a polygon that cross or touch although they are not neighbours.
+/// Returns two edges of a polygon that cross or touch without being neighbours.
 pub fn crossing_edges(points: &[DVec2]) -> Option<(usize, usize)> {
     let count = points.len();
     let edge = |i: usize| (points[i], points[(i + 1) % count]);

@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-/// Signed distance to an axis-aligned box, m. Bounds may be infinite.
+/// Returns the signed distance to an axis-aligned box, m. Bounds may be infinite.
 pub fn cuboid(point: DVec3, min: DVec3, max: DVec3) -> f64 {
     let beyond = (min - point).max(point - max);
     beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
 }
 
-/// Signed distance to a cylinder with flat ends, m.
+/// Returns the signed distance to a cylinder with flat ends, m.
 pub fn cylinder(point: DVec3, from: DVec3, to: DVec3, radius: f64) -> f64 {
     let axis = to - from;
     let length = axis.length();
@@ -18,8 +18,8 @@ pub fn cylinder(point: DVec3, from: DVec3, to: DVec3, radius: f64) -> f64 {
     corner(radial, (-along).max(along - length))
 }
 
-/// Signed distance to the intersection of two regions with perpendicular surfaces, m: exact where
-/// both are.
+/// Returns the signed distance to the intersection of two regions with perpendicular surfaces, m;
+/// exact if both distances are.
 pub fn corner(a: f64, b: f64) -> f64 {
     a.max(0.0).hypot(b.max(0.0)) + a.max(b).min(0.0)
 }

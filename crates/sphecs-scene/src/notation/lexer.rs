@@ -3,7 +3,7 @@
 use super::tree::Span;
 use crate::faults::Fault;
 
-/// A place in a text, moving forwards.
+/// Position in a text that moves forwards.
 #[derive(Clone, Debug)]
 pub struct Cursor<'a> {
     text: &'a str,
@@ -12,22 +12,22 @@ pub struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// The beginning of a text.
+    /// Returns a cursor at the beginning of a text.
     pub fn new(text: &'a str) -> Self {
         Self { text, at: 0 }
     }
 
-    /// Returns the text that is left.
+    /// Returns the remaining text.
     pub fn rest(&self) -> &'a str {
         self.text.get(self.at..).unwrap_or("")
     }
 
-    /// The present place, blanks before it left out.
+    /// Returns the position behind the last character that is not blank.
     pub fn trimmed(&self) -> usize {
         self.text[..self.at].trim_end().len()
     }
 
-    /// Next character.
+    /// Returns the next character.
     pub fn peek(&self) -> Option<char> {
         self.rest().chars().next()
     }
@@ -39,7 +39,7 @@ impl<'a> Cursor<'a> {
         Some(next)
     }
 
-    /// Takes `token` if it comes next.
+    /// Takes `token` if it is the next character.
     pub fn eat(&mut self, token: char) -> bool {
         let found = self.peek() == Some(token);
         if found {
@@ -48,7 +48,7 @@ impl<'a> Cursor<'a> {
         found
     }
 
-    /// Span of the next character, empty at the end.
+    /// Returns the span of the next character, empty at the end.
     pub fn here(&self) -> Span {
         Span::new(self.at, self.at + self.peek().map_or(0, char::len_utf8))
     }
@@ -56,7 +56,7 @@ impl<'a> Cursor<'a> {
     /// Skips blanks and comments, `//` and nested `/* */`.
     ///
     /// # Errors
-    /// A comment that never ends.
+    /// A comment that is never closed.
     pub fn skip_blanks(&mut self) -> Result<(), Fault> {
         loop {
             let rest = self.rest();
@@ -93,7 +93,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A name: letters, digits and `_`.
+    /// Takes a name: letters, digits and `_`.
     pub fn name(&mut self) -> &'a str {
         let rest = self.rest();
         let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
@@ -101,10 +101,10 @@ impl<'a> Cursor<'a> {
         &rest[..length]
     }
 
-    /// A number, and whether it was written without point and exponent.
+    /// Takes a number; the second value is true if it has neither point nor exponent.
     ///
     /// # Errors
-    /// Text that begins like a number and is none.
+    /// Text that begins like a number but is not one.
     pub fn number(&mut self) -> Result<(f64, bool), Fault> {
         let start = self.at;
         let rest = self.rest();
@@ -135,11 +135,10 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Text in quotes, the opening one next; with it the byte at which the text begins if it has no
-    /// escapes.
+    /// Takes text in quotes, with the byte at which it begins if it has no escapes.
     ///
     /// # Errors
-    /// Text that never ends, or an escape that RON does not know.
+    /// Text that is never closed, or an escape unknown to RON.
     pub fn text(&mut self) -> Result<(String, Option<usize>), Fault> {
         let start = self.at;
         self.bump();
@@ -160,8 +159,8 @@ impl<'a> Cursor<'a> {
                     escaped = true;
                     match self.escape(here) {
                         Ok(character) => text.push(character),
-                        // The text is read to its end first, so that its closing quote opens
-                        // nothing.
+                        // The text is read to its end, since its closing quote would otherwise open
+                        // another text.
                         Err(wrong) => fault = fault.or(Some(wrong)),
                     }
                 }
@@ -178,10 +177,10 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Raw text `r"…"` or `r#"…"#`, the `r` next.
+    /// Takes raw text `r"…"` or `r#"…"#`.
     ///
     /// # Errors
-    /// Text that never ends.
+    /// Text that is never closed.
     pub fn raw_text(&mut self) -> Result<(String, Option<usize>), Fault> {
         let start = self.at;
         self.bump();

@@ -1,9 +1,9 @@
-//! The notation of scene files: RON, read into a small tree in which every value knows its place.
+//! Notation of scene files: RON, read into a tree of values with their positions.
 //!
-//! The `ron` crate has no places for values and stops at the first fault, so scenes have their own
-//! reader; that what it accepts is RON is a test over the shipped scenes.
+//! The `ron` crate has no positions of values and stops at the first fault, so scenes have their
+//! own reader. A test checks that the `ron` crate reads all shipped scenes.
 //!
-//! * [`tree`]: the values with their places
+//! * [`tree`]: the values with their positions
 //! * [`lexer`]: blanks, comments, numbers, names and strings
 //! * [`reader`]: text → tree, with all syntax faults
 //! * [`typed`]: tree → serde types, with all faults of kind and name

@@ -1,28 +1,28 @@
-//! `--set path=value`: a value put into the scene's text, comments kept.
+//! Option `--set path=value`: replaces a value in the text of a scene and keeps its comments.
 //!
 //! A path names fields, entries of maps and, from 0, items of lists: `fluid.sound_speed`,
-//! `constants.v0`, `outlets.0.condition`. A last name that the text lacks is written into its
-//! bracket; whether the schema knows it is for the typed reading to say.
+//! `constants.v0`, `outlets.0.condition`. If the text lacks the last name of a path, it is inserted
+//! as a new field. The typed reader then checks that the schema has it.
 
 use super::reader;
 use super::tree::{Node, Span, Value};
 use crate::faults::{Fault, nearest};
 
-/// A scene's text with values put in.
+/// Text of a scene with inserted values.
 #[derive(Clone, Debug)]
 pub struct Edited {
     /// The text as run.
     pub text: String,
-    /// Values put in: their places, new fields with their names, and their paths.
-    put: Vec<(Span, String)>,
+    /// Spans of the inserted values, new fields with their names, and their paths.
+    inserted: Vec<(Span, String)>,
 }
 
-/// Puts values into a scene's text, one after the other.
+/// Inserts values into the text of a scene, one after the other.
 ///
 /// # Errors
-/// All paths and values that make no sense.
+/// All unknown paths and unreadable values.
 pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>> {
-    let mut edited = Edited { text: text.to_owned(), put: Vec::new() };
+    let mut edited = Edited { text: text.to_owned(), inserted: Vec::new() };
     let mut faults = Vec::new();
     for (path, value) in sets {
         let written = reader::read(value);
@@ -34,12 +34,12 @@ pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>
         let reading = reader::read(&edited.text);
         let root = reading.root;
         if !reading.faults.is_empty() {
-            // The text itself is reported by the reading that follows.
+            // The reader reports the faults of the text itself afterwards.
             return if faults.is_empty() { Ok(edited) } else { Err(faults) };
         }
         match find(&root, path) {
-            Some(Place::Value(span)) => edited.replace(span, path, value),
-            Some(Place::NewField(at, name)) => edited.insert(at, name, path, value),
+            Some(Target::Value(span)) => edited.replace(span, path, value),
+            Some(Target::NewField(at, name)) => edited.insert(at, name, path, value),
             None => faults.push(unknown_path(&root, path)),
         }
     }
@@ -47,19 +47,19 @@ pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>
 }
 
 impl Edited {
-    /// The path by which the text at a place came, if it was put in.
+    /// Returns the path of the inserted value at a span, if there is one.
     pub fn path_of(&self, place: Span) -> Option<&str> {
         let around = |span: &Span| span.start <= place.start && place.end <= span.end;
-        // What was put in last may stand within what was put in before.
-        self.put.iter().rev().find(|(span, _)| around(span)).map(|(_, path)| path.as_str())
+        // A later value may lie within an earlier one.
+        self.inserted.iter().rev().find(|(span, _)| around(span)).map(|(_, path)| path.as_str())
     }
 
     fn replace(&mut self, span: Span, path: &str, value: &str) {
         self.text.replace_range(span.start..span.end, value);
         let removed = span.end - span.start;
-        // Gone with what it stood in.
-        self.put.retain(|(place, _)| place.start < span.start || place.end > span.end);
-        for (place, _) in &mut self.put {
+        // Earlier values inside the replaced span no longer exist.
+        self.inserted.retain(|(place, _)| place.start < span.start || place.end > span.end);
+        for (place, _) in &mut self.inserted {
             if place.start >= span.end {
                 place.start = place.start + value.len() - removed;
             }
@@ -67,13 +67,13 @@ impl Edited {
                 place.end = place.end + value.len() - removed;
             }
         }
-        self.put.push((Span::new(span.start, span.start + value.len()), path.to_owned()));
+        self.inserted.push((Span::new(span.start, span.start + value.len()), path.to_owned()));
     }
 
     fn insert(&mut self, at: usize, name: &str, path: &str, value: &str) {
         let field = format!("{name}: {value}, ");
         self.text.insert_str(at, &field);
-        for (place, _) in &mut self.put {
+        for (place, _) in &mut self.inserted {
             if place.start >= at {
                 place.start += field.len();
             }
@@ -81,28 +81,28 @@ impl Edited {
                 place.end += field.len();
             }
         }
-        self.put.push((Span::new(at, at + name.len() + 2 + value.len()), path.to_owned()));
+        self.inserted.push((Span::new(at, at + name.len() + 2 + value.len()), path.to_owned()));
     }
 }
 
-enum Place<'a> {
+enum Target<'a> {
     Value(Span),
     NewField(usize, &'a str),
 }
 
-fn find<'a>(root: &Node, path: &'a str) -> Option<Place<'a>> {
+fn find<'a>(root: &Node, path: &'a str) -> Option<Target<'a>> {
     let mut node = root;
     let mut segments = path.split('.').peekable();
     while let Some(segment) = segments.next() {
         match child(node, segment) {
             Some(next) => node = next,
             None if segments.peek().is_none() => {
-                return body(node, segment).map(|at| Place::NewField(at, segment));
+                return new_field_position(node, segment).map(|at| Target::NewField(at, segment));
             }
             None => return None,
         }
     }
-    Some(Place::Value(node.span))
+    Some(Target::Value(node.span))
 }
 
 fn child<'a>(node: &'a Node, segment: &str) -> Option<&'a Node> {
@@ -116,7 +116,7 @@ fn child<'a>(node: &'a Node, segment: &str) -> Option<&'a Node> {
             )
             .map(|(_, value)| value),
         Value::List(items) => items.get(index()?),
-        // `Circular((radius: …))` and the like: the one value of a choice is the choice's own.
+        // In `Circular((radius: …))` a path skips the inner bracket.
         Value::Tuple(Some(_), items) if items.len() == 1 => {
             child(&items[0], segment).or_else(|| items.get(index()?))
         }
@@ -125,8 +125,8 @@ fn child<'a>(node: &'a Node, segment: &str) -> Option<&'a Node> {
     }
 }
 
-/// Returns the place of a new field: behind the opening bracket of a struct.
-fn body(node: &Node, segment: &str) -> Option<usize> {
+/// Returns the position of a new field: behind the opening bracket of a struct.
+fn new_field_position(node: &Node, segment: &str) -> Option<usize> {
     let is_name = segment.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && segment.chars().all(|c| c.is_alphanumeric() || c == '_');
     match &node.value {

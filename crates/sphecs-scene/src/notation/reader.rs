@@ -1,29 +1,30 @@
-//! Text → tree, with all syntax faults.
+//! Parser of RON text into a tree, with all syntax faults.
 //!
 //! After a fault the reader continues behind the next comma of the same bracket, so that one run
-//! names every fault. When brackets do not match it stops: what follows would be guesses.
+//! names every fault. It stops where brackets do not match, because everything after that would be
+//! a guess.
 
 use super::lexer::Cursor;
-use super::tree::{Field, Name, Node, Span, Value};
+use super::tree::{Name, Node, Span, StructField, Value};
 use crate::faults::Fault;
 
-/// Deeper nesting than any scene needs; it bounds the recursion.
-const DEEPEST: usize = 48;
+/// Largest nesting, more than any scene needs; it bounds the recursion.
+const MAX_DEPTH: usize = 48;
 
 /// Result of reading a text.
 #[derive(Clone, Debug)]
-pub struct Reading {
+pub struct Parsed {
     /// The values, [`Value::Broken`] where nothing could be read.
     pub root: Node,
     /// Syntax faults.
     pub faults: Vec<Fault>,
-    /// True if brackets do not match: then what is in the tree, and what is not, means nothing.
-    pub lost: bool,
+    /// True if brackets do not match; then the tree has no meaning.
+    pub unbalanced: bool,
 }
 
 /// Reads a RON text.
-pub fn read(text: &str) -> Reading {
-    let mut reader = Reader { cursor: Cursor::new(text), faults: Vec::new(), lost: false, depth: 0 };
+pub fn read(text: &str) -> Parsed {
+    let mut reader = Reader { cursor: Cursor::new(text), faults: Vec::new(), unbalanced: false, depth: 0 };
     reader.blanks();
     reader.skip_attributes();
     let root = reader.value();
@@ -33,36 +34,36 @@ pub fn read(text: &str) -> Reading {
         let label = "the value ended before this";
         reader.fault(Fault::new("text after the end", here, label));
     }
-    Reading { root, faults: reader.faults, lost: reader.lost }
+    Parsed { root, faults: reader.faults, unbalanced: reader.unbalanced }
 }
 
 struct Reader<'a> {
     cursor: Cursor<'a>,
     faults: Vec<Fault>,
     /// Brackets do not match: nothing more is reported.
-    lost: bool,
+    unbalanced: bool,
     depth: usize,
 }
 
 impl Reader<'_> {
     fn fault(&mut self, fault: Fault) {
-        if !self.lost {
+        if !self.unbalanced {
             self.faults.push(fault);
         }
     }
 
-    fn get_lost(&mut self, fault: Fault) {
+    fn give_up(&mut self, fault: Fault) {
         self.fault(fault);
-        self.lost = true;
+        self.unbalanced = true;
     }
 
     fn blanks(&mut self) {
         if let Err(fault) = self.cursor.skip_blanks() {
-            self.get_lost(fault);
+            self.give_up(fault);
         }
     }
 
-    /// `#![enable(implicit_some)]` and the like: the scene reader has them all on.
+    /// Skips attributes such as `#![enable(implicit_some)]`: all extensions are always enabled.
     fn skip_attributes(&mut self) {
         while self.cursor.rest().starts_with("#!") {
             let end = self.cursor.rest().find(']').map_or(2, |i| i + 1);
@@ -74,12 +75,12 @@ impl Reader<'_> {
     fn value(&mut self) -> Node {
         let start = self.cursor.at;
         let value = match self.cursor.peek() {
-            _ if self.depth >= DEEPEST => {
+            _ if self.depth >= MAX_DEPTH => {
                 let here = self.cursor.here();
-                self.get_lost(Fault::new(
+                self.give_up(Fault::new(
                     "brackets are nested too deeply",
                     here,
-                    format!("must be at most {DEEPEST} deep"),
+                    format!("must be at most {MAX_DEPTH} deep"),
                 ));
                 self.cursor.at += self.cursor.rest().len();
                 Value::Broken
@@ -124,7 +125,7 @@ impl Reader<'_> {
         Node { value, span: Span::new(start, self.cursor.at) }
     }
 
-    /// The value, unless an operator follows: then somebody wrote an expression without quotes.
+    /// Returns the value, or reports an expression without quotes if an operator follows.
     fn unless_expression(&mut self, start: usize, value: Value) -> Value {
         let after = self.cursor.at;
         self.blanks();
@@ -153,7 +154,7 @@ impl Reader<'_> {
         Value::Broken
     }
 
-    /// Goes to the next comma or closing bracket of the present bracket.
+    /// Skips to the next comma or closing bracket of the current bracket.
     fn synchronise(&mut self) {
         let mut depth = 0_usize;
         loop {
@@ -164,7 +165,7 @@ impl Reader<'_> {
                 Some(')' | ']' | '}') if depth == 0 => return,
                 Some('"') => {
                     if let Err(fault) = self.cursor.text() {
-                        self.get_lost(fault);
+                        self.give_up(fault);
                     }
                     continue;
                 }
@@ -197,7 +198,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `(…)`: named fields or a tuple, distinguished by `name:` at the first item.
+    /// Parses `(…)`: named fields or a tuple, distinguished by `name:` at the first item.
     fn brackets(&mut self, name: Option<Name>) -> Value {
         let open = self.cursor.here();
         let mut inside = self.cursor.clone();
@@ -228,7 +229,7 @@ impl Reader<'_> {
         ahead.skip_blanks().is_ok() && ahead.peek() == Some(':')
     }
 
-    fn field(&mut self) -> Option<Field> {
+    fn field(&mut self) -> Option<StructField> {
         let start = self.cursor.at;
         let text = self.cursor.name().to_owned();
         let name = Name { span: Span::new(start, self.cursor.at), text };
@@ -250,7 +251,7 @@ impl Reader<'_> {
         }
         self.blanks();
         let value = self.value();
-        Some(Field { name, value })
+        Some(StructField { name, value })
     }
 
     fn map(&mut self) -> Value {
@@ -277,7 +278,7 @@ impl Reader<'_> {
         Value::Map(entries)
     }
 
-    /// Items between brackets, separated by commas, the opening bracket next.
+    /// Parses items separated by commas, beginning at the opening bracket.
     fn items(&mut self, open: Span, close: char, mut item: impl FnMut(&mut Self)) {
         self.depth += 1;
         self.cursor.bump();
@@ -290,7 +291,7 @@ impl Reader<'_> {
                 }
                 Some(c @ (')' | ']' | '}')) => {
                     let here = self.cursor.here();
-                    self.get_lost(Fault::new(
+                    self.give_up(Fault::new(
                         "brackets do not match",
                         here,
                         format!("is `{c}`, must be `{close}`"),
@@ -299,7 +300,7 @@ impl Reader<'_> {
                     break;
                 }
                 None => {
-                    self.get_lost(
+                    self.give_up(
                         Fault::new("a bracket is never closed", open, "opened here")
                             .help(format!("close it with `{close}`")),
                     );
@@ -317,7 +318,7 @@ impl Reader<'_> {
                     let here = self.cursor.here();
                     let label = format!("must be `,` or `{close}`");
                     let fault = Fault::new("a comma is missing", here, label);
-                    // `a: 1 b: 2`: the next field is sound.
+                    // In `a: 1 b: 2` the next field is readable.
                     if self.field_next(self.cursor.clone()) {
                         self.fault(fault);
                     } else {

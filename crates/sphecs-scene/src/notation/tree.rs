@@ -1,4 +1,4 @@
-//! RON values with their places in the text.
+//! RON values with their positions in the text.
 
 /// Bytes `start..end` of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -10,16 +10,15 @@ pub struct Span {
 }
 
 impl Span {
-    /// The place of a value that stands in for a faulty one: faults there are consequences, not
-    /// causes.
+    /// Span of a placeholder for a faulty value: faults there are consequences, not causes.
     pub const PLACEHOLDER: Span = Span { start: usize::MAX, end: usize::MAX };
 
-    /// Bytes `start..end`.
+    /// Returns the span of the bytes `start..end`.
     pub fn new(start: usize, end: usize) -> Self {
         Self { start, end }
     }
 
-    /// Returns true if the value stands in for a faulty or missing one.
+    /// Returns true if the value is a placeholder for a faulty or missing one.
     pub fn is_placeholder(self) -> bool {
         self == Self::PLACEHOLDER
     }
@@ -30,21 +29,21 @@ impl Span {
     }
 }
 
-/// A value and its place.
+/// A value and its position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
     /// Value of the node.
     pub value: Value,
-    /// Place in the text.
+    /// Position in the text.
     pub span: Span,
 }
 
-/// A name and its place.
+/// A name and its position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Name {
     /// The name.
     pub text: String,
-    /// Place in the text.
+    /// Position in the text.
     pub span: Span,
 }
 
@@ -55,9 +54,9 @@ pub enum Value {
     Broken,
     /// `true` or `false`.
     Bool(bool),
-    /// A number, and whether it was written without point and exponent.
+    /// A number; true if it was written without point and exponent.
     Number(f64, bool),
-    /// Text in quotes; the second is the byte at which the text begins if it has no escapes.
+    /// Text in quotes, with the byte at which it begins if it has no escapes.
     Text(String, Option<usize>),
     /// A bare name: `None` or a variant without content.
     Name(String),
@@ -68,12 +67,12 @@ pub enum Value {
     /// `(a, b)` or `Name(a, b)`, also empty.
     Tuple(Option<Name>, Vec<Node>),
     /// `(a: b)` or `Name(a: b)`
-    Struct(Option<Name>, Vec<Field>),
+    Struct(Option<Name>, Vec<StructField>),
 }
 
 /// A field of a struct.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub struct StructField {
     /// Its name.
     pub name: Name,
     /// Its value.
@@ -81,7 +80,7 @@ pub struct Field {
 }
 
 impl Node {
-    /// The part to mark when the whole is too long: the name or the opening bracket.
+    /// Returns the part to mark instead of a long value: the name or the opening bracket.
     pub fn head(&self) -> Span {
         match &self.value {
             Value::Tuple(Some(name), _) | Value::Struct(Some(name), _) => name.span,
@@ -113,7 +112,7 @@ impl Node {
         }
     }
 
-    /// The field of a struct.
+    /// Returns the value of a field of a struct.
     pub fn field(&self, name: &str) -> Option<&Node> {
         match &self.value {
             Value::Struct(_, fields) => {

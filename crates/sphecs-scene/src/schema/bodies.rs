@@ -9,16 +9,15 @@ use crate::notation::typed::Spanned;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Body", deny_unknown_fields)]
 pub struct BodyFile {
-    /// Name of the part among those of the walls; `walls` is the rest.
+    /// Name of a part of the walls; `walls` is the remaining surface.
     pub part: Text,
-    /// Point that torques are about, m, default the middle of the part's region.
+    /// Reference point of torques, m, default the centre of the region of the part.
     #[serde(default)]
     pub about: Option<Vector>,
     /// Velocity u∞ of the coefficients, m/s; without velocity and area there are none.
     #[serde(default)]
     pub velocity: Option<Number>,
-    /// Area A of the coefficients, m²; in 2D the length, m, that it has per metre of depth, such as
-    /// the diameter.
+    /// Area A of the coefficients, m²; in 2D the area per metre of depth, m, such as the diameter.
     #[serde(default)]
     pub area: Option<Number>,
     /// Length of the Strouhal number, m, default in 2D `area`.
@@ -28,8 +27,8 @@ pub struct BodyFile {
     /// second half of the run.
     #[serde(default)]
     pub mean: Option<Spanned<(Number, Number)>>,
-    /// True if means, amplitudes and spectrum are of the coefficients' running mean over five rows,
-    /// default false.
+    /// True if means, amplitudes and spectrum are those of the running mean over five rows, default
+    /// false.
     #[serde(default)]
     pub five_point_mean: bool,
 }

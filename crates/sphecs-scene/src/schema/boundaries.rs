@@ -23,13 +23,13 @@ pub struct WallsFile {
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// Parts that differ from the rest.
+    /// Parts with settings of their own.
     #[serde(default)]
     pub parts: Vec<WallPartFile>,
 }
 
 impl WallsFile {
-    /// The walls of a scene that says nothing about them.
+    /// Returns the default walls of a scene.
     pub fn standard() -> Option<Spanned<Self>> {
         Some(Spanned { value: Self::default(), span: Span::PLACEHOLDER, head: Span::PLACEHOLDER })
     }
@@ -41,8 +41,7 @@ impl WallsFile {
 pub struct WallPartFile {
     /// Name for outputs and messages.
     pub name: Text,
-    /// The wall's surface within this region belongs to the part; the first part that claims it has
-    /// it.
+    /// Region whose wall surface belongs to the part; the first part counts where regions overlap.
     pub region: Spanned<ShapeFile>,
     /// Slip condition, default that of the walls.
     #[serde(default)]
@@ -59,7 +58,7 @@ pub struct WallPartFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WallFillFile {
-    /// On rings in a cylinder, in 2D, a spacing apart.
+    /// Rings a spacing apart in a cylinder, in 2D.
     Concentric {
         /// Centre of the cylinder, m.
         center: Vector,
@@ -99,7 +98,7 @@ pub struct InletFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum InletVelocityFile {
-    /// Speed along `towards`, m/s, on the plane of the inlet: all of a row has it.
+    /// Speed along `towards`, m/s, on the plane of the inlet; all particles of a row have it.
     Normal(Formula),
     /// Components, m/s, on the plane.
     Components(Spanned<Vec<Formula>>),
@@ -108,32 +107,32 @@ pub enum InletVelocityFile {
         /// Rows of time (s) and speed (m/s).
         #[serde(default)]
         rows: Option<Vec<(Number, Number)>>,
-        /// CSV file beside the scene: time (s), speed (m/s).
+        /// CSV file in the folder of the scene: time (s), speed (m/s).
         #[serde(default)]
         file: Option<Text>,
     },
-    /// Speed along `towards` over time and the position across: a CSV file whose first row holds
-    /// the positions from the section's middle (m) and whose first column holds the times (s).
+    /// Speed along `towards`, m/s, over time and the position across, from a CSV file. Its first
+    /// row holds the positions from the centre of the section (m), its first column the times (s).
     ProfileTable {
-        /// CSV file beside the scene.
+        /// CSV file in the folder of the scene.
         file: Text,
     },
-    /// Mass that flows in, kg/s, in 2D kg/s per metre of depth; the speed along `towards` is the
-    /// profile, scaled so that all rows of particles together carry it.
+    /// Mass flow, kg/s, in 2D per metre of depth. The speed along `towards` is the profile, scaled
+    /// so that all rows of particles together carry it.
     MassFlow {
         /// Rate, kg/s: a number or an expression of t.
         rate: Formula,
-        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the
-        /// same everywhere.
+        /// Profile of the speed over the plane, an expression of x, y, z in any unit; default
+        /// uniform.
         #[serde(default)]
         profile: Option<Formula>,
     },
-    /// Mass that flows in per area of the inlet, kg/(s m²); otherwise as `MassFlow`.
+    /// Mass flow per area of the inlet, kg/(s m²); otherwise as `MassFlow`.
     MassFlux {
         /// Flux, kg/(s m²): a number or an expression of t.
         flux: Formula,
-        /// Shape of the speed over the plane, an expression of x, y, z of any size; default the
-        /// same everywhere.
+        /// Profile of the speed over the plane, an expression of x, y, z in any unit; default
+        /// uniform.
         #[serde(default)]
         profile: Option<Formula>,
     },

@@ -1,4 +1,4 @@
-//! Fields of a scene file: the types that RON is read into, before any check of values.
+//! Types of a scene file that RON is read into, before any check of values.
 //!
 //! Numbers may be literals or expressions of the constants in quotes; a [`Formula`] may also depend
 //! on x, y, z (m) and t (s). Vectors have as many components as the scene has dimensions.
@@ -22,16 +22,16 @@ mod shapes;
 pub use bodies::BodyFile;
 pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile};
 pub use output::{OutputFile, ProbeFile, ProbeKindFile};
-pub use shapes::{SectionFile, ShapeFile};
+pub use shapes::{BendSectionFile, ShapeFile};
 
-/// A number with its place.
+/// A number with its position.
 pub type Number = Spanned<f64>;
-/// Two or three numbers with their places.
+/// Two or three numbers with their positions.
 pub type Vector = Spanned<Vec<Number>>;
-/// A value of an enum or text with its place.
+/// Text with its position.
 pub type Text = Spanned<String>;
 
-/// A field of x, y, z, t: a number or an expression in quotes.
+/// An expression of x, y, z, t with its position: a number or text in quotes.
 pub type Formula = Spanned<FormulaText>;
 
 /// Content of a [`Formula`].
@@ -69,7 +69,7 @@ impl<'de> Deserialize<'de> for FormulaText {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct SceneFile {
-    /// One line for people.
+    /// Title, one line.
     pub title: Text,
     /// 2 or 3.
     pub dimensions: Spanned<u64>,
@@ -78,8 +78,9 @@ pub struct SceneFile {
     pub precision: Precision,
     /// Particle spacing Δ, m.
     pub spacing: Number,
-    /// Coarser spacing for quick tests, m.
-    pub smoke: Number,
+    /// Coarser spacing for quick tests, m, default `spacing`.
+    #[serde(default)]
+    pub smoke: Option<Number>,
     /// Named constants: `{"v0": 4.45e-2, "D1": "2*R"}`, read before everything else.
     #[serde(default)]
     pub constants: Option<IgnoredAny>,
@@ -93,7 +94,7 @@ pub struct SceneFile {
     /// Arrangement of the fluid particles, default `Lattice()`.
     #[serde(default)]
     pub fill: Option<Spanned<FillFile>>,
-    /// Everything at the domain's surface that is neither patch nor periodic, default no-slip
+    /// Walls at the surface of the domain that is neither patch nor periodic, default no-slip
     /// images; `None` for no wall.
     #[serde(default = "WallsFile::standard")]
     pub walls: Option<Spanned<WallsFile>>,
@@ -154,7 +155,7 @@ pub enum SchemeFile {
         /// Viscous term.
         #[serde(default)]
         viscosity: Option<Spanned<Viscosity>>,
-        /// Damping of single particles' noise, default `Off`.
+        /// Damping of the noise of single particles, default `Off`.
         #[serde(default)]
         noise_damping: Option<Spanned<NoiseDamping>>,
         /// Particle shifting.
@@ -184,14 +185,15 @@ pub enum SchemeFile {
         /// True if the mean pressure of the neighbours is subtracted, default true.
         #[serde(default)]
         average_pressure: Option<bool>,
-        /// Divide ν and ν_edac by their lattice coefficient, default true.
+        /// True if ν and ν_edac are divided by their lattice coefficient, default true.
         #[serde(default)]
         lattice_normalised: Option<bool>,
-        /// Rate at which the pressure goes to that of the summed density, over c0/h, default 0, as
-        /// published.
+        /// Rate at which the pressure relaxes to that of the summed density, over c0/h, default 0,
+        /// as published.
         #[serde(default)]
         relaxation: Option<Number>,
-        /// Use the published η² = 0.01 h² in the denominator of the viscous sums, default false.
+        /// True for the published η² = 0.01 h² in the denominator of the viscous sums, default
+        /// false.
         #[serde(default)]
         as_published: Option<bool>,
     },
@@ -221,13 +223,13 @@ pub enum FillFile {
         /// cells.
         #[serde(default)]
         anchor: Option<Vector>,
-        /// Largest displacement of fluid particles from the lattice at the start, over the spacing:
-        /// each by an even random number from −jitter to jitter along each axis, always the same
-        /// for the same place of the lattice. Default 0, at most 0.2.
+        /// Largest initial displacement of fluid particles from the lattice, over the spacing.
+        /// Along each axis it is a uniform random number from −jitter to jitter that depends on the
+        /// lattice point alone. Default 0, at most 0.2.
         #[serde(default)]
         jitter: Option<Number>,
     },
-    /// Rows that follow the walls of a slanted or curved channel along x, in 2D.
+    /// Rows that follow the inclined or curved walls of a channel along x, in 2D.
     WallFitted {
         /// y of the lower wall as a function of x, m.
         lower: Formula,
@@ -243,8 +245,8 @@ pub struct InitialFile {
     /// Velocity, m/s.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// Pressure, Pa. That of the fluid has no effect: its density is summed before the first step,
-    /// and its pressure follows from it. Outflow particles begin with it.
+    /// Pressure of the outflow particles, Pa. It does not act on the fluid, whose density is summed
+    /// before the first step and determines its pressure.
     #[serde(default)]
     pub pressure: Option<Formula>,
     /// Passive tag.
@@ -259,11 +261,11 @@ pub struct ReservoirFile {
     /// Number of particles, default as many as the inflow zones hold.
     #[serde(default)]
     pub particles: Option<Spanned<u64>>,
-    /// Action when there are none.
+    /// Action when an inlet needs a particle and there is none.
     #[serde(default)]
     pub when_empty: WhenEmpty,
-    /// True if particles that leave are stored and injected again, default true; with false they
-    /// are deleted and new ones created, with the free numbers.
+    /// True if particles that leave are stored and injected again, default true. With false they
+    /// are deleted and new ones with free numbers are created.
     #[serde(default)]
     pub recycle: Option<Spanned<bool>>,
 }

@@ -60,8 +60,8 @@ pub enum ProbeKindFile {
         /// Number of points, at least 2.
         count: Spanned<u64>,
     },
-    /// Mass flow and mean pressure through a plane section of the domain: what its particles carry,
-    /// and what the fluid has between them.
+    /// Mass flow and mean pressure through a plane section of the domain; the mass flow is that of
+    /// the particles, the pressure is interpolated.
     Section {
         /// A point of the section, m.
         at: Vector,

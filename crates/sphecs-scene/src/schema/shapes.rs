@@ -44,7 +44,7 @@ pub enum ShapeFile {
         /// Corners in order, m.
         points: Spanned<Vec<Vector>>,
     },
-    /// Polygon in x and y drawn out along z, in 3D.
+    /// Polygon in x and y extruded along z, in 3D.
     Extruded {
         /// Corners in order, (x, y) in m.
         points: Spanned<Vec<Vector>>,
@@ -64,13 +64,13 @@ pub enum ShapeFile {
         /// Angle turned through, degrees.
         angle: Number,
         /// Section.
-        section: SectionFile,
+        section: BendSectionFile,
     },
-    /// All that is in any of them.
+    /// Union of all of them.
     Union(Spanned<Vec<ShapeFile>>),
     /// Intersection of all of them.
     Intersection(Spanned<Vec<ShapeFile>>),
-    /// Points in the first shape and in none of the others.
+    /// Difference: points in the first shape and in none of the others.
     Difference(Spanned<Vec<ShapeFile>>),
     /// Moved by a vector.
     Translated {
@@ -79,20 +79,20 @@ pub enum ShapeFile {
         /// Shape that is moved.
         shape: std::boxed::Box<ShapeFile>,
     },
-    /// Turned about a point, in 2D, or an axis, in 3D.
+    /// Rotated about a point, in 2D, or an axis, in 3D.
     Rotated {
         /// Angle, degrees, anticlockwise.
         angle: Number,
         /// Axis in 3D, default z.
         #[serde(default)]
         axis: Option<Vector>,
-        /// A fixed point, m, default the origin.
+        /// Fixed point of the rotation, m, default the origin.
         #[serde(default)]
         about: Option<Vector>,
         /// Shape that is rotated.
         shape: std::boxed::Box<ShapeFile>,
     },
-    /// Enlarged about the origin.
+    /// Scaled about the origin.
     Scaled {
         /// Factor.
         factor: Number,
@@ -104,7 +104,7 @@ pub enum ShapeFile {
 /// Section of a bend.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum SectionFile {
+pub enum BendSectionFile {
     /// A circle.
     Circular {
         /// Radius, m.
@@ -112,9 +112,9 @@ pub enum SectionFile {
     },
     /// A rectangle.
     Rectangular {
-        /// Width along the arc's radius, m.
+        /// Width along the radius of the arc, m.
         width: Number,
-        /// Height along the arc's axis, m.
+        /// Height along the axis of the arc, m.
         height: Number,
     },
 }

@@ -1,4 +1,4 @@
-//! Places of the filled particles.
+//! Positions and zones of the initial particles.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ fn of(seeds: &[ParticleSeed], zone: Zone) -> Vec<ParticleSeed> {
     seeds.iter().filter(|s| s.zone == zone).copied().collect()
 }
 
-/// A straight channel 1 m long and 0.4 m wide, with what is between `open` and `close` put in.
+/// Returns a straight channel, 1 m long and 0.4 m wide, with additional fields.
 fn channel(extra: &str) -> Scene {
     let text = format!(
         "Scene(title: \"t\", dimensions: 2, spacing: 0.05, smoke: 0.1,
@@ -29,8 +29,8 @@ fn channel(extra: &str) -> Scene {
 const OPENINGS: &str = "inlets: [(at: (0.0, 0.2), towards: (1.0, 0.0), velocity: Normal(1.0))],
     outlets: [(at: (1.0, 0.2), towards: (1.0, 0.0), condition: WaveEquation())],";
 
-/// Neighbour distances below the support, sorted, to 1e-9 of a spacing: the same for all in a
-/// uniform fill.
+/// Returns the distances of the neighbours in the support, sorted, in 1e-9 spacings. They are equal
+/// for all particles of a uniform fill.
 fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f64) -> Vec<i64> {
     let here = seeds[index].position;
     let mut found = Vec::new();
@@ -51,8 +51,8 @@ fn neighbourhood(scene: &Scene, seeds: &[ParticleSeed], index: usize, support: f
     found
 }
 
-/// Every fluid particle has the same neighbours as every other: then a fluid at rest has the same
-/// density everywhere. Rings in a wall are no lattice: what sees them is left out.
+/// Checks that all fluid particles have the same neighbours, so that a fluid at rest has a uniform
+/// density. Particles near rings in a wall are left out, since rings are not a lattice.
 fn check_uniform(scene: &Scene) {
     let seeds = seeds(scene);
     let scheme = &scene.scheme;
@@ -88,15 +88,15 @@ fn a_fluid_at_rest_is_uniform_in_every_shipped_scene() {
 }
 
 #[test]
-fn a_channel_holds_as_many_particles_as_cells() {
+fn channel_has_one_particle_per_cell() {
     let scene = channel(OPENINGS);
     let seeds = seeds(&scene);
-    // 20 × 8 cells; five and eight columns of eight in the zones; the reservoir holds an inflow
-    // zone.
+    // There are 20 × 8 cells, and five and eight columns of eight in the zones; the reservoir holds
+    // as many as the inflow zone.
     let counts = Zone::ALL.map(|zone| of(&seeds, zone).len());
     assert_eq!(counts, [160, counts[1], 40, 64, 40]);
     let walls = of(&seeds, Zone::Wall);
-    // h = 1.5 Δ, support 3 Δ: three layers on each side, along domain and zones.
+    // With h = 1.5 Δ the support is 3 Δ: three layers on each side, along domain and zones.
     assert_eq!(walls.len(), 2 * 3 * (20 + 5 + 8));
 }
 
@@ -116,7 +116,7 @@ fn half_a_spacing_lies_between_fluid_and_straight_walls() {
 }
 
 #[test]
-fn a_width_that_is_no_multiple_is_shared_by_both_walls() {
+fn misfit_of_a_width_is_shared_by_both_walls() {
     let scene = scene("constricted_r2.ron");
     let seeds = seeds(&scene);
     let mut throat: Vec<f64> = of(&seeds, Zone::Fluid)
@@ -131,7 +131,7 @@ fn a_width_that_is_no_multiple_is_shared_by_both_walls() {
 }
 
 #[test]
-fn walls_surround_the_flow_and_leave_openings_open() {
+fn walls_surround_the_flow_except_at_openings() {
     let scene = channel(OPENINGS);
     let seeds = seeds(&scene);
     for seed in of(&seeds, Zone::Wall) {
@@ -153,7 +153,7 @@ fn walls_surround_the_flow_and_leave_openings_open() {
 }
 
 #[test]
-fn a_closed_box_has_walls_all_round() {
+fn closed_box_has_walls_on_all_sides() {
     let scene = channel("");
     let seeds = seeds(&scene);
     let corner = of(&seeds, Zone::Wall)
@@ -167,7 +167,7 @@ fn a_closed_box_has_walls_all_round() {
 }
 
 #[test]
-fn wall_parts_own_the_surface_in_their_region() {
+fn wall_parts_cover_the_surface_in_their_region() {
     let scene = channel(
         "walls: (slip: NoSlip, parts: [(name: \"lid\", region: Box(min: (-1.0, 0.3), max: (2.0, 1.0)),
             slip: FreeSlip, velocity: (1.0, 0.0))]),",
@@ -180,7 +180,7 @@ fn wall_parts_own_the_surface_in_their_region() {
 }
 
 #[test]
-fn a_turned_channel_is_filled_like_a_straight_one() {
+fn rotated_channel_has_as_many_particles_as_an_aligned_one() {
     let text = "Scene(title: \"t\", dimensions: 2, spacing: 0.05, smoke: 0.1,
         fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
         constants: {\"c\": \"cos(pi/6)\", \"s\": \"sin(pi/6)\"},
@@ -197,7 +197,8 @@ fn a_turned_channel_is_filled_like_a_straight_one() {
     let seeds = seeds(&scene);
     let expected = 0.4 / (0.05 * 0.05);
     let found = of(&seeds, Zone::Fluid).len() as f64;
-    // A row at a wall is kept from Δ/4 on: at most a quarter of the wall rows is missing.
+    // Points at least Δ/4 inside a wall are kept, so at most a quarter of the rows at walls is
+    // missing.
     assert!((found / expected - 1.0).abs() < 0.08, "{found} of {expected}");
 }
 
@@ -231,7 +232,7 @@ fn wall_fitted_rows_give_every_particle_the_same_area() {
     let fluid = of(&seeds(&scene), Zone::Fluid);
     let cell = scene.spacing * scene.spacing;
     let area = 4.0e-3 * (2.0 * 2.5e-4 + 4.0e-3 * 3.503_f64.to_radians().tan());
-    // The last column may be cut by the outlet's plane: one column of some 30 rows.
+    // The plane of the outlet may cut the last column, one of about 30 rows.
     assert!((fluid.len() as f64 * cell / area - 1.0).abs() < 0.01, "{}", fluid.len());
     for seed in &fluid {
         let half = 2.5e-4 + seed.position.x * 3.503_f64.to_radians().tan();
@@ -240,7 +241,7 @@ fn wall_fitted_rows_give_every_particle_the_same_area() {
 }
 
 #[test]
-fn seeds_come_in_the_same_order_every_time() {
+fn order_of_the_seeds_is_reproducible() {
     let scene = smoke("constricted_r2.ron");
     let first = seeds(&scene);
     assert_eq!(first, seeds(&scene));
@@ -248,7 +249,7 @@ fn seeds_come_in_the_same_order_every_time() {
 }
 
 #[test]
-fn a_square_bend_is_filled_and_opens_at_both_ends() {
+fn square_bend_is_filled_and_open_at_both_ends() {
     let text = "Scene(title: \"t\", dimensions: 3, spacing: 0.1, smoke: 0.1,
         fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
         scheme: Wcsph(smoothing_ratio: 1.5),
@@ -270,7 +271,8 @@ fn a_square_bend_is_filled_and_opens_at_both_ends() {
     }
     check_uniform(&scene);
     let seeds = seeds(&scene);
-    // Legs of 1 m and an arc of 0.8 · π/2 m, section 4 × 4 cells; the arc's walls cut cells.
+    // Legs of 1 m and an arc of 0.8 · π/2 m with a section of 4 × 4 cells; the walls of the arc cut
+    // cells.
     let expected = 0.16 * (2.0 + 0.8 * std::f64::consts::FRAC_PI_2) / 1e-3;
     let found = of(&seeds, Zone::Fluid).len() as f64;
     assert!((found / expected - 1.0).abs() < 0.08, "{found} of {expected}");
@@ -285,7 +287,7 @@ fn a_square_bend_is_filled_and_opens_at_both_ends() {
 }
 
 #[test]
-fn a_periodic_box_without_walls_is_full() {
+fn periodic_box_without_walls_is_filled_completely() {
     let text = "Scene(title: \"t\", dimensions: 3, spacing: 0.1, smoke: 0.1,
         fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
         domain: Box(min: (-0.3, 0.0, 1.0), max: (0.7, 1.1, 2.2)), periodic: [\"x\", \"y\", \"z\"], walls: None,
@@ -300,7 +302,7 @@ fn a_periodic_box_without_walls_is_full() {
 }
 
 #[test]
-fn jitter_moves_the_fluid_alone_and_always_the_same_way() {
+fn jitter_moves_only_fluid_and_is_reproducible() {
     let even = seeds(&channel(OPENINGS));
     let jittered = |share: &str| {
         let scene = channel(&format!("{OPENINGS} fill: Lattice(jitter: {share}),"));
@@ -322,7 +324,8 @@ fn jitter_moves_the_fluid_alone_and_always_the_same_way() {
         assert!(offset.abs().max_element() <= 0.2 && offset.z == 0.0, "{offset}");
         (squares, sum, count) = (squares + offset.length_squared(), sum + offset, count + 1.0);
     }
-    // Even numbers from −0.2 to 0.2 have the variance 0.2²/3 along each of two axes; 160 particles.
+    // Uniform numbers from −0.2 to 0.2 have the variance 0.2²/3 along each of two axes; 160
+    // particles.
     assert!((squares / count / (2.0 * 0.04 / 3.0) - 1.0).abs() < 0.15, "{}", squares / count);
     assert!((sum / count).length() < 0.03, "{}", sum / count);
     let half = jittered("0.1");
@@ -333,7 +336,7 @@ fn jitter_moves_the_fluid_alone_and_always_the_same_way() {
 }
 
 #[test]
-fn jitter_of_a_periodic_box_stays_in_it() {
+fn jitter_stays_inside_a_periodic_box() {
     let scene = channel("walls: None, periodic: [\"x\", \"y\"], fill: Lattice(jitter: 0.2),");
     let found = seeds(&scene);
     assert_eq!(found.len(), 20 * 8);
@@ -347,7 +350,7 @@ fn jitter_of_a_periodic_box_stays_in_it() {
 }
 
 #[test]
-fn what_will_not_act_or_not_last_is_noted() {
+fn ineffective_pressure_and_draining_inlets_are_noted() {
     let notes = |extra: &str| {
         let scene = channel(extra);
         summary::summary(&scene, &seeds(&scene)).notes.join("\n")
@@ -356,14 +359,14 @@ fn what_will_not_act_or_not_last_is_noted() {
     assert!(!quiet.contains("initial.pressure") && !quiet.contains("filled once"), "{quiet}");
     let pressed = notes(&format!("{OPENINGS} initial: (pressure: \"100*x\"),"));
     assert!(pressed.contains("`initial.pressure` does not reach the fluid"), "{pressed}");
-    // 1 m/s to 1 s from a zone of half a metre.
+    // At 1 m/s a zone of 0.5 m lasts 0.5 s of a run of 1 s.
     let once = OPENINGS.replace("velocity: Normal(1.0)", "velocity: Normal(1.0), feed: Once, depth: 0.5");
     let drained = notes(&once);
     assert!(drained.contains("inlet 0 is filled once") && drained.contains("0.500 s"), "{drained}");
 }
 
 #[test]
-fn volumes_are_estimated_to_two_per_cent_in_thin_shapes_too() {
+fn volume_estimate_is_within_two_per_cent_even_of_thin_shapes() {
     for name in ["square_bend.ron", "quickstart.ron", "duct3d.ron", "cylinder_re20.ron"] {
         let scene = smoke(name);
         let cell = scene.discretisation.cell_volume();

@@ -1,8 +1,10 @@
 //! Tests of whole scenes.
 
+mod builder;
 mod faults;
 mod filling;
 mod mutations;
+mod schema_fields;
 mod sets;
 mod shapes;
 mod shipped;

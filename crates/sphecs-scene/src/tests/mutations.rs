@@ -1,4 +1,4 @@
-//! No panic, whatever the bytes.
+//! Reading any text never panics.
 
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -96,10 +96,11 @@ fn mutated(text: &str, mutations: &[Mutation]) -> String {
     characters.into_iter().collect()
 }
 
-/// Texts of the shipped scenes, at their smoke spacing, so that a sound mutation costs little.
+/// Returns the texts of the shipped scenes at their smoke spacing, so that a readable mutation is
+/// filled quickly.
 fn texts() -> Vec<String> {
     let coarse = |path: &PathBuf| {
-        // The bend fills a box that is all but empty: shorter ducts.
+        // The box of the bend is almost empty: shorter ducts make it smaller.
         let long = path.ends_with("square_bend.ron");
         let short = ["constants.L1", "constants.L2"].map(|name| (name, "0.3"));
         let changes = if long { short.as_slice() } else { &[] };
@@ -108,8 +109,8 @@ fn texts() -> Vec<String> {
     shipped().iter().map(coarse).collect()
 }
 
-/// Texts tried: as many as `PROPTEST_CASES` says; the long version in docs/RELIABILITY.md has a
-/// million.
+/// Returns the number of texts, from `PROPTEST_CASES`; the long version in docs/RELIABILITY.md has
+/// a million.
 fn cases() -> u32 {
     if is_long() { ProptestConfig::default().cases } else { 600 }
 }
@@ -118,19 +119,19 @@ fn is_long() -> bool {
     std::env::var_os("PROPTEST_CASES").is_some()
 }
 
-/// Longest that a text may take where time is looked at, in the long version, which runs this test
-/// alone: s of the processor, since a wall clock knows of other work too.
+/// Largest processor time of a text, s. Only the long version, which runs this test alone, measures
+/// it; a wall clock would include other work.
 const LONGEST: f64 = 1.0;
 
-/// Time that all threads of the process have had of the processors, s.
+/// Returns the processor time of all threads of the process, s.
 fn processor_time() -> f64 {
     let now = clock_gettime(ClockId::ProcessCPUTime);
     now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
-/// Reads a text and fills the scene, or reports what is wrong; whether it is a scene.
+/// Reads a text and fills the scene or renders its faults; returns true if it is a scene.
 fn read_through(text: &str) -> bool {
-    // A tenth of a gigabyte: a finer spacing by mutation must not make a test of minutes.
+    // At 0.1 GB a mutation to a finer spacing is refused instead of taking minutes.
     match Scene::from_text("mutated", text).memory(1e8).load() {
         Ok(scene) => {
             assert!(!seeds(&scene).is_empty());
@@ -160,7 +161,7 @@ fn mutated_scenes_are_read_or_refused() {
         Ok(())
     });
     ran.unwrap_or_else(|failure| panic!("{failure}"));
-    // A mutation of a comment or a number leaves a scene: both ways out are tried.
+    // Mutations of comments or numbers may leave a valid scene, so both outcomes must occur.
     let taken = f64::from(taken.get()) / f64::from(cases());
     assert!(taken > 0.02 && taken < 0.98, "{taken} of the texts are scenes");
 }
@@ -174,14 +175,14 @@ proptest! {
     }
 
     #[test]
-    fn any_set_is_taken_or_refused(path in "[a-z0-9_.]{0,20}", value in any::<String>()) {
+    fn any_set_option_is_accepted_or_refused(path in "[a-z0-9_.]{0,20}", value in any::<String>()) {
         let text = std::fs::read_to_string(super::shipped::path("duct3d.ron")).unwrap();
         let _ = Scene::from_text("set", &text).set(path, value).load();
     }
 }
 
 #[test]
-fn deep_nesting_is_refused_before_the_stack_ends() {
+fn deep_nesting_is_refused_before_the_stack_overflows() {
     for open in ["(", "[", "{", "a(", "(a:", "\"", "/*"] {
         let text = open.repeat(100_000);
         assert!(Scene::from_text("deep", &text).load().is_err());

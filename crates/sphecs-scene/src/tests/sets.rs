@@ -1,4 +1,4 @@
-//! `--set path=value`.
+//! Option `--set path=value`.
 
 use super::shipped::path;
 use crate::faults::SceneErrors;
@@ -9,7 +9,7 @@ fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneErrors> {
     Scene::from_file(path("constricted_r2.ron")).sets(sets).load()
 }
 
-fn sound(sets: &[(&str, &str)]) -> Scene {
+fn loaded(sets: &[(&str, &str)]) -> Scene {
     match with(sets) {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
@@ -18,7 +18,7 @@ fn sound(sets: &[(&str, &str)]) -> Scene {
 
 fn advice(sets: &[(&str, &str)]) -> String {
     let faults = match with(sets) {
-        Ok(_) => panic!("{sets:?} was taken"),
+        Ok(_) => panic!("{sets:?} was accepted"),
         Err(faults) => faults,
     };
     let lines = faults
@@ -29,8 +29,8 @@ fn advice(sets: &[(&str, &str)]) -> String {
 }
 
 #[test]
-fn a_number_is_replaced_and_the_text_keeps_its_comments() {
-    let scene = sound(&[("fluid.sound_speed", "1.0"), ("constants.v0", "0.05")]);
+fn number_is_replaced_and_comments_stay() {
+    let scene = loaded(&[("fluid.sound_speed", "1.0"), ("constants.v0", "0.05")]);
     assert_eq!(scene.fluid.sound_speed, 1.0);
     assert!(scene.text.contains("sound_speed: 1.0"));
     assert!(scene.text.contains("\"v0\": 0.05, // m/s, peak of the inflow"));
@@ -38,14 +38,14 @@ fn a_number_is_replaced_and_the_text_keeps_its_comments() {
 }
 
 #[test]
-fn a_choice_is_replaced() {
-    let scene = sound(&[("outlets.0.condition", "Orlanski(frame: Fixed)")]);
+fn variant_is_replaced() {
+    let scene = loaded(&[("outlets.0.condition", "Orlanski(frame: Fixed)")]);
     assert!(matches!(scene.outlets[0].condition, OutletCondition::Orlanski(_)));
 }
 
 #[test]
-fn a_field_that_the_file_leaves_out_is_put_in() {
-    let scene = sound(&[
+fn field_missing_in_the_file_is_inserted() {
+    let scene = loaded(&[
         ("scheme.tensile_control", "false"),
         ("outlets.0.depth", "0.02"),
         ("precision", "F32"),
@@ -56,7 +56,7 @@ fn a_field_that_the_file_leaves_out_is_put_in() {
     assert!(scene.scheme.wcsph().is_some_and(|scheme| !scheme.tensile_control));
     assert!((scene.outlets[0].patch.depth - 11.0 * 1.9e-3).abs() < 1e-12);
     assert!(scene.text.contains("precision: F32"));
-    // The text as run is itself a scene.
+    // The text as run can be loaded again.
     let again = Scene::from_text("again", &scene.text)
         .load()
         .unwrap_or_else(|faults| panic!("{:?}", miette::Report::new(faults)));
@@ -66,7 +66,7 @@ fn a_field_that_the_file_leaves_out_is_put_in() {
 }
 
 #[test]
-fn a_wrong_path_is_answered_with_the_nearest() {
+fn unknown_path_gets_the_nearest_as_advice() {
     assert!(advice(&[("fluid.sound_sped", "1.0")]).contains("did you mean `sound_speed`"));
     assert!(advice(&[("fluid.sound_sped", "1.0")]).contains("--set fluid.sound_sped"));
     assert!(advice(&[("fluids.viscosity", "1.0")]).contains("did you mean `fluid.viscosity`"));
@@ -82,9 +82,9 @@ fn a_value_of_the_wrong_kind_is_a_fault() {
     assert!(advice(&[("fluid.viscosity", "(")]).contains("never closed"));
 }
 
-/// Expects a value that is in no file to be reported as coming from the command line.
+/// Faults of values that are in no file are attributed to the command line.
 #[test]
-fn a_fault_in_a_value_says_by_which_set_it_came() {
+fn fault_of_a_value_names_its_set_option() {
     let sets = [
         ("fluid.density", "-1"),
         ("outlets.0.condition", "WaveEquation(pressure: Reference())"),
@@ -102,7 +102,7 @@ fn a_fault_in_a_value_says_by_which_set_it_came() {
     ] {
         assert_eq!(all.matches(said).count(), count, "{said} in\n{all}");
     }
-    // The later value stands within the earlier.
+    // The later value lies within the earlier one.
     let within =
         advice(&[("outlets.0.condition", "Orlanski(frame: Fixed)"), ("outlets.0.condition.frame", "Fxed")]);
     assert!(within.contains("--set outlets.0.condition.frame: `Fxed`"), "{within}");

@@ -1,16 +1,16 @@
-//! Properties of signed distances, all shapes at once.
+//! Properties of the signed distances of all shapes.
 
 use glam::{DMat3, DVec2, DVec3};
 use proptest::prelude::{ProptestConfig, Strategy, proptest};
 
 use crate::geometry::Shape;
-use crate::geometry::bend::{Bend, Section};
+use crate::geometry::bend::{Bend, BendSection};
 
 fn cuboid(min: [f64; 3], max: [f64; 3]) -> Shape {
     Shape::Box { min: DVec3::from(min), max: DVec3::from(max) }
 }
 
-fn elbow(section: Section, angle: f64) -> Shape {
+fn elbow(section: BendSection, angle: f64) -> Shape {
     Shape::Bend(Bend {
         center: DVec3::new(0.1, -0.2, 0.0),
         outwards: DVec3::X,
@@ -21,7 +21,7 @@ fn elbow(section: Section, angle: f64) -> Shape {
     })
 }
 
-/// Shapes whose distance is exact on both sides.
+/// Returns the shapes whose distance is exact on both sides.
 fn exact() -> Vec<(&'static str, Shape)> {
     let dart = [[0.0, 0.0], [1.0, -0.5], [0.4, 0.1], [0.9, 0.9]].map(DVec2::from);
     vec![
@@ -44,7 +44,7 @@ fn exact() -> Vec<(&'static str, Shape)> {
     ]
 }
 
-/// Shapes whose distance is exact outside and a lower bound inside.
+/// Returns the shapes whose distance is exact outside and a lower bound inside.
 fn bounded() -> Vec<(&'static str, Shape)> {
     vec![
         (
@@ -54,13 +54,13 @@ fn bounded() -> Vec<(&'static str, Shape)> {
                 cuboid([0.0, -0.2, -0.2], [0.8, 0.2, 0.2]),
             ]),
         ),
-        ("round bend", elbow(Section::Circular(0.25), 1.2)),
-        ("square bend", elbow(Section::Rectangular(0.25, 0.2), 1.9)),
-        ("half turn", elbow(Section::Rectangular(0.25, 0.2), std::f64::consts::PI)),
+        ("round bend", elbow(BendSection::Circular(0.25), 1.2)),
+        ("square bend", elbow(BendSection::Rectangular(0.25, 0.2), 1.9)),
+        ("half turn", elbow(BendSection::Rectangular(0.25, 0.2), std::f64::consts::PI)),
     ]
 }
 
-/// Shapes whose distance is a lower bound on both sides.
+/// Returns the shapes whose distance is a lower bound on both sides.
 fn signed_only() -> Vec<(&'static str, Shape)> {
     let block = cuboid([-0.9, -0.6, -0.5], [0.9, 0.6, 0.5]);
     let ball = Shape::Ball { center: DVec3::new(0.2, 0.3, 0.1), radius: 0.5 };
@@ -81,9 +81,9 @@ fn anywhere() -> impl Strategy<Value = DVec3> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    // Union and its seam give a distance that may jump by the hair of the seam's probe, 1e-9.
+    // The distance of a union may jump at a seam by the offset of its probes, 1e-9.
     #[test]
-    fn a_distance_changes_no_faster_than_the_point_moves(a in anywhere(), b in anywhere()) {
+    fn signed_distance_is_lipschitz_continuous(a in anywhere(), b in anywhere()) {
         for (name, shape) in all() {
             let change = (shape.signed_distance(a) - shape.signed_distance(b)).abs();
             assert!(change <= a.distance(b) * (1.0 + 1e-9) + 1e-8, "{name}: {change} from {a} to {b}");
@@ -91,14 +91,14 @@ proptest! {
     }
 
     #[test]
-    fn a_walk_by_the_distance_ends_on_the_surface(start in anywhere()) {
+    fn nearest_surface_point_lies_on_the_surface(start in anywhere()) {
         let outside = |shape: &Shape| shape.signed_distance(start) > 1e-3;
         for (name, shape) in [exact(), bounded()].concat().into_iter().filter(|(_, s)| outside(s)) {
             let distance = shape.signed_distance(start);
             let surface = shape.nearest_surface(start, 1e-6, 3);
             let off = shape.signed_distance(surface).abs();
-            // Where two surface points are equally near the gradient points between them: more
-            // walks, longer way.
+            // Between two equally near surface points the gradient points to neither, so the path
+            // may be longer.
             let walked = start.distance(surface);
             assert!(off < 1e-6, "{name}: ends {off} off the surface from {start}");
             assert!(walked > distance - 1e-6, "{name}: {walked} is nearer than {distance}");
@@ -106,8 +106,8 @@ proptest! {
     }
 }
 
-/// Distance to the nearest change of sign on rays in many directions: never less than the true
-/// distance.
+/// Returns the distance to the nearest change of sign along many rays, m; it is never less than the
+/// true distance.
 fn brute_force(shape: &Shape, point: DVec3) -> f64 {
     let inside = shape.contains(point, 0.0);
     let mut nearest = f64::INFINITY;
@@ -140,8 +140,7 @@ fn exact_distances_agree_with_brute_force() {
                 continue;
             }
             let found = brute_force(&shape, point);
-            // Steps of 2e-3 and 4000 directions miss the nearest point by a few per cent of the way
-            // at most.
+            // Steps of 2e-3 in 4000 directions overestimate the distance by a few per cent at most.
             assert!(
                 found >= distance.abs() - 1e-9 && found <= distance.abs() * 1.03 + 6e-3,
                 "{name} at {point}: {distance}, by rays {found}"
@@ -151,7 +150,7 @@ fn exact_distances_agree_with_brute_force() {
 }
 
 #[test]
-fn the_seam_of_touching_boxes_is_inside() {
+fn seam_of_touching_boxes_is_inside() {
     let tenth = 0.1 + 0.2;
     let union = Shape::Union(vec![
         cuboid([-0.2, -0.05, f64::NEG_INFINITY], [tenth, 0.05, f64::INFINITY]),
@@ -168,7 +167,7 @@ fn the_seam_of_touching_boxes_is_inside() {
 }
 
 #[test]
-fn bounds_hold_the_shape() {
+fn bounds_contain_the_shape() {
     for (name, shape) in all() {
         let (low, high) = shape.bounds();
         for index in 0..20_000 {

@@ -1,4 +1,4 @@
-//! The scenes under scenes/.
+//! All scenes under scenes/.
 
 use std::path::{Path, PathBuf};
 
@@ -11,8 +11,8 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
 }
 
-/// Paths of all shipped scenes.
-pub fn shipped() -> Vec<PathBuf> {
+/// Returns the paths of all shipped scenes.
+pub(super) fn shipped() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder()).unwrap();
     let mut paths: Vec<PathBuf> = entries
         .map(|entry| entry.unwrap().path())
@@ -22,32 +22,32 @@ pub fn shipped() -> Vec<PathBuf> {
     paths
 }
 
-/// File names of all shipped scenes.
-pub fn names() -> Vec<String> {
+/// Returns the file names of all shipped scenes.
+pub(super) fn names() -> Vec<String> {
     let name = |path: PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
     shipped().into_iter().map(name).collect()
 }
 
-/// Path of a shipped scene.
-pub fn path(name: &str) -> PathBuf {
+/// Returns the path of a shipped scene.
+pub(super) fn path(name: &str) -> PathBuf {
     folder().join(name)
 }
 
-fn sound(scene: Result<Scene, SceneErrors>) -> Scene {
+fn loaded(scene: Result<Scene, SceneErrors>) -> Scene {
     match scene {
         Ok(scene) => scene,
         Err(faults) => panic!("{:?}", miette::Report::new(faults)),
     }
 }
 
-/// A shipped scene.
-pub fn scene(name: &str) -> Scene {
-    sound(Scene::from_file(path(name)).load())
+/// Returns a shipped scene.
+pub(super) fn scene(name: &str) -> Scene {
+    loaded(Scene::from_file(path(name)).load())
 }
 
-/// A shipped scene at its smoke spacing.
-pub fn smoke(name: &str) -> Scene {
-    sound(Scene::from_file(path(name)).smoke().load())
+/// Returns a shipped scene at its smoke spacing.
+pub(super) fn smoke(name: &str) -> Scene {
+    loaded(Scene::from_file(path(name)).smoke().load())
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn every_shipped_scene_loads_and_has_fluid() {
             let summary = summary::summary(&scene, &seeds);
             assert!(summary.by_zone[Zone::Fluid as usize] > 0, "{name}");
             assert!(summary.mach < 0.11 && summary.steps > 100.0, "{name}: {summary:?}");
-            // A wall that misses the middle between rows by more than Δ/4 would cost or gain a row.
+            // A misfit of more than Δ/4 would remove or add a row.
             let misfit = summary.worst_fit.map_or(0.0, |(_, _, misfit)| misfit);
             assert!(misfit < 0.15, "{name}: {summary:?}");
         }
@@ -66,7 +66,7 @@ fn every_shipped_scene_loads_and_has_fluid() {
 }
 
 #[test]
-fn every_shipped_scene_is_ron_for_the_ron_crate() {
+fn every_shipped_scene_parses_with_the_ron_crate() {
     use ron::extensions::Extensions;
     let options = ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES);
@@ -78,7 +78,7 @@ fn every_shipped_scene_is_ron_for_the_ron_crate() {
 }
 
 #[test]
-fn every_shipped_scene_says_what_it_is() {
+fn every_shipped_scene_states_its_runtime_and_purpose() {
     for path in shipped() {
         let text = std::fs::read_to_string(&path).unwrap();
         for needed in ["// Runs for", "// Look at:", "smoke:"] {

@@ -40,7 +40,8 @@ pub fn probe<'a>(probes: &'a [ProbeHistory], pattern: &str) -> Result<Cow<'a, Pr
     }
 }
 
-/// Returns a column of all probes: all at the first time, then all at the next.
+/// Returns a column of all probes, with the values of all probes at the first time before those at
+/// the next.
 fn joined(probes: &[&ProbeHistory], name: &str, times: usize) -> Vec<f64> {
     (0..times)
         .flat_map(|index| probes.iter().filter_map(move |probe| probe.sample(name, index)).flatten().copied())

@@ -4,9 +4,9 @@
 //! value = Σ_i f_i/n,   error = s/√n,   s² = Σ_i (f_i − value)²/(n − 1)
 //! ```
 //!
-//! over the n members of the run. A formula of figures of one ensemble is evaluated member by
-//! member; a formula of several ensembles treats their errors as independent, error² = Σ_k (f(…,
-//! x_k + e_k, …) − f)².
+//! The sums are over the n members of the run. A formula of figures of one ensemble is evaluated
+//! member by member. A formula of several ensembles treats their errors as independent, error² =
+//! Σ_k (f(…, x_k + e_k, …) − f)².
 
 use std::collections::BTreeMap;
 
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn formula_of_one_ensemble_is_evaluated_member_by_member() {
-        // Both rise together: their difference is equal in every member.
+        // Both figures rise together, so their difference is equal in every member.
         let measurements = BTreeMap::from([
             ("a".to_owned(), Measurement::over("r", vec![1.0, 3.0])),
             ("b".to_owned(), Measurement::over("r", vec![2.0, 4.0])),

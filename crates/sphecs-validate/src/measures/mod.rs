@@ -11,7 +11,7 @@
 //!
 //! To add a measure: a variant of `ValueFile` in `schema`, a module here and an arm below.
 //!
-//! A run is an ensemble of one or more members. A figure that needs one run is measured for each
+//! A run is an ensemble of one or more members. A figure of a single run is measured for each
 //! member and averaged.
 
 pub mod ensemble;

@@ -76,7 +76,7 @@ pub fn statistic(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile
 }
 
 /// Times, s, and values of a column.
-type Column<'a> = (&'a [f64], &'a [f64]);
+type SeriesColumn<'a> = (&'a [f64], &'a [f64]);
 
 /// Returns √(Σ (f − f_other)²/Σ f_other²) over the samples of the first column in an interval (s).
 ///
@@ -85,8 +85,8 @@ type Column<'a> = (&'a [f64], &'a [f64]);
 /// # Errors
 /// There is no sample to compare, or the other column is 0 throughout.
 pub fn departure(
-    (times, values): Column<'_>,
-    (other_times, other): Column<'_>,
+    (times, values): SeriesColumn<'_>,
+    (other_times, other): SeriesColumn<'_>,
     over: (f64, f64),
 ) -> Result<f64, String> {
     let (mut squares, mut reference) = (0.0, 0.0);

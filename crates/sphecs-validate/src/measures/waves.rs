@@ -12,8 +12,8 @@ const MIN_SAMPLES: usize = 4;
 
 /// Returns the complex amplitude 2 Σ f exp(−i k x)/N of a wave along a line at each sample.
 ///
-/// The last point of the line is the first of the next period. A single point has its deviation
-/// from the first sample.
+/// The last point of the line is the first of the next period. For a single point the amplitude is
+/// its deviation from the first sample.
 fn amplitudes(probe: &ProbeHistory, column: &[f64], waves: f64) -> Vec<(f64, f64)> {
     if probe.places.len() == 1 {
         return column.iter().map(|value| (value - column[0], 0.0)).collect();

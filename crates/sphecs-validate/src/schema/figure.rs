@@ -220,7 +220,7 @@ pub enum ReferenceFile {
         /// Kinematic viscosity, m²/s.
         viscosity: Number,
     },
-    /// Columns of a CSV file beside the case, interpolated linearly.
+    /// Columns of a CSV file in the folder of the case, interpolated linearly.
     Table {
         /// File.
         file: Text,

@@ -65,7 +65,7 @@ pub enum Tier {
 pub struct RunFile {
     /// Name of the run and of its folder, unique in the case.
     pub name: Text,
-    /// Name of a shipped scene, or the path of a scene beside the case file.
+    /// Name of a shipped scene, or the path of a scene relative to the case file.
     pub scene: Text,
     /// Values changed in the scene, as by `--set`.
     #[serde(default)]

@@ -4,20 +4,20 @@
 //! p_o = p(x_k) + ρ0 (g − dv_in/dt + ν ∇²v_in)·(x_o − x_k),   x_k = x_o − 2 ((x_o − x_plane)·n) n
 //! ```
 //!
-//! The first term is the pressure of the fluid at the mirror image of the particle in the plane of
-//! the inlet, by first-order corrected sums: Negi et al. (2020), Eq. 22. The second carries it back
-//! over the distance by the pressure gradient that the prescribed motion needs. Extrapolating the
-//! sampled gradient instead would multiply its noise by the distance.
+//! The first term is the pressure of the fluid at the mirror image of the particle in the plane. It
+//! is a first-order corrected sum: Negi et al. (2020), Eq. 22. The second continues it to the
+//! particle by the pressure gradient that the prescribed motion needs. Extrapolating the sampled
+//! gradient instead would multiply its noise by the distance.
 //!
 //! The pressure of a particle follows p_o over the time in which sound travels two spacings. If it
-//! followed at once, the inlet would be a wall that reflects sound with a gain, because the sums
-//! extrapolate where the first layer of fluid is away from the plane: Poiseuille flow at c0 = 2 m/s
-//! diverged when its first particles came to cross. A wall whose pressure lags yields to the wave
-//! and absorbs its energy: the flow stays within 0.1 % of the series.
+//! followed at once, the inlet would reflect sound with a gain, because the sums extrapolate where
+//! the first layer of fluid is away from the plane. Poiseuille flow at c0 = 2 m/s then diverged
+//! when its first particles crossed the plane. An inlet whose pressure lags yields to the wave and
+//! absorbs its energy. The flow then stays within 0.1 % of the series.
 
 use super::InletMethod;
 use super::inflow_zone::InflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 
 /// Time over which an extrapolated pressure is followed, in travel times of sound over Δ.
 const LAG: f64 = 2.0;
@@ -27,7 +27,7 @@ const LAG: f64 = 2.0;
 pub struct Extrapolated;
 
 impl InletMethod for Extrapolated {
-    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
         let lag = LAG * zone.spacing / zone.sound_speed;
         let share = zone.time_step / (zone.time_step + lag);
         zone.fit_mirrored_pressure();

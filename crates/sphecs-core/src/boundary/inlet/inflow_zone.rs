@@ -5,15 +5,15 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use crate::boundary::patch::Patch;
 use crate::math::grid::CellGrid;
-use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
 use crate::pass::fits::{PointFit, PointFlow};
+use crate::pass::pair_real::PairReal;
 use crate::pass::points::PointFlows;
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
 
-/// Smallest number of inflow particles per thread: a profile may be an expression.
+/// Smallest number of inflow particles per thread, as a profile may be an expression.
 const CHUNK: usize = 32;
 
 /// Motion that a scene prescribes for the particles of an inlet.
@@ -26,8 +26,8 @@ pub trait InflowMotion: Sync {
     fn pressure_force(&self, point: DVec3) -> DVec3;
 }
 
-/// Inflow particles of one inlet, with what a condition may read and write.
-pub struct InflowZone<'a, R: Real, const D: usize> {
+/// Inflow particles of one inlet, with the data that a condition may read and write.
+pub struct InflowZone<'a, R: PairReal<D>, const D: usize> {
     /// Opening of the inlet.
     pub patch: &'a Patch,
     /// Rows of the inflow particles in the arrays.
@@ -42,7 +42,7 @@ pub struct InflowZone<'a, R: Real, const D: usize> {
     pub sound_speed: f64,
     /// Size of the last time step, s.
     pub time_step: f64,
-    /// True in the first step of a run, in which pressures have no past.
+    /// True in the first step of a run, before which there are no pressures.
     pub is_first_step: bool,
     /// Settings of the pair sums.
     pub pair: &'a PairSettings,
@@ -73,7 +73,7 @@ struct InflowState {
     density: Option<f64>,
 }
 
-impl<R: Real, const D: usize> InflowZone<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
     /// Fits the pressure of the fluid at the mirror images of the inflow particles in the plane.
     pub fn fit_mirrored_pressure(&mut self) {
         let InflowBuffers { fits, .. } = &mut *self.buffers;
@@ -88,7 +88,7 @@ impl<R: Real, const D: usize> InflowZone<'_, R, D> {
     /// Sets velocity, pressure and density of all rows.
     ///
     /// `pressure` gives the pressure (Pa) from the fit of a row, its position (m) and its own
-    /// pressure (Pa). The particle's pressure follows it by `share`; it takes it at once in the
+    /// pressure (Pa). The pressure of the particle follows it by `share`, and equals it in the
     /// first step and after the particle entered the zone.
     pub fn set(&mut self, share: f64, pressure: impl Fn(Option<PointFlow>, DVec3, f64) -> f64 + Sync) {
         let InflowBuffers { fits, states } = &mut *self.buffers;

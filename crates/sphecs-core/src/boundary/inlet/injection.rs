@@ -6,11 +6,11 @@
 //!                 of the section, particles Δ^D/w^(D−1) apart
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Fig. 1, for the first. A lattice oblique to a sheared inflow
-//! has no two particles on one streamline: each has a speed of its own. In a zone where no force
-//! separates them the faster ones approach the slower ones until they clump (a channel turned by
-//! 20° diverged after 5 s). In lines along the flow all have one speed. The lattice that fills an
-//! oblique zone at the start is advected out, and lines follow.
+//! The first case is that of Alvarado-Rodríguez et al. (2017), Fig. 1. On a lattice oblique to a
+//! sheared inflow no two particles share a streamline, so each has its own speed. No force in the
+//! zone separates them, and the faster ones approach the slower ones until they clump (a channel
+//! rotated by 20° diverged after 5 s). In lines along the flow all particles have one speed. The
+//! lattice that fills an oblique zone at the start is advected out, and lines follow.
 //!
 //! A zone that is filled once, Alvarado-Rodríguez et al. (2017), Sec. 5.3, takes no particles. It
 //! is drained when the zone behind a particle that crosses is shorter than the kernel's support,
@@ -20,7 +20,7 @@ use glam::DVec3;
 
 use crate::boundary::patch::Patch;
 
-/// Tells whether the zone of an inlet that is filled once is drained behind a particle that
+/// Returns true if the zone of an inlet that is filled once is drained behind a particle that
 /// crossed.
 ///
 /// `crossed` is its position, `positions` are those of the particles in the zone, `spacing` is Δ
@@ -35,7 +35,7 @@ pub fn is_drained(
         let offset = at - crossed;
         patch.across.iter().map(|across| offset.dot(*across).abs()).fold(0.0, f64::max)
     };
-    // Its own line and the halves of those beside it.
+    // Its own line and half of each adjacent line.
     let behind = positions.filter(|at| aside(*at) <= spacing).map(|at| patch.along(at));
     behind.fold(f64::INFINITY, f64::min) > -support
 }
@@ -71,7 +71,7 @@ impl InflowLine {
         line
     }
 
-    /// Tells whether a point lies in the line, anywhere along it.
+    /// Returns true if a point lies in the line, anywhere along it.
     pub fn holds(&self, patch: &Patch, point: DVec3) -> bool {
         (0..2).all(|side| {
             ((point - patch.at).dot(patch.across[side]) - self.axis[side]).abs() <= self.half_width[side]
@@ -101,7 +101,7 @@ mod tests {
         let point = patch.at + patch.across[0] * 0.023 + patch.towards * 0.001;
         let line = InflowLine::of(&patch, point, 0.01);
         assert!(line.holds(&patch, point) && !line.holds(&patch, point + patch.across[0] * 0.011));
-        // 16 lines of 0.010125 m: a particle's volume is Δ².
+        // There are 16 lines of 0.010125 m; the volume of a particle is Δ².
         assert!((line.pitch * 2.0 * line.half_width[0] - 1e-4).abs() < 1e-15);
         assert_eq!(line.vacancies(&patch, -5.0 * line.pitch).count(), 0, "the zone is 5.06 pitches long");
         let positions: Vec<DVec3> = line.vacancies(&patch, -2.0 * line.pitch + 0.001).collect();

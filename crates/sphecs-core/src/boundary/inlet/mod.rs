@@ -7,7 +7,7 @@
 //! - [`inflow_zone`]: the zone of inflow particles that a condition works on
 //!
 //! The velocity of an inflow is an expression or table of the scene. To add a condition of the
-//! pressure: a file, a variant of [`InletPressure`] and its arms below, and the source in
+//! pressure, add a file, a variant of [`InletPressure`], its arms below, and the source in
 //! docs/REFERENCES.md.
 
 pub mod extrapolated;
@@ -18,7 +18,7 @@ pub mod prescribed;
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 use extrapolated::Extrapolated;
 use inflow_zone::InflowZone;
@@ -27,10 +27,10 @@ use prescribed::Prescribed;
 /// Supply of an inflow zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Feed {
-    /// One particle enters for each that crosses the plane: the zone stays full.
+    /// One particle enters for each that crosses the plane, so the zone stays full.
     #[default]
     Fed,
-    /// The zone is filled once and drained, as a cylinder by its piston. The run stops when the
+    /// The zone is filled once and drained, like a cylinder by a piston. The run stops when the
     /// zone behind a particle that crosses is shorter than the kernel's support.
     Once,
 }
@@ -62,10 +62,10 @@ macro_rules! with_pressure {
     };
 }
 
-/// A condition of the inflow pressure.
+/// Condition of the inflow pressure.
 pub trait InletMethod {
     /// Sets velocity, pressure and density of the inflow particles at the present time.
-    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>);
 
     /// Returns the parameters that the condition cannot work with.
     fn faults(&self) -> Vec<ParameterFault> {
@@ -75,7 +75,7 @@ pub trait InletMethod {
 
 impl InletPressure {
     /// Sets velocity, pressure and density of the inflow particles at the present time.
-    pub fn apply<R: Real, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
+    pub fn apply<R: PairReal<D>, const D: usize>(self, zone: &mut InflowZone<'_, R, D>) {
         with_pressure!(self, method => method.apply(zone));
     }
 

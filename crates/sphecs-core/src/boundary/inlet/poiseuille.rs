@@ -5,15 +5,15 @@
 //!         − Σ_n 16 (−1)^n d² f/(ν π³ (2n+1)³) cos((2n+1)πy/(2d)) exp(−(2n+1)² π² ν t/(4d²))
 //! ```
 //!
-//! Morris et al. (1997), as in Alvarado-Rodríguez et al. (2017), Eq. 31, for walls at y = ± d and a
-//! force per mass f along the flow. The paper's F is −f: with F = −2 ν v0/d² its series is this
-//! one.
+//! This is the series of Morris et al. (1997), as in Alvarado-Rodríguez et al. (2017), Eq. 31. The
+//! walls are at y = ± d, and f is the force per mass along the flow. With F = −f = −2 ν v0/d² their
+//! series is this one.
 
 use std::f64::consts::PI;
 
-/// Returns the velocity, m/s, at a distance `y` (m) from the middle and a time `t` (s) between
-/// walls at ± `half_width` (m), for a force per mass `body_force` (m/s²) and a kinematic viscosity
-/// (m²/s). It is 0 outside the gap.
+/// Returns the velocity, m/s, at a distance `y` (m) from the centre and a time `t` (s). The walls
+/// are at ± `half_width` (m); `body_force` is per mass (m/s²), the viscosity kinematic (m²/s). It
+/// is 0 outside the gap.
 pub fn startup_velocity(y: f64, t: f64, half_width: f64, body_force: f64, viscosity: f64) -> f64 {
     let d = half_width;
     if y.abs() >= d || t <= 0.0 {

@@ -6,7 +6,7 @@
 
 use super::InletMethod;
 use super::inflow_zone::InflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// The given pressure, Pa.
@@ -14,7 +14,7 @@ use crate::physics::parameter_fault::ParameterFault;
 pub struct Prescribed(pub f64);
 
 impl InletMethod for Prescribed {
-    fn apply<R: Real, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
         let pressure = self.0;
         zone.set(1.0, |_, _, _| pressure);
     }

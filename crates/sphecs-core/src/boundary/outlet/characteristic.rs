@@ -8,20 +8,20 @@
 //!
 //! Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009). The velocity components in the
 //! plane keep the values of the crossing; a particle moves along the normal with v_n. Particles
-//! without fluid in their support take the mean J2 of the others, in the same step; as published,
-//! that of the step before.
+//! without fluid in their support take the mean J2 of the others in the same step; as published, in
+//! the previous step.
 //!
-//! * The impedance is ρ0 c0 throughout; the paper has the local density. They differ by the Mach
+//! * The impedance is ρ0 c0 throughout; the paper has the local density, which differs by the Mach
 //!   number squared.
 //! * J1 = −c0² (ρ − ρ0) + (p − p_ref), which gives the density, is not carried. The density follows
 //!   from the pressure (`Wcsph`, for which J1 is of second order) or from the positions
 //!   (`EdacTvf`).
-//! * A stream whose velocity is not u_ref is sound to the condition: it keeps a pressure of ρ0 c0
-//!   (v_n − u_ref). So the references have no default. A vortex is sound as well: its pressure at
-//!   the outlet is wrong by ½ ρ0 c0 v'.
+//! * The condition takes a stream whose velocity is not u_ref for sound: it keeps a pressure of ρ0
+//!   c0 (v_n − u_ref). So the references have no default. It takes a vortex for sound as well,
+//!   whose pressure at the outlet is wrong by ½ ρ0 c0 v'.
 //! * Backflow meets the pressure of J2, not that of a real inflow. It enters with the tangential
-//!   velocity of the particle before it, since entropy and vorticity of the surroundings are not
-//!   known. A uniform stream inwards is preserved if u_ref is its velocity (tests/outlets.rs).
+//!   velocity of the outflow particle, since entropy and vorticity of the surroundings are not
+//!   known. A uniform inflow is preserved if u_ref is its velocity (tests/outlets.rs).
 
 use std::iter::empty;
 
@@ -30,11 +30,11 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::pass::fits::PointFit;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
-/// Parameters of the condition. They have no default: a stream of another velocity than this has a
+/// Parameters of the condition. They have no default, since a stream of another velocity gets a
 /// pressure of ρ0 c0 times the difference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -69,7 +69,7 @@ impl OutletParameters for Characteristic {
 impl OutletMethod for Characteristic {
     type Memory = ();
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let (normal, impedance, references) = (zone.normal(), zone.flow.impedance(), self.references());
         // The impedance is the same for all, so that the mean of J2 is that of velocity and
         // pressure.

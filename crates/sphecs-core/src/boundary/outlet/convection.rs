@@ -9,24 +9,23 @@
 //!
 //! The convective velocity of the wave equation, Alvarado-Rodríguez et al. (2017), Eq. 30, is a
 //! kernel mean. Here it is the velocity of the fluid next to the plane, by a fit that preserves its
-//! profile, and constant along the normal, as Negi et al. (2020), Eqs. 17 and 18, move their
-//! outflow particles. So the zone moves as a bundle of rods: the fluid that crosses the plane is
-//! carried off at the speed with which it arrives. Nothing accumulates and no gap opens, whether
-//! the flow starts from rest or a vortex sends it back through the lower half of the outlet. With
-//! the frozen velocity of each particle the zone at rest blocks the flow, and a vortex cannot
-//! leave.
+//! profile. It is constant along the normal, as in Negi et al. (2020), Eqs. 17 and 18. So the zone
+//! moves as a bundle of rods: the fluid that crosses the plane is carried off at the speed with
+//! which it arrives. Nothing accumulates and no gap opens, whether the flow starts from rest or a
+//! vortex sends it back through the lower half of the outlet. With the frozen velocity of each
+//! particle the zone at rest blocks the flow, and a vortex cannot leave.
 //!
-//! The second term is the outgoing characteristic J2 = p + ρ0 c0 v_n, which must be equal on both
-//! sides of the plane: where the pressure of the fluid exceeds that of the zone, the rods yield.
-//! Without it the rods repeat the motion of the fluid and nothing holds its density.
+//! The second term makes the outgoing characteristic J2 = p + ρ0 c0 v_n equal on both sides of the
+//! plane. Where the pressure of the fluid exceeds that of the zone, the rods yield. Without it the
+//! rods repeat the motion of the fluid, and nothing controls its density.
 //!
-//! Backflow is drawn from a reservoir at rest, so the sum of static and dynamic pressure is the
-//! outlet's: the directional condition of Braack & Mucha (2014). With the static pressure alone a
-//! backflow amplifies itself. An outlet whose pressure is frozen or relaxed has no such level and
-//! uses p unchanged.
+//! Backflow is drawn from a reservoir at rest, so the sum of static and dynamic pressure equals the
+//! outlet pressure. This is the directional condition of Braack & Mucha (2014). With the static
+//! pressure alone a backflow amplifies itself. An outlet whose pressure is frozen or relaxed has no
+//! such level and uses p unchanged.
 
-/// Returns the convective velocity v̄_n, m/s, from normal velocity (m/s) and pressure (Pa) of the
-/// fluid at the foot, the pressure of the zone (Pa) and the impedance ρ0 c0 (kg/(m² s)).
+/// Returns the convective velocity v̄_n, m/s. Arguments: normal velocity (m/s) and pressure (Pa) of
+/// the fluid at the foot, pressure of the zone (Pa), impedance ρ0 c0 (kg/(m² s)).
 pub fn convective_velocity(
     fluid_velocity: f64,
     fluid_pressure: f64,
@@ -36,7 +35,7 @@ pub fn convective_velocity(
     fluid_velocity + (fluid_pressure - zone_pressure) / impedance
 }
 
-/// Returns the pressure of an outflow particle, Pa: that of the outlet, less the dynamic pressure
+/// Returns the pressure of an outflow particle, Pa: the outlet pressure minus the dynamic pressure
 /// of backflow.
 pub fn backflow_pressure(pressure: f64, convective_velocity: f64, density: f64) -> f64 {
     let back = convective_velocity.min(0.0);

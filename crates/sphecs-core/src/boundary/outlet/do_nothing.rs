@@ -5,10 +5,10 @@
 //! ```
 //!
 //! Negi et al. (2020), Eqs. 14–16: ∂u/∂t + u ∂u/∂x = 0 for the fields that a particle carries,
-//! after Federico et al. (2012). It moves along the normal n of the outlet only, with its own
-//! normal velocity.
+//! after Federico et al. (2012). A particle moves along the normal n of the outlet only, with its
+//! own normal velocity.
 //!
-//! Consequences: the initial state of the zone stays. A zone at rest blocks a flow that starts from
+//! The initial state of the zone stays. Therefore a zone at rest blocks a flow that starts from
 //! rest until the fluid pushes its own particles across. Acoustic waves are reflected, since
 //! neither pressure nor velocity of the zone responds. A particle that has crossed never returns,
 //! so that a vortex loses its backflow. Nothing anchors the pressure. Particles of one column cross
@@ -22,7 +22,7 @@ use glam::DVec3;
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 
 /// The condition; it has no parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl OutletParameters for DoNothing {
 impl OutletMethod for DoNothing {
     type Memory = ();
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let normal = zone.normal();
         for &row in zone.rows {
             let (velocity, pressure) = zone.state(row as usize);

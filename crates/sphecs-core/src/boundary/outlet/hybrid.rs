@@ -6,32 +6,32 @@
 //! v_o = v̄_n,o + J2/(2 ρ0 c0),   p_o = p̄_o + J2/2,   v̄_o, p̄_o those of the crossing
 //! ```
 //!
-//! Negi et al. (2020), Eqs. 28–31. Their mean is that of the last N steps, with N about the number
-//! of steps in which sound travels one spacing (Eq. 29: 4, they take 6). Here it is the recursive
-//! mean of the same mean age, (N − 1)/2 steps: one value per particle instead of N. The threshold
-//! is that of the acoustic intensity p²/(2 ρ c), Eq. 30, about a reference pressure p_ref of the
-//! scene: a duct whose outlet is not at 0 Pa would otherwise be sound throughout. Tangential
+//! Negi et al. (2020), Eqs. 28–31. Their mean is over the last N steps, with N about the number of
+//! steps in which sound travels one spacing (4 by Eq. 29; they take 6). Here it is the recursive
+//! mean of the same mean age, (N − 1)/2 steps, which needs one value per particle instead of N. The
+//! threshold is one of acoustic intensity, p²/(2 ρ c), Eq. 30, relative to a reference pressure
+//! p_ref of the scene. Without it the mean pressure of a duct would count as sound. Tangential
 //! velocities are not averaged.
 //!
-//! Only fluid within reach of the outlet has means. A particle that comes within reach has the mean
-//! sound of those already there. So a flow that is never below the threshold, such as one that
-//! starts at once, keeps its initial base flow. Particles of the zone without fluid in their
-//! support take the mean J2 of the others, in the same step. The authors switch the sound off for
-//! twenty steps at the start; this is not needed here, since the first mean is the flow itself.
+//! Only fluid within reach of the outlet has means. A particle that comes within reach gets the
+//! mean acoustic part of the particles there. So a flow that is never below the threshold, such as
+//! one that starts at once, keeps its initial base flow. Particles of the zone without fluid in
+//! their support take the mean J2 of the others, in the same step. The authors switch the sound off
+//! for twenty steps at the start; this is not needed here, since the first mean is the flow itself.
 //!
-//! A pressure that remains below the threshold becomes base flow and stays: the weak tail of a
-//! strong pulse becomes a permanent offset.
+//! A pressure that remains below the threshold becomes base flow. So the weak tail of a strong
+//! pulse becomes a permanent offset.
 
 use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutletMethod, OutletParameters, References};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
-/// Length beyond the support, in spacings, over which the condition averages the fluid: a particle
-/// that crosses has been averaged long enough for its mean to settle.
+/// Length beyond the support, in spacings, over which the condition averages the fluid, so that the
+/// mean of a crossing particle has settled.
 const AVERAGED_LAYERS: f64 = 3.0;
 
 /// Parameters of the condition.
@@ -108,7 +108,11 @@ impl OutletParameters for Hybrid {
 impl OutletMethod for Hybrid {
     type Memory = HybridMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut HybridMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut HybridMemory,
+    ) {
         self.average_upstream(zone, memory);
         let (normal, impedance) = (zone.normal(), zone.flow.impedance());
         let upstream = zone.upstream.iter().map(|&row| row as usize);
@@ -132,7 +136,7 @@ impl OutletMethod for Hybrid {
 
 impl Hybrid {
     /// Updates the means of the fluid within reach and finds its J2.
-    fn average_upstream<R: Real, const D: usize>(
+    fn average_upstream<R: PairReal<D>, const D: usize>(
         &self,
         zone: &OutflowZone<'_, R, D>,
         memory: &mut HybridMemory,
@@ -177,7 +181,7 @@ impl Hybrid {
 
 /// Returns the speed of the threshold, m/s: the time mean of the inflow speed, or of the scene's
 /// reference velocity if nothing flows in.
-fn inflow_speed<R: Real, const D: usize>(
+fn inflow_speed<R: PairReal<D>, const D: usize>(
     zone: &OutflowZone<'_, R, D>,
     share: f64,
     memory: &mut HybridMemory,
@@ -209,8 +213,8 @@ pub fn share(steps: f64) -> f64 {
     2.0 / (steps + 1.0)
 }
 
-/// Tells whether a pressure (Pa, less the reference pressure) counts as sound: it is at least ½ ρ0
-/// u², density in kg/m³, velocity in m/s.
+/// Returns true if a pressure (Pa, less the reference pressure) counts as sound: it is at least ½
+/// ρ0 u², density in kg/m³, velocity in m/s.
 pub fn is_sound(pressure: f64, density: f64, velocity: f64) -> bool {
     pressure.abs() >= 0.5 * density * velocity * velocity
 }
@@ -241,7 +245,7 @@ mod tests {
 
     #[test]
     fn the_recursive_mean_has_the_age_of_the_mean_over_steps() {
-        // Behind a ramp of one per step the mean of the last six lags by 2.5.
+        // On a ramp of one per step the mean of the last six lags by 2.5.
         let mut average = Average::default();
         for step in 0..200 {
             average.follow(f64::from(step), 2.0 * f64::from(step), share(6.0));

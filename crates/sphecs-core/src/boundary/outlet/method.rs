@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameters of an outlet condition, as a scene states them.
@@ -22,13 +22,12 @@ pub trait OutletParameters: Debug + Send + Sync {
         Needs::default()
     }
 
-    /// Returns velocity and pressure that the scene states for the surroundings; 0 where it states
-    /// none.
+    /// Returns velocity and pressure of the surroundings that the scene gives; 0 by default.
     fn references(&self) -> References {
         References::default()
     }
 
-    /// Returns the parameters that the condition cannot work with.
+    /// Returns the parameters that are out of range.
     fn faults(&self) -> Vec<ParameterFault> {
         Vec::new()
     }
@@ -44,10 +43,14 @@ pub trait OutletMethod: OutletParameters + Clone + 'static {
 
     /// Sets velocity and pressure of the outflow particles and the speed at which they move: calls
     /// [`OutflowZone::set`] once for each row of the zone, in their order.
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut Self::Memory);
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut Self::Memory,
+    );
 
     /// Finds acceleration and shifting vector of the outflow particles; by default both are 0.
-    fn find_rates<R: Real, const D: usize>(
+    fn find_rates<R: PairReal<D>, const D: usize>(
         &self,
         zone: &mut OutflowZone<'_, R, D>,
         _memory: &mut Self::Memory,

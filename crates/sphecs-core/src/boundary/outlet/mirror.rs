@@ -7,18 +7,18 @@
 //! Printed   f_o = f_k − (x_o − x_k)·∇f_k             Eq. 24
 //! ```
 //!
-//! Equations of Negi et al. (2020).
+//! The equation numbers are those of Negi et al. (2020).
 //!
 //! f_k and ∇f_k are fitted to the fluid alone by a linear basis (`pass/fits.rs`). Negi et al.
 //! (2020), Eq. 22, after Liu & Liu (2006), take W and ∇W as test functions, the fit takes W and (x
 //! − x_k) W. Both are exact for a linear field wherever the support is cut, and the second matrix
 //! is symmetric.
 //!
-//! Eq. 24 is meant to have no gradient at the plane. It does not: f = a + b s becomes a − 3 b s
-//! beyond it, the slope reversed and trebled (test `a_linear_field_is_continued_by_each_variant`).
-//! `Neumann` has no gradient; `Linear` continues the field and anchors nothing. A particle moves
-//! along the normal with the extrapolated normal velocity, and takes the other components too. No
-//! variant anchors the pressure.
+//! Eq. 24 is meant to have no gradient at the plane, but has one. The field f = a + b s becomes a −
+//! 3 b s beyond the plane, with the slope reversed and trebled (test
+//! `a_linear_field_is_continued_by_each_variant`). `Neumann` has no gradient; `Linear` continues
+//! the field and anchors nothing. A particle moves along the normal with the extrapolated normal
+//! velocity, and takes the other components too. No variant anchors the pressure.
 
 use std::iter::empty;
 
@@ -28,8 +28,8 @@ use serde::{Deserialize, Serialize};
 use super::do_nothing::frozen;
 use super::method::{OutflowState, OutletMethod, OutletParameters};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::pass::fits::{Image, PointFit};
+use crate::pass::pair_real::PairReal;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,7 +62,7 @@ impl OutletMethod for Mirror {
     type Memory = ();
 
     /// Sets each particle from its image; one whose image is not in the fluid keeps its state.
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let (normal, patch) = (zone.normal(), zone.patch);
         zone.fit_fluid(PointFit::Image { normal }, |point| patch.mirrored(point), empty());
         for (at, &row) in zone.rows.iter().enumerate() {

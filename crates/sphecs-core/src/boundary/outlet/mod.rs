@@ -13,10 +13,10 @@
 //! - [`wave_equation`]: outgoing wave equation with transverse diffusion
 //! - [`outflow_zone`]: the zone of outflow particles that a condition works on
 //!
-//! To add a condition: a file with a parameter type that implements [`OutletParameters`] and
-//! [`OutletMethod`], a variant of [`OutletCondition`] and an arm of its dispatch below, and the
-//! source in docs/REFERENCES.md. A plugin adds a condition without any of these, under a name for
-//! [`OutletCondition::Custom`].
+//! To add a condition: write a file with a parameter type that implements [`OutletParameters`] and
+//! [`OutletMethod`]. Add a variant of [`OutletCondition`], an arm of its dispatch and a line of
+//! [`parameters`] below, and the source in docs/REFERENCES.md. A plugin adds a condition without
+//! any of these, under a name for [`OutletCondition::Custom`].
 
 pub mod characteristic;
 pub mod convection;
@@ -41,6 +41,18 @@ use mirror::Mirror;
 use modified_do_nothing::ModifiedDoNothing;
 use orlanski::Orlanski;
 use wave_equation::WaveEquation;
+
+/// Parameters of the conditions, for scenes that are described in Rust.
+pub mod parameters {
+    pub use super::characteristic::Characteristic;
+    pub use super::hybrid::Hybrid;
+    pub use super::mirror::{Mirror, MirrorVariant};
+    pub use super::modified_do_nothing::{ModifiedDoNothing, ShownVelocity};
+    pub use super::orlanski::Orlanski;
+    pub use super::pressure::{OutletPressure, Waves};
+    pub use super::wave_equation::WaveEquation;
+    pub use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator};
+}
 
 /// Condition at an outlet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,7 +124,7 @@ impl OutletCondition {
 }
 
 impl Default for OutletCondition {
-    /// Returns the condition that the comparison in docs/which_outlet.md recommends for both
+    /// Returns the condition that docs/book/src/guides/choosing_an_outlet.md recommends for both
     /// schemes.
     fn default() -> Self {
         OutletCondition::WaveEquation(WaveEquation::default())

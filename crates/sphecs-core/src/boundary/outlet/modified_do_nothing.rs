@@ -5,18 +5,18 @@
 //! v_o(n) = v_o(n−1),   p_o(n) = p_o(n−1)
 //! ```
 //!
-//! Negi et al. (2020), Eqs. 17 and 18, with volumes in the mean: in single precision and for
-//! disordered particles they are more accurate than bare kernels. Particles without fluid in their
-//! support take the mean v_ex of the others, in the same step. The zone moves along the normal
-//! only.
+//! These are Eqs. 17 and 18 of Negi et al. (2020), with volumes in the mean. In single precision
+//! and for disordered particles volumes are more accurate than bare kernels. Particles without
+//! fluid in their support take the mean v_ex of the others, in the same step. The zone moves along
+//! the normal only.
 //!
 //! With `shown: Frozen`, as published, the fluid sees the velocity of the crossing, which is not
-//! the velocity of the motion. One might expect that the pressure of `EdacTvf`, which the
-//! divergence drives, should rather see v_ex, `shown: Carried`. The opposite is true. A zone that
-//! yields to an acoustic wave as the fluid does, under a pressure that stays, is the open end of a
-//! pipe and reflects a pulse fully. If its velocity stays as well, it is half an open and half a
-//! closed end (docs/outlets.md has the figures). Under `Wcsph`, whose pressure follows from
-//! densities, both are the same open end.
+//! the velocity of the motion. One might expect v_ex, `shown: Carried`, to suit the pressure of
+//! `EdacTvf` better, since the divergence drives it. The opposite is true. A zone whose particles
+//! follow an acoustic wave under a constant pressure is the open end of a pipe and reflects a pulse
+//! fully. With a constant velocity as well, it is half an open and half a closed end (figures:
+//! docs/notebook/2026-11-24-outlets.md). Under `Wcsph`, whose pressure follows from densities, both
+//! are the same open end.
 //!
 //! The zone starts with the flow, so nothing blocks it; the pressure has no anchor.
 
@@ -27,19 +27,19 @@ use serde::{Deserialize, Serialize};
 
 use super::method::{Needs, OutflowState, OutletMethod, OutletParameters};
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
 use crate::pass::fits::PointFit;
+use crate::pass::pair_real::PairReal;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModifiedDoNothing {
-    /// Normal velocity that the fluid sees of the outflow particles.
+    /// Normal velocity of the outflow particles in the sums of the fluid.
     #[serde(default)]
     pub shown: ShownVelocity,
 }
 
-/// Normal velocity that the fluid sees of the zone.
+/// Normal velocity of the zone in the sums of the fluid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ShownVelocity {
     /// The velocity of the crossing, as published.
@@ -62,7 +62,7 @@ impl OutletParameters for ModifiedDoNothing {
 impl OutletMethod for ModifiedDoNothing {
     type Memory = ();
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
+    fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, _memory: &mut ()) {
         let normal = zone.normal();
         zone.fit_fluid(PointFit::Mean { normal }, |point| point, empty());
         let others = zone.mean_fitted(|flow| flow.velocity).unwrap_or(zone.adjacent.velocity);

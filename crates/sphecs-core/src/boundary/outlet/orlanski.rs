@@ -13,7 +13,7 @@ use super::method::{Advanced, OutflowMotion, OutletMethod, OutletParameters, Ref
 use super::outflow_zone::OutflowZone;
 use super::pressure::OutletPressure;
 use super::wave_equation::{WaveCondition, WaveMemory};
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 use crate::physics::wave_sums::ReferenceFrame;
 
@@ -52,11 +52,19 @@ impl OutletParameters for Orlanski {
 impl OutletMethod for Orlanski {
     type Memory = WaveMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().apply(zone, memory);
     }
 
-    fn find_rates<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn find_rates<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().find_rates(zone, memory);
     }
 

@@ -6,17 +6,17 @@ use super::method::OutflowState;
 use crate::boundary::flow::FlowProperties;
 use crate::boundary::patch::Patch;
 use crate::math::grid::CellGrid;
-use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
 use crate::pass::fits::{PointFit, PointFlow};
+use crate::pass::pair_real::PairReal;
 use crate::pass::points::PointFlows;
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
 
-/// Travel times of sound through the domain, along the outlet's normal, after which acoustic waves
-/// that an outlet transmits have left. Shorter, and the resonance of an inlet with a throat is
-/// hardly damped; longer, and the start takes longer to settle.
+/// Travel times of sound through the domain, along the normal of the outlet, after which
+/// transmitted acoustic waves have left. A shorter time hardly damps the resonance of an inlet with
+/// a throat; a longer one prolongs the start-up.
 const SETTLING_PASSAGES: f64 = 4.0;
 
 /// Returns the time after which acoustic waves have left a domain of this extent (m), s.
@@ -24,8 +24,8 @@ pub fn settling_time(extent: f64, sound_speed: f64) -> f64 {
     SETTLING_PASSAGES * extent / sound_speed
 }
 
-/// Outflow particles of one outlet, with what a condition may read and write.
-pub struct OutflowZone<'a, R: Real, const D: usize> {
+/// Outflow particles of one outlet, with the data that a condition may read and write.
+pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     /// Properties of the flow and of the domain.
     pub flow: FlowProperties<'a>,
     /// Opening of the outlet.
@@ -34,7 +34,7 @@ pub struct OutflowZone<'a, R: Real, const D: usize> {
     pub extent: f64,
     /// Rows of the outflow particles in the arrays.
     pub rows: &'a [u32],
-    /// Rows of the fluid upstream that the condition asked for in its
+    /// Rows of the fluid upstream that the condition requested in its
     /// [`Needs`](super::method::Needs), else empty.
     pub upstream: &'a [u32],
     /// Rows of the inflow particles of each inlet.
@@ -59,12 +59,12 @@ pub struct OutflowZone<'a, R: Real, const D: usize> {
 
 /// Buffers of the fits in outflow zones, kept from step to step so that steps allocate nothing.
 #[derive(Default)]
-pub struct ZoneBuffers<R: Real, const D: usize> {
+pub struct ZoneBuffers<R: PairReal<D>, const D: usize> {
     fits: PointFlows<D>,
     column: Vec<R>,
 }
 
-impl<R: Real, const D: usize> OutflowZone<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> OutflowZone<'_, R, D> {
     /// Returns the unit normal of the outlet, in the direction of the outflow.
     pub fn normal(&self) -> DVec3 {
         self.patch.towards
@@ -95,8 +95,8 @@ impl<R: Real, const D: usize> OutflowZone<'_, R, D> {
         fits.find(fit, self.pair, self.grid, self.arrays, self.sums);
     }
 
-    /// Takes kernel means over the fluid, at the outflow particles, of values given by row; rows
-    /// that are not named count as 0. The results are the pressures of [`fitted`](Self::fitted).
+    /// Finds kernel means over the fluid, at the outflow particles, of values given by row; other
+    /// rows count as 0. The results are the pressures of [`fitted`](Self::fitted).
     pub fn fit_mean(&mut self, values: impl Iterator<Item = (usize, f64)>) {
         let ZoneBuffers { fits, column } = &mut *self.buffers;
         column.clear();

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::outflow_zone::OutflowZone;
-use crate::math::real::Real;
+use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
 /// Pressure of outflow particles.
@@ -54,7 +54,7 @@ impl Default for OutletPressure {
 }
 
 impl OutletPressure {
-    /// Returns the pressure that the scene states for the surroundings, Pa; 0 where it states none.
+    /// Returns the pressure of the surroundings that the scene gives, Pa; 0 by default.
     pub fn target(self) -> f64 {
         match self {
             OutletPressure::Frozen => 0.0,
@@ -64,11 +64,11 @@ impl OutletPressure {
         }
     }
 
-    /// Tells whether the pressure is set anew in each step, not kept from step to step.
+    /// Returns true if the pressure is set in each step, not kept from step to step.
     ///
-    /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it again
-    /// and again.
-    pub fn is_set_anew(self) -> bool {
+    /// Only such a pressure may lose its dynamic part in backflow; a kept one would lose it
+    /// repeatedly.
+    pub fn is_set_each_step(self) -> bool {
         matches!(self, OutletPressure::Reference(_) | OutletPressure::NonReflecting { .. })
     }
 
@@ -85,7 +85,7 @@ impl OutletPressure {
     }
 
     /// Sets the pressures of a zone where they do not depend on the flow.
-    pub fn set<R: Real, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
+    pub fn set<R: PairReal<D>, const D: usize>(self, zone: &mut OutflowZone<'_, R, D>) {
         let (rows, pressures) = (zone.rows, &mut zone.arrays.pressure);
         match self {
             OutletPressure::Reference(pressure) => {
@@ -100,7 +100,7 @@ impl OutletPressure {
                     pressures[row as usize] = R::from_f64(pressure + share * (target - pressure));
                 }
             }
-            // The second is found from the flow: `non_reflecting`.
+            // A nonreflecting pressure follows from the flow: `non_reflecting`.
             OutletPressure::Frozen | OutletPressure::NonReflecting { .. } => {}
         }
     }

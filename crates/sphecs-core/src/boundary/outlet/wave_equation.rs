@@ -10,9 +10,9 @@
 //! [`wave_sums`](crate::physics::wave_sums).
 //!
 //! `frame: Fixed` integrates the rate of a fixed point along the moving particle, as published:
-//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `frame: Moving` takes the equation literally: the particle
-//! moves with the convective velocity, the convective term drops out, dv/dt = ν L v + f, as Negi et
-//! al. (2020), Sec. 3.1, remark.
+//! dv/dt = −v̄_n ∂v/∂n + ν L v + f. `frame: Moving` takes the equation literally. As the particle
+//! moves with the convective velocity, the convective term vanishes, dv/dt = ν L v + f: Negi et al.
+//! (2020), Sec. 3.1, remark.
 //!
 //! A particle moves along the normal with the velocity v̄_n of [`convection`](super::convection),
 //! from a fit that preserves the velocity profile where Eq. 30 takes a kernel mean. Its pressure is
@@ -32,18 +32,18 @@ use super::non_reflecting::NonReflecting;
 use super::outflow_zone::OutflowZone;
 use super::pressure::OutletPressure;
 use crate::math::lattice::ETA_SQUARED;
-use crate::math::real::Real;
 use crate::particles::rows::set_real_vector;
 use crate::pass::fits::PointFit;
-use crate::pass::waves::{WaveFound, sum_waves};
+use crate::pass::pair_real::PairReal;
+use crate::pass::waves::WaveFound;
 use crate::physics::parameter_fault::ParameterFault;
 use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator, WaveSetting};
 
 /// Smallest number of outflow particles per thread.
 const CHUNK: usize = 64;
 
-/// Layers inside the plane at which the fluid is sampled: nearer, half of the kernel would have no
-/// fluid.
+/// Layers inside the plane at which the fluid is sampled; closer to it, half of the kernel would
+/// have no fluid.
 const LAYERS_INSIDE: f64 = 1.0;
 
 /// Parameters of the condition.
@@ -120,11 +120,19 @@ impl OutletParameters for WaveEquation {
 impl OutletMethod for WaveEquation {
     type Memory = WaveMemory;
 
-    fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().apply(zone, memory);
     }
 
-    fn find_rates<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    fn find_rates<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.wave().find_rates(zone, memory);
     }
 
@@ -140,7 +148,11 @@ impl WaveCondition {
     }
 
     /// Sets pressure and density of the outflow particles and finds their convective velocities.
-    pub fn apply<R: Real, const D: usize>(&self, zone: &mut OutflowZone<'_, R, D>, memory: &mut WaveMemory) {
+    pub fn apply<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+    ) {
         self.pressure.set(zone);
         self.fit_fluid(zone, &mut memory.non_reflecting);
         let mut moves = std::mem::take(&mut memory.moves);
@@ -152,9 +164,9 @@ impl WaveCondition {
             zone.speeds.push(velocity);
             match density {
                 Some(density) => zone.arrays.density[row] = R::from_f64(density),
-                // The divergence drives an evolved pressure: it must see the velocity with which
-                // the zone moves, not that of the crossing, or the outlet reflects a quarter of an
-                // acoustic pulse.
+                // The divergence drives an evolved pressure. With the velocity of the crossing
+                // instead of that with which the zone moves, the outlet would reflect a quarter of
+                // an acoustic pulse.
                 None if self.frame == ReferenceFrame::Moving => {
                     let own = zone.arrays.velocity_of(row);
                     let moved = own + normal * (velocity - own.dot(normal));
@@ -168,7 +180,7 @@ impl WaveCondition {
 
     /// Fits the fluid upstream of the outflow particles and advances a nonreflecting pressure by a
     /// step.
-    fn fit_fluid<R: Real, const D: usize>(
+    fn fit_fluid<R: PairReal<D>, const D: usize>(
         &self,
         zone: &mut OutflowZone<'_, R, D>,
         non_reflecting: &mut NonReflecting,
@@ -188,7 +200,7 @@ impl WaveCondition {
     }
 
     /// Finds pressure, convective velocity and density of the outflow particles.
-    fn find_moves<R: Real, const D: usize>(
+    fn find_moves<R: PairReal<D>, const D: usize>(
         &self,
         zone: &OutflowZone<'_, R, D>,
         non_reflecting: &NonReflecting,
@@ -197,7 +209,7 @@ impl WaveCondition {
         let (flow, patch, mean, impedance) = (zone.flow, zone.patch, zone.adjacent, zone.flow.impedance());
         let (arrays, found, pair) = (&*zone.arrays, zone.fitted(), zone.pair);
         let transmits = matches!(self.pressure, OutletPressure::NonReflecting { .. });
-        let is_set_anew = self.pressure.is_set_anew();
+        let is_set_each_step = self.pressure.is_set_each_step();
         let all = zone.rows.par_iter().enumerate().with_min_len(CHUNK).map(|(at, &row)| {
             let row = row as usize;
             let fluid = found[at].unwrap_or(mean);
@@ -208,14 +220,14 @@ impl WaveCondition {
                 (own, convective_velocity(fluid.velocity, fluid.pressure, own, impedance))
             };
             let pressure =
-                if is_set_anew { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
+                if is_set_each_step { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
             ZoneMove { pressure, velocity, density: pair.density_at(pressure) }
         });
         all.collect_into_vec(moves);
     }
 
     /// Finds the rates of the outflow particles and their shifting vectors.
-    pub fn find_rates<R: Real, const D: usize>(
+    pub fn find_rates<R: PairReal<D>, const D: usize>(
         &self,
         zone: &mut OutflowZone<'_, R, D>,
         memory: &mut WaveMemory,
@@ -228,12 +240,12 @@ impl WaveCondition {
             eta_squared: ETA_SQUARED,
             viscosity: zone.flow.viscosity,
         };
-        sum_waves(&setting, zone.pair, zone.grid, zone.arrays, zone.sums, zone.rows, &mut memory.sums);
+        R::sum_waves(&setting, zone.pair, zone.grid, zone.arrays, zone.sums, zone.rows, &mut memory.sums);
         for (&row, wave) in zone.rows.iter().zip(&memory.sums) {
             let row = row as usize;
             set_real_vector(&mut zone.arrays.acceleration, row, wave.sums.rate(&setting));
             let mut concentration = wave.concentration;
-            // The support is empty beyond the far end: the normal part would empty the zone.
+            // The support is empty beyond the far end, so the normal part would empty the zone.
             if zone.patch.along(zone.arrays.position_of(row))
                 > zone.patch.depth - zone.pair.discretisation.support
             {

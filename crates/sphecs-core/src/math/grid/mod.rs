@@ -4,7 +4,7 @@
 //! outermost particles. Cells are numbered with x fastest: consecutive cells in x are one
 //! contiguous run of rows. In a periodic direction the cells divide the period exactly. Neighbours
 //! are searched by *unwrapped* cell indices, each a wrapped cell plus a shift by whole periods. A
-//! period of one cell, or one shorter than the support, is therefore no special case: the same cell
+//! period of one cell, or one shorter than the support, is therefore not a special case: the cell
 //! is visited once per image.
 
 mod runs;
@@ -32,8 +32,8 @@ pub struct CellGrid<const D: usize> {
 
 /// Fraction of the support at its edge within which pairs may be omitted.
 ///
-/// There both kernels are below 1e-30 of their peak, and rounding must not make a support of
-/// exactly one cell reach into a second one.
+/// There both kernels are below 1e-30 of their peak. The fraction keeps rounding from extending a
+/// support of exactly one cell into a second one.
 const REACH_TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> CellGrid<D> {

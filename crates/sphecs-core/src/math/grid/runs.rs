@@ -51,7 +51,7 @@ impl<const D: usize> CellGrid<D> {
         self.for_each_line(first, last, near, visit);
     }
 
-    /// Visits the lines of cells along x between `first` and `last` for which `wanted` holds.
+    /// Visits the lines of cells along x between `first` and `last` for which `wanted` is true.
     #[inline(always)]
     fn for_each_line(
         &self,
@@ -147,8 +147,8 @@ impl<const D: usize> CellGrid<D> {
 mod tests {
     use super::*;
 
-    /// Every row within the support of a point of the box is visited once per image, and few others
-    /// are.
+    /// Checks that every row within the support of a point of the box is visited once per image,
+    /// and few others.
     #[test]
     fn runs_near_a_box_contain_all_its_neighbours() {
         let (lengths, support) = ([1.0, 0.35, 0.8], 0.2);

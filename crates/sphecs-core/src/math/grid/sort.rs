@@ -23,7 +23,7 @@ const GROUP: usize = 64;
 /// Cells that one thread sorts without splitting further.
 const CELLS_PER_TASK: usize = 2048;
 
-/// Place of a row that is not sorted.
+/// Marker for a row that is not sorted.
 const NO_PLACE: u32 = u32::MAX;
 
 /// Parts of a cell along x. On a lattice with cells of three spacings, no column of particles lies
@@ -65,7 +65,7 @@ impl<const D: usize> CellGrid<D> {
         assert!(rows < 1 << ROW_BITS, "more than a billion particles");
         assert!(cells < (NO_PLACE >> part_bits::<D>()) as usize, "more cells than can be numbered");
         let mut buffers = std::mem::take(&mut self.buffers);
-        // The memory of the order serves for the places of the rows until the new order is known.
+        // The buffer of the order holds the places of the rows until the new order is known.
         let mut place_of_row = std::mem::take(&mut self.order);
         place_of_row.resize(rows, NO_PLACE);
         buffers.cursor.resize_with(cells, AtomicU32::default);
@@ -157,9 +157,9 @@ impl<const D: usize> CellGrid<D> {
 /// Finds the places of points: the cells that [`CellGrid::cell_of`] gives and their parts along x,
 /// or [`NO_PLACE`] outside the box.
 ///
-/// Computed in floating point, since a conversion to integers that is correct for all numbers takes
-/// more than one instruction. Written over lanes, since the compiler vectorised the scalar loop
-/// with AVX2 but not with AVX-512.
+/// The computation is in floating point, since a conversion to integers that is correct for all
+/// numbers takes more than one instruction. It is written over lanes, since the compiler vectorised
+/// the scalar loop with AVX2 but not with AVX-512.
 struct FindPlaces<'a, const D: usize> {
     grid: &'a CellGrid<D>,
     position: [&'a [f64]; D],
@@ -214,8 +214,8 @@ impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
     }
 }
 
-/// Lower end of an interval up to twice this number in which all `f64` are integers: a number added
-/// to it is rounded to an integer, which is in the lowest bits of the sum.
+/// Lower end of an interval, up to twice this number, in which all `f64` are integers. Adding a
+/// number to it rounds the number to an integer in the lowest bits of the sum.
 const INTEGERS: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
 /// Returns the largest integer not above a number from 0 to [`INTEGERS`]; for other numbers the
@@ -275,8 +275,8 @@ mod tests {
     #[test]
     fn rows_of_a_cell_are_ordered_by_thirds_along_x_only_in_2d() {
         let mut grid = CellGrid::new([-1.0; 2], [1.0; 2], [false, true], 1.0, 1.0);
-        // Both cells of the lower row: thirds 2, 0, 0, 2 of the first, then 0 and 0 of the second,
-        // with one particle on its edge.
+        // In the lower row of cells the thirds are 2, 0, 0, 2 of the first cell, then 0 and 0 of
+        // the second, with one particle on its edge.
         let position = [vec![-0.1, -0.9, -0.99, -0.3, 0.3, 0.0], vec![-0.5; 6]];
         assert_eq!(grid.build(&position, &[1, 5, 4, 2, 3, 9], |_| true), Ok(&[2, 1, 0, 3, 4, 5][..]));
         let [x, y] = position;

@@ -127,8 +127,8 @@ unsafe fn with_avx512<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Ou
 /// Local variable that aligns the stack frame of its function to a cache line.
 ///
 /// Vectors that the compiler spills to the stack then lie in one cache line each. Without it they
-/// start at any multiple of 16 B: half of the AVX2 vectors and nearly all AVX-512 vectors straddle
-/// two lines, which delays the reload of a spilled sum by many cycles.
+/// start at any multiple of 16 B, and half of the AVX2 vectors and nearly all AVX-512 vectors
+/// straddle two lines. That delays the reload of a spilled sum by many cycles.
 #[derive(Default)]
 #[repr(align(64))]
 struct CacheLine(#[expect(dead_code, reason = "only the alignment matters")] u8);

@@ -27,7 +27,7 @@ use super::real::Real;
 /// Largest number of lanes of any instruction set.
 pub const MOST_LANES: usize = 16;
 
-/// For each byte, four bits that tell for each pair of its bits whether at least one is set.
+/// For each byte, four bits, one for each pair of its bits: set if at least one bit of the pair is.
 static PAIRS: [u8; 256] = {
     let mut pairs = [0; 256];
     let mut bits = 0;
@@ -85,7 +85,7 @@ pub trait Lanes:
         numbers
     }
 
-    /// Loads the first `COUNT` of the numbers; if there are fewer, zeros follow them.
+    /// Loads the first `COUNT` of the numbers, padded with zeros if there are fewer.
     #[inline(always)]
     fn read(numbers: &[Self::Real]) -> Self {
         if numbers.len() >= Self::COUNT {
@@ -108,8 +108,8 @@ pub trait Lanes:
         unsafe { self.store(numbers.as_mut_ptr()) }
     }
 
-    /// Loads `COUNT` consecutive positions relative to an origin, as `(x − origin) · scale`;
-    /// converted to the type of the lanes at the end.
+    /// Loads `COUNT` consecutive positions relative to an origin, as `(x − origin) · scale`, which
+    /// is computed in f64 and then converted.
     ///
     /// # Safety
     /// `from` must be valid for reading `COUNT` numbers.
@@ -212,7 +212,7 @@ pub fn dot<L: Lanes, const D: usize>(a: [L; D], b: [L; D]) -> L {
 
 /// Returns the sum over the lanes of each vector.
 ///
-/// Replaces `map`, which the compiler may compile to a function without the instructions of the
+/// A loop instead of `map`, which may be compiled as a function without the instructions of the
 /// set.
 #[inline(always)]
 pub fn sums<L: Lanes, const N: usize>(vectors: [L; N]) -> [f64; N] {

@@ -37,7 +37,7 @@ impl EdacColumns {
     /// Returns the places in a loop of a fixed shape: those of [`columns`] as far as the shape has
     /// them.
     #[inline(always)]
-    pub const fn of_shape<S: LoopShape, const D: usize>() -> Self {
+    pub(super) const fn of_shape<S: LoopShape, const D: usize>() -> Self {
         let of_flow = 3 * D + 2;
         Self {
             velocity: Vector(D),

@@ -43,7 +43,7 @@ pub(super) struct EdacRates<const D: usize> {
 impl<L: Lanes, const D: usize> EdacSums<L, D> {
     /// Returns sums over no neighbours.
     #[inline(always)]
-    pub fn none() -> Self {
+    pub(super) fn none() -> Self {
         let zero = L::constant(0.0);
         Self {
             along_x: [zero; D],
@@ -63,7 +63,7 @@ impl<L: Lanes, const D: usize> EdacSums<L, D> {
 impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
     /// Returns the rates of a row from its sums.
     #[inline(always)]
-    pub fn rates(&self, sums: &EdacSums<L, D>, row: &FluidRow<L::Real, D>) -> EdacRates<D> {
+    pub(super) fn rates(&self, sums: &EdacSums<L, D>, row: &FluidRow<L::Real, D>) -> EdacRates<D> {
         let (settings, columns) = (self.settings, self.columns());
         let (pair, edac, source) = (settings.pair(), settings.edac, settings.source);
         let density = source.scalar(columns.density, row.row).to_f64();
@@ -111,7 +111,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
 
     /// Returns Σ x_ab × (acceleration by the pair), m²/s², of the sums of a loop with moments.
     #[inline(always)]
-    pub fn moment(&self, sums: &EdacSums<L, D>, row: usize) -> [f64; 3] {
+    pub(super) fn moment(&self, sums: &EdacSums<L, D>, row: usize) -> [f64; 3] {
         let density = self.settings.source.scalar(self.columns().density, row).to_f64();
         let scale = self.settings.gradient_scale;
         let (along_x_scale, along_v_scale) =

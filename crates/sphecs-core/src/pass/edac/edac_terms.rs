@@ -81,7 +81,7 @@ struct EdacPair<L, const D: usize> {
 impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
     /// Returns the settings of a scene, whose columns have these places in the pack.
     #[inline(always)]
-    pub fn new(
+    pub(super) fn new(
         inputs: &'a FusedInputs<'a, L::Real, D>,
         source: &'a Source<'a, L::Real, D>,
         edac: &'a Edac,
@@ -117,7 +117,7 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
 
     /// Returns true if a fixed shape has all terms of the scene.
     #[inline(always)]
-    pub fn fit_fixed_shapes(&self) -> bool {
+    pub(super) fn fit_fixed_shapes(&self) -> bool {
         self.choices == EdacChoices::default()
             && self.columns.normal.is_none()
             && self.columns.viscous_velocity.is_none()
@@ -125,13 +125,13 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
 
     /// Returns the settings of the pair passes.
     #[inline(always)]
-    pub fn pair(&self) -> &'a PairSettings {
+    pub(super) fn pair(&self) -> &'a PairSettings {
         self.inputs.pair
     }
 
     /// Returns the terms of a loop of a shape.
     #[inline(always)]
-    pub fn with_shape<S: LoopShape>(&self) -> EdacTerms<'_, 'a, L, S, D> {
+    pub(super) fn with_shape<S: LoopShape>(&self) -> EdacTerms<'_, 'a, L, S, D> {
         EdacTerms { settings: self, shape: PhantomData }
     }
 }
@@ -139,7 +139,7 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
 impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
     /// Returns the places of the columns, known to the compiler in a loop of a fixed shape.
     #[inline(always)]
-    pub fn columns(&self) -> EdacColumns {
+    pub(super) fn columns(&self) -> EdacColumns {
         if S::FIXED { EdacColumns::of_shape::<S, D>() } else { self.settings.columns }
     }
 

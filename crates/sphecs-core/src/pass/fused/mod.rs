@@ -17,7 +17,7 @@ mod wall_image;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-pub use rate_columns::FusedRates;
+pub(crate) use rate_columns::FusedRates;
 pub(super) use rate_columns::{RateColumns, RateScalars};
 pub(super) use shape::{
     Damped, DampedWithWalls, DampedWithWallsDriftCorrected, General, GeneralWithMoments, LoopShape, Plain,
@@ -189,7 +189,7 @@ pub(super) fn sum_pairs<K: KernelShape, L: Lanes, T: PairTerms<L, D>, const D: u
 impl<L: Lanes, const D: usize> OwnParticle<L, D> {
     /// Returns the quantities of a row of a density, kg/m³, and a pressure, Pa.
     #[inline(always)]
-    pub fn new(
+    pub(super) fn new(
         inputs: &FusedInputs<'_, L::Real, D>,
         row: &FluidRow<L::Real, D>,
         v: [L; D],
@@ -218,7 +218,11 @@ impl<L: Lanes, const D: usize> OwnParticle<L, D> {
 
     /// Returns distance, relative velocity and kernel of a vector of neighbours.
     #[inline(always)]
-    pub fn geometry<K: KernelShape>(&self, neighbours: Entry<'_, L>, velocity: Vector) -> PairGeometry<L, D> {
+    pub(super) fn geometry<K: KernelShape>(
+        &self,
+        neighbours: Entry<'_, L>,
+        velocity: Vector,
+    ) -> PairGeometry<L, D> {
         let mut x = [L::constant(0.0); D];
         let mut v = [L::constant(0.0); D];
         let mut q2 = L::constant(LEAST_Q2);
@@ -234,7 +238,7 @@ impl<L: Lanes, const D: usize> OwnParticle<L, D> {
 
 impl<'a, R: Real, const D: usize> FusedInputs<'a, R, D> {
     /// Returns the inputs of a pass over these columns of the neighbours.
-    pub fn new(
+    pub(super) fn new(
         pair: &'a PairSettings,
         grid: &'a CellGrid<D>,
         particles: &'a ParticleArrays<R, D>,
@@ -254,7 +258,7 @@ impl<'a, R: Real, const D: usize> FusedInputs<'a, R, D> {
     }
 
     /// Returns the source of the packs for a kernel of a support, over h.
-    pub fn source(&self, support_ratio: f64, only: Only<'a, R>) -> Source<'a, R, D> {
+    pub(super) fn source(&self, support_ratio: f64, only: Only<'a, R>) -> Source<'a, R, D> {
         Source {
             grid: self.grid,
             position: self.position,
@@ -330,7 +334,7 @@ pub(super) struct BlockCells<'a, R: Real, const D: usize> {
 impl<'a, K, S, R: Real, const D: usize> FusedBlock<'a, K, S, R, D> {
     /// Separates the outputs of the block from its cells.
     #[inline(always)]
-    pub fn split(self) -> (BlockCells<'a, R, D>, OutputColumns<'a, R, D>) {
+    pub(super) fn split(self) -> (BlockCells<'a, R, D>, OutputColumns<'a, R, D>) {
         let Self { inputs, source, cells, outputs, pack, .. } = self;
         (BlockCells { inputs, source, cells, pack }, outputs)
     }
@@ -339,7 +343,7 @@ impl<'a, K, S, R: Real, const D: usize> FusedBlock<'a, K, S, R, D> {
 impl<R: Real, const D: usize> BlockCells<'_, R, D> {
     /// Runs a loop over all fluid rows of the cells.
     #[inline(always)]
-    pub fn sum_rows<K: KernelShape, L: Lanes<Real = R>, B: BlockLoop<R, D>>(
+    pub(super) fn sum_rows<K: KernelShape, L: Lanes<Real = R>, B: BlockLoop<R, D>>(
         self,
         block_loop: &mut B,
     ) -> B::Summary {

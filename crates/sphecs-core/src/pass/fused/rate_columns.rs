@@ -37,7 +37,11 @@ pub(in crate::pass) struct RateColumns<R, const D: usize> {
 
 impl<R: Real, const D: usize> RateColumns<R, D> {
     /// Takes the columns and gives each an entry per particle.
-    pub fn take(kind: RateScalars, particles: &mut ParticleArrays<R, D>, sums: &mut PairSums<R, D>) -> Self {
+    pub(crate) fn take(
+        kind: RateScalars,
+        particles: &mut ParticleArrays<R, D>,
+        sums: &mut PairSums<R, D>,
+    ) -> Self {
         let rows = particles.len();
         let mut shift = std::mem::replace(sums.shift.write(FusedRates(())), [const { Vec::new() }; D]);
         let mut scalars = scalars_of(kind, sums).map(std::mem::take);
@@ -51,7 +55,7 @@ impl<R: Real, const D: usize> RateColumns<R, D> {
     }
 
     /// Puts the columns back.
-    pub fn put_back(self, particles: &mut ParticleArrays<R, D>, sums: &mut PairSums<R, D>) {
+    pub(crate) fn put_back(self, particles: &mut ParticleArrays<R, D>, sums: &mut PairSums<R, D>) {
         particles.acceleration = self.acceleration;
         *sums.shift.write(FusedRates(())) = self.shift;
         for (column, found) in scalars_of(self.kind, sums).into_iter().zip(self.scalars) {
@@ -60,7 +64,7 @@ impl<R: Real, const D: usize> RateColumns<R, D> {
     }
 
     /// Returns the columns as outputs of all rows.
-    pub fn as_outputs(&mut self) -> FusedOutputs<'_, R, D> {
+    pub(crate) fn as_outputs(&mut self) -> FusedOutputs<'_, R, D> {
         (
             self.acceleration.each_mut().map(Vec::as_mut_slice),
             self.shift.each_mut().map(Vec::as_mut_slice),

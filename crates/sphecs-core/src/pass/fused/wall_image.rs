@@ -30,7 +30,7 @@ impl<L: Lanes> WallImage<L> {
     /// Returns the images by the columns of distance and normal, if the pack has them; `cap` is
     /// the largest image factor.
     #[inline(always)]
-    pub fn new<const D: usize>(
+    pub(crate) fn new<const D: usize>(
         own: &OwnParticle<L, D>,
         neighbours: Entry<'_, L>,
         walls: Option<Scalar>,
@@ -60,7 +60,7 @@ impl<L: Lanes> WallImage<L> {
     /// Returns x_ab·v_ab/h, m/s, with the relative velocity continued into walls by the image
     /// factor; at free-slip walls only its component along the normal counts.
     #[inline(always)]
-    pub fn product<const D: usize>(
+    pub(crate) fn product<const D: usize>(
         &self,
         product: L,
         pair: &PairGeometry<L, D>,
@@ -73,7 +73,7 @@ impl<L: Lanes> WallImage<L> {
     /// Returns the product `product` with that of free-slip walls, by an image factor, in its
     /// place.
     #[inline(always)]
-    pub fn free_slip_product<const D: usize>(
+    pub(crate) fn free_slip_product<const D: usize>(
         &self,
         product: L,
         factor: L,
@@ -91,19 +91,19 @@ impl<L: Lanes> WallImage<L> {
 
     /// Returns the value of a viscous term: 0 at free-slip walls.
     #[inline(always)]
-    pub fn without_free_slip(&self, value: L) -> L {
+    pub(crate) fn without_free_slip(&self, value: L) -> L {
         if self.normal.is_some() { L::select(self.slips(), L::constant(0.0), value) } else { value }
     }
 
     /// Returns the value of a term that acts between fluid particles only: 0 at walls.
     #[inline(always)]
-    pub fn without_walls(&self, value: L) -> L {
+    pub(crate) fn without_walls(&self, value: L) -> L {
         if self.walls.is_some() { L::select(self.is_wall(), L::constant(0.0), value) } else { value }
     }
 
     /// Returns a viscous factor multiplied by the image factor, 0 at free-slip walls.
     #[inline(always)]
-    pub fn viscous(&self, value: L) -> L {
+    pub(crate) fn viscous(&self, value: L) -> L {
         let value = if self.walls.is_some() { value * self.factor } else { value };
         self.without_free_slip(value)
     }
@@ -111,7 +111,12 @@ impl<L: Lanes> WallImage<L> {
     /// Returns the pressure of the neighbours, Pa, with that of walls mirrored from the particle's
     /// own: p_a + ρ_a g·(x_b − x_a).
     #[inline(always)]
-    pub fn mirrored_pressure<const D: usize>(&self, pressure: L, own: &OwnParticle<L, D>, x: [L; D]) -> L {
+    pub(crate) fn mirrored_pressure<const D: usize>(
+        &self,
+        pressure: L,
+        own: &OwnParticle<L, D>,
+        x: [L; D],
+    ) -> L {
         if self.walls.is_some() {
             L::select(self.is_wall(), own.pressure + dot(own.hydrostatic, x), pressure)
         } else {

@@ -1,4 +1,4 @@
-//! The box around the packed particles: a row out of its reach needs no sum.
+//! Bounding box of the packed particles; a row out of its reach needs no sum.
 
 use super::{FAR, Pack};
 use crate::math::lanes::Lanes;
@@ -61,7 +61,7 @@ mod tests {
     use crate::math::lanes::{InstructionSet, Vectorised};
     use crate::pass::pack::{Only, Source};
 
-    /// This many particles along a line through the middle of one cell.
+    /// Number of particles on a line through the middle of one cell.
     struct Line(usize);
 
     impl<R: Real> Vectorised<R> for Line {
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn the_box_leaves_out_the_padding() {
+    fn box_excludes_the_padding() {
         for set in InstructionSet::available() {
             for count in [1, 3, 8, 31] {
                 let last = (count - 1) as f64;

@@ -1,22 +1,22 @@
 //! Columns of a pack by name and type: scalars, vectors and symmetric tensors.
 //!
-//! A pass adds its columns one after another and keeps the places that it is given, so that the
-//! order of the columns is written down once.
+//! A pass adds its columns one after another and keeps the returned indices, so that their order is
+//! written only once.
 
 use super::{Entry, Source};
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 use crate::math::symmetric::components;
 
-/// Place of a scalar among the columns of a pack.
+/// Index of a scalar among the columns of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scalar(pub usize);
 
-/// Place of the first component of a vector among the columns of a pack.
+/// Index of the first component of a vector among the columns of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Vector(pub usize);
 
-/// Place of the first component of a symmetric tensor among the columns of a pack.
+/// Index of the first component of a symmetric tensor among the columns of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Symmetric(pub usize);
 

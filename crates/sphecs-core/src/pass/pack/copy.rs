@@ -1,4 +1,4 @@
-//! Filling of a pack: runs of rows, vector by vector, all columns of one vector before the next.
+//! Filling of a pack, run by run and vector by vector, all columns of one vector before the next.
 
 use std::ops::Range;
 
@@ -34,8 +34,8 @@ impl<R: Real> Pack<R> {
         len
     }
 
-    /// Copies the wanted particles of the runs that are in reach of a box of this `size`, m, about
-    /// the centre; returns their number.
+    /// Copies the wanted particles of the runs within reach of a box of this `size`, m, about the
+    /// centre; returns their number.
     #[inline(always)]
     pub(super) fn copy_near<L: Lanes<Real = R>, const D: usize>(
         &mut self,
@@ -94,7 +94,8 @@ impl<R: Real> Pack<R> {
 /// from the first row on.
 ///
 /// # Safety
-/// If `WHOLE`, the columns must have so many rows. There must be space for whole vectors at `to`.
+/// If `WHOLE`, the columns must have enough rows for whole vectors. There must be space for whole
+/// vectors at `to`.
 #[inline(always)]
 unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
     source: &Source<L::Real, D>,
@@ -105,8 +106,8 @@ unsafe fn copy_run<L: Lanes, const D: usize, const WHOLE: bool>(
 ) {
     for (vector, row) in rows.step_by(L::COUNT).enumerate() {
         let scale = source.inverse_h;
-        // The columns are the inner loop: their number is the same each time, so that only the end
-        // of a run is mispredicted. SAFETY: the caller guarantees it.
+        // The columns are the inner loop: their number is constant, so only the end of a run is
+        // mispredicted. SAFETY: the caller guarantees it.
         unsafe {
             let mut to = to.add(vector * L::COUNT);
             for d in 0..D {

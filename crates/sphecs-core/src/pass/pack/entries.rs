@@ -33,13 +33,13 @@ pub struct Entries<'a, L: Lanes> {
 }
 
 impl<'a, L: Lanes> Entries<'a, L> {
-    /// Returns the number of vectors that are left.
+    /// Returns the number of remaining vectors.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.left
     }
 
-    /// Returns the vector that starts at a lane of those that are left. One may start at any lane:
+    /// Returns the vector that starts at a lane of the remaining ones. It may be any lane, since
     /// the columns have space for one more vector behind the last.
     #[inline(always)]
     pub(super) fn at(&self, lane: usize) -> Entry<'a, L> {
@@ -94,7 +94,7 @@ impl<L: Lanes> Entry<'_, L> {
         vector
     }
 
-    /// Returns x_ab, a point less the coordinates of the neighbours, in units of h.
+    /// Returns x_ab, a point minus the coordinates of the neighbours, in units of h.
     #[inline(always)]
     pub fn seen_from<const D: usize>(&self, point: [L; D]) -> [L; D] {
         let mut x = point;

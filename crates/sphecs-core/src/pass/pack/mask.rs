@@ -1,16 +1,16 @@
 //! Masks of the particles of a pack that are in the support of a row.
 //!
-//! In 2D a third of a pack's particles are, and a quarter of its vectors have none. A branch that
-//! leaves such a vector out is mispredicted once or twice a row, and a misprediction costs as much
-//! as a vector or two. So the pass that sums the density, which needs no branch, stores a mask for
-//! every row, one bit for two particles, and the passes that read the same packs after it go from
-//! one set bit to the next: a vector starts at a particle in the support, wherever in the pack that
-//! is, and the next one at the first such particle behind it. Those are a fifth fewer than the
-//! whole vectors of the pack with a particle in the support.
+//! In 2D a third of the particles of a pack are, and a quarter of its vectors contain none. A
+//! branch that skips such a vector is mispredicted once or twice per row, which costs as much as
+//! one or two vectors. So the density pass, which needs no branch, stores a mask for every row,
+//! with one bit for two particles. Later passes over the same packs step from one set bit to the
+//! next. A vector starts at any particle in the support, and the next vector at the first such
+//! particle behind it. That makes a fifth fewer vectors than the aligned ones with a particle in
+//! the support.
 //!
-//! A pass that sums much besides the density goes through the pack tile by tile (`tile.rs`): first
-//! to find the neighbours, then over these alone. In a culled pack too few particles are out of
-//! reach: there no mask is made, and all vectors are read.
+//! A pass that sums much besides the density processes the pack tile by tile (`tile.rs`): it first
+//! finds the neighbours, then sums over these alone. In a culled pack too few particles are out of
+//! reach, so no mask is made and all vectors are read.
 
 use super::entries::{Entries, Entry};
 use super::{CULLED_DIMENSIONS, Pack};
@@ -20,8 +20,8 @@ use crate::math::real::Real;
 /// Bits of a mask.
 pub(super) const BITS: usize = u64::BITS as usize;
 
-/// Returns the fewest lanes that share a bit: vectors that start at every other particle are nearly
-/// as few as those that start at any.
+/// Returns the smallest number of lanes that share a bit. Vectors that start at every other
+/// particle are nearly as few as vectors that start at any.
 #[inline(always)]
 pub(super) const fn least_lanes_per_bit<L: Lanes>() -> usize {
     if L::COUNT < 2 { 1 } else { 2 }
@@ -33,7 +33,7 @@ pub(super) const fn least_lanes_per_bit<L: Lanes>() -> usize {
 pub struct NeighbourMask(pub(super) u64);
 
 impl NeighbourMask {
-    /// All particles of a pack: right for every row, but not the fastest.
+    /// All particles of a pack, which is correct for every row but slower.
     pub const ALL: NeighbourMask = NeighbourMask(u64::MAX);
 
     /// Returns the mask of a row, or that of all particles if none were made.
@@ -42,7 +42,7 @@ impl NeighbourMask {
         masks.get(row).copied().unwrap_or(NeighbourMask::ALL)
     }
 
-    /// Returns the number of lanes that share a bit in a pack of so many vectors.
+    /// Returns the number of lanes that share a bit in a pack of `vectors` vectors.
     #[inline(always)]
     pub(super) fn lanes_per_bit<L: Lanes>(vectors: usize) -> usize {
         let mut lanes = least_lanes_per_bit::<L>();
@@ -53,7 +53,7 @@ impl NeighbourMask {
     }
 }
 
-/// Returns the number of masks for so many rows: none where packs are culled.
+/// Returns the number of masks for `rows` rows, 0 where packs are culled.
 pub const fn mask_len<const D: usize>(rows: usize) -> usize {
     if D < CULLED_DIMENSIONS { rows } else { 0 }
 }
@@ -77,14 +77,14 @@ impl MaskBuilder {
     }
 }
 
-/// Returns the bits that masks of a pack of so many vectors use, and the lanes that share one.
+/// Returns the bits that masks of a pack of `vectors` vectors use, and the lanes that share one.
 #[inline(always)]
 pub(super) fn used_bits<L: Lanes>(vectors: usize) -> (u64, usize) {
     let lanes_per_bit = NeighbourMask::lanes_per_bit::<L>(vectors);
     (first_bits(vectors * L::COUNT / lanes_per_bit), lanes_per_bit)
 }
 
-/// Returns so many of the lowest bits.
+/// Returns the lowest `count` bits.
 #[inline(always)]
 pub(super) fn first_bits(count: usize) -> u64 {
     if count < BITS { !(u64::MAX << count) } else { u64::MAX }
@@ -152,7 +152,7 @@ impl<R: Real> Pack<R> {
 pub struct MaskedEntries<'a, L: Lanes, const D: usize> {
     all: Entries<'a, L>,
     starts: StartLanes,
-    /// The next of the vectors that have no bit of their own.
+    /// Next of the vectors without a bit.
     beyond: usize,
 }
 

@@ -6,7 +6,7 @@ use crate::math::grid::CellGrid;
 use crate::math::lanes::{InstructionSet, Lanes, MOST_LANES, Vectorised};
 use crate::math::real::Real;
 
-/// This many particles along a line in one cell, each 0.001 h from the next.
+/// Number of particles on a line in one cell, each 0.001 h from the next.
 struct Line(usize);
 
 impl Vectorised<f64> for Line {
@@ -30,8 +30,8 @@ impl Vectorised<f64> for Line {
         };
         let mut pack = Pack::default();
         assert!(pack.fill::<L, 2>(&source, 0, |_| true));
-        // A support of 0.0005 reaches the particle alone, one of 0.0305 some before and behind it.
-        // By tiles every vector is read once and all neighbours are found, however many there are.
+        // A support of 0.0005 contains the particle alone, one of 0.0305 some before and behind it.
+        // By tiles every vector is read once and all neighbours are found, for any number of them.
         for (row, reach) in [0, count / 2, count - 1].into_iter().flat_map(|row| [(row, 0), (row, 30)]) {
             let point = pack.relative(&source, row).map(L::splat);
             let support = 0.001 * reach as f64 + 0.0005;
@@ -54,7 +54,7 @@ impl Vectorised<f64> for Line {
             }
             let expected = (count.next_multiple_of(L::COUNT), in_reach);
             assert_eq!((read, found), expected, "row {row} of {count}, {} lanes", L::COUNT);
-            // By the mask of the pack, too; a particle alone takes one vector where it has a bit.
+            // By the mask of the pack as well, where a single particle with a bit takes one vector.
             let vectors = |mask: NeighbourMask| {
                 let entries = pack.masked_entries::<L, 2>(2, mask);
                 let mut found = 0;

@@ -1,11 +1,11 @@
-//! The packed neighbourhood of a cell: the particles that all rows of the cell sum over.
+//! Packed neighbourhood of a cell: the particles that all rows of the cell sum over.
 //!
 //! Once per cell the particles of all cells within reach are copied, column by column, into a small
 //! buffer that stays in the first-level cache. Positions are relative to the centre of the rows
-//! that sum, in units of h and in the precision of the sums; periodic images are shifted; in 3D
+//! that sum, in units of h and in the precision of the sums. Periodic images are shifted. In 3D
 //! particles out of reach of all rows are left out (culled). The tail is padded with particles far
-//! away. So the pair loop has no gathers and one form for 2D and 3D, periodic or narrow boxes, and
-//! single precision loses only the last digits of a distance, wherever in the domain it is.
+//! away. So the pair loop has no gathers and one form for 2D and 3D, periodic and narrow boxes.
+//! Single precision loses only the last digits of a distance, anywhere in the domain.
 //!
 //! | file | subject |
 //! |---|---|
@@ -41,14 +41,14 @@ pub use tile::TILE_VECTORS;
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
-/// Coordinate of the padding, in units of h: beyond every support, and its square is finite in f32.
+/// Coordinate of the padding, in units of h, beyond every support and with a finite square in f32.
 const FAR: f64 = 1e6;
 
 /// Numbers in a cache line, for f32: columns begin on one.
 const LINE: usize = 16;
 
-/// Least number of dimensions in which packs are culled: in 3D four tenths of the candidates are
-/// out of reach of all rows that sum.
+/// Smallest number of dimensions in which packs are culled. In 3D 40 % of the candidates are out of
+/// reach of all rows that sum.
 pub const CULLED_DIMENSIONS: usize = 3;
 
 /// A neighbourhood, column by column.
@@ -84,7 +84,7 @@ struct Run {
 }
 
 impl<R: Real> Pack<R> {
-    /// Packs the neighbourhood of the wanted rows of a cell; returns whether there are any. In 3D
+    /// Packs the neighbourhood of the wanted rows of a cell; returns false if there are none. In 3D
     /// particles out of reach of all of them are left out.
     #[inline(always)]
     pub fn fill<L: Lanes<Real = R>, const D: usize>(
@@ -229,11 +229,11 @@ impl<R: Real> Pack<R> {
     fn reserve(&mut self, rows: usize, columns: usize) {
         let needed = rows.next_multiple_of(LINE) + LINE;
         if needed > self.stride {
-            // An odd number of lines between columns: with an even one all columns would compete
-            // for the same cache sets.
+            // The number of lines between columns is odd, since with an even one all columns would
+            // compete for the same cache sets.
             self.stride = ((needed / LINE) | 1) * LINE;
         }
-        // The stride may be longer than needed: it may come from a pass with fewer columns and more
+        // The stride may be longer than needed if it comes from a pass with fewer columns and more
         // rows.
         let length = self.stride * columns + 2 * LINE;
         if length > self.storage.len() {
@@ -243,9 +243,8 @@ impl<R: Real> Pack<R> {
     }
 }
 
-/// One pack per thread, kept from pass to pass. Each has its own cache lines: the fields of a pack
-/// are written at every cell and read at every row, and two threads that share a line take half as
-/// long again.
+/// One pack per thread, kept from pass to pass. Each has its own cache lines. The fields of a pack
+/// are written at every cell and read at every row; two threads that share a line take 50 % longer.
 #[derive(Debug, Default)]
 pub struct PackPool<R>(Vec<CachePadded<Mutex<Pack<R>>>>);
 
@@ -258,8 +257,8 @@ impl<R: Real> PackPool<R> {
         }
     }
 
-    /// Returns the pack of this thread. Never contended: a thread holds it for one block, in which
-    /// it starts no other work.
+    /// Returns the pack of this thread. The lock is never contended, since a thread holds it for
+    /// one block and starts no other work in it.
     pub fn of_this_thread(&self) -> MutexGuard<'_, Pack<R>> {
         let thread = rayon::current_thread_index().unwrap_or(0) % self.0.len();
         self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)

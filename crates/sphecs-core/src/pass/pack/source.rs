@@ -11,7 +11,7 @@ pub struct Source<'a, R, const D: usize> {
     pub grid: &'a CellGrid<D>,
     /// Position, m.
     pub position: &'a [Vec<f64>; D],
-    /// Further columns, in the order in which the pair loop asks for them.
+    /// Further columns, in the order in which the pair loop uses them.
     pub columns: &'a [&'a [R]],
     /// 1/h, 1/m.
     pub inverse_h: f64,
@@ -21,7 +21,7 @@ pub struct Source<'a, R, const D: usize> {
     pub only: Only<'a, R>,
 }
 
-/// Rows that a pack takes. A pass over walls alone, or over all others, has less to loop over.
+/// Rows that are packed. A pass over walls alone, or over all other particles, has shorter loops.
 #[derive(Clone, Copy, Debug)]
 pub enum Only<'a, R> {
     /// All rows.

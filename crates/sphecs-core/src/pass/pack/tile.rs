@@ -1,4 +1,5 @@
-//! Tiles of a pack, short enough to be read twice: to find the neighbours, and then these alone.
+//! Tiles of a pack, short enough to be read twice: once to find the neighbours, once to sum over
+//! them.
 
 use super::entries::{Entries, Entry};
 use super::mask::{
@@ -8,10 +9,10 @@ use super::{CULLED_DIMENSIONS, Pack};
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
 
-/// Most vectors of a tile.
+/// Largest number of vectors of a tile.
 pub const TILE_VECTORS: usize = 64;
 
-/// Returns the number of vectors of a whole tile.
+/// Returns the number of vectors of a full tile.
 const fn tile_vectors<L: Lanes, const D: usize>() -> usize {
     if D < CULLED_DIMENSIONS { BITS * least_lanes_per_bit::<L>() / L::COUNT } else { TILE_VECTORS }
 }

@@ -48,7 +48,7 @@ pub(super) struct BatchedRow<R, const D: usize> {
 
 impl<L: Lanes, const D: usize> Batch<L, D> {
     #[inline(always)]
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let (zero, none) = (L::constant(0.0), [L::Real::default(); MOST_LANES]);
         Self {
             sums: [[zero; MOST_LANES]; SUMS],
@@ -71,7 +71,7 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
 
     /// Adds a row; returns whether the batch is full.
     #[inline(always)]
-    pub fn add(
+    pub(super) fn add(
         &mut self,
         settings: &WcsphSettings<'_, L, D>,
         sums: &WcsphSums<L, D>,
@@ -98,7 +98,7 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
 
     /// Writes the rates of the rows and empties the batch.
     #[inline(always)]
-    pub fn finish(
+    pub(super) fn finish(
         &mut self,
         settings: &WcsphSettings<'_, L, D>,
         columns: &mut OutputColumns<'_, L::Real, D>,
@@ -148,7 +148,7 @@ impl<L: Lanes, const D: usize> Batch<L, D> {
 
     /// Returns the extremes of all rows that were written; the squares of acceleration and speed.
     #[inline(always)]
-    pub fn summary(&self) -> RatesSummary {
+    pub(super) fn summary(&self) -> RatesSummary {
         let poison = self.extremes.poison.sum().to_f64();
         let largest = |lanes: L| lanes.largest().to_f64() + poison;
         RatesSummary {

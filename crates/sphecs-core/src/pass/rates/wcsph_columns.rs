@@ -51,7 +51,7 @@ impl WcsphColumns {
     /// Returns the places in a loop of a fixed shape: those of [`columns`] as far as the shape has
     /// them.
     #[inline(always)]
-    pub const fn of_shape<S: LoopShape, const D: usize>() -> Self {
+    pub(super) const fn of_shape<S: LoopShape, const D: usize>() -> Self {
         let of_flow = 2 * D + 2 + if S::DAMPED { components(D) } else { 0 };
         let before = if S::WALLS { of_flow + 1 } else { of_flow };
         let concentration = Concentration { gradient: Vector(before), volume: Scalar(before + D) };

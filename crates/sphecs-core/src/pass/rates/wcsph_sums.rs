@@ -45,7 +45,7 @@ pub(super) struct WcsphRates<const D: usize> {
 impl<L: Lanes, const D: usize> WcsphSums<L, D> {
     /// Returns the sums of a row of this density, kg/m³, over no neighbours.
     #[inline(always)]
-    pub fn none(density: f64) -> Self {
+    pub(super) fn none(density: f64) -> Self {
         let zero = L::constant(0.0);
         Self {
             density,
@@ -66,7 +66,7 @@ impl<L: Lanes, const D: usize> WcsphSums<L, D> {
 impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
     /// Returns the rates of a row from its sums.
     #[inline(always)]
-    pub fn rates(&self, sums: &WcsphSums<L, D>, row: &FluidRow<L::Real, D>) -> WcsphRates<D> {
+    pub(super) fn rates(&self, sums: &WcsphSums<L, D>, row: &FluidRow<L::Real, D>) -> WcsphRates<D> {
         let density = sums.density;
         let shift = self.shift(sums, row);
         let [along_x_scale, along_v_scale] = self.acceleration_scales(density);
@@ -113,7 +113,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
     /// Returns the pressure part of the acceleration, m/s², and Σ x_ab × (acceleration by the
     /// pair), m²/s², of the sums of a loop with moments.
     #[inline(always)]
-    pub fn pressure_and_moment(&self, sums: &WcsphSums<L, D>) -> ([f64; D], [f64; 3]) {
+    pub(super) fn pressure_and_moment(&self, sums: &WcsphSums<L, D>) -> ([f64; D], [f64; 3]) {
         let [along_x_scale, along_v_scale] = self.acceleration_scales(sums.density);
         let (mut pressure, mut moment) = ([0.0; D], [0.0; 3]);
         for d in 0..D {
@@ -128,7 +128,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
 
     /// Returns the factors of `along_x` and `along_v` of a row of this density, kg/m³.
     #[inline(always)]
-    pub fn acceleration_scales(&self, density: f64) -> [L; 2] {
+    pub(super) fn acceleration_scales(&self, density: f64) -> [L; 2] {
         [L::constant(-self.settings.gradient_scale / density), L::constant(self.settings.viscous_scale)]
     }
 }

@@ -56,7 +56,7 @@ pub(super) struct WcsphChoices {
 
 impl WcsphChoices {
     /// Returns the choices of a scene.
-    pub fn new(pair: &PairSettings) -> Self {
+    pub(super) fn new(pair: &PairSettings) -> Self {
         Self {
             viscous: pair.viscous_term.pair_terms(),
             repulsion: pair.shifting.needs().repulsion,
@@ -88,7 +88,7 @@ pub(super) struct WcsphParticle<L, const D: usize> {
 impl<'a, L: Lanes, const D: usize> WcsphSettings<'a, L, D> {
     /// Returns the settings of a scene, whose columns have these places in the pack.
     #[inline(always)]
-    pub fn new(
+    pub(super) fn new(
         inputs: &'a FusedInputs<'a, L::Real, D>,
         source: &'a Source<'a, L::Real, D>,
         columns: WcsphColumns,
@@ -119,7 +119,7 @@ impl<'a, L: Lanes, const D: usize> WcsphSettings<'a, L, D> {
 
     /// Returns true if a fixed shape has all terms of the scene.
     #[inline(always)]
-    pub fn fit_fixed_shapes(&self) -> bool {
+    pub(super) fn fit_fixed_shapes(&self) -> bool {
         self.choices == WcsphChoices::default()
             && self.columns.normal.is_none()
             && self.columns.stress.is_none()
@@ -127,13 +127,13 @@ impl<'a, L: Lanes, const D: usize> WcsphSettings<'a, L, D> {
 
     /// Returns the settings of the pair passes.
     #[inline(always)]
-    pub fn pair(&self) -> &'a PairSettings {
+    pub(super) fn pair(&self) -> &'a PairSettings {
         self.inputs.pair
     }
 
     /// Returns the terms of a loop of a shape.
     #[inline(always)]
-    pub fn with_shape<S: LoopShape>(&self) -> WcsphTerms<'_, 'a, L, S, D> {
+    pub(super) fn with_shape<S: LoopShape>(&self) -> WcsphTerms<'_, 'a, L, S, D> {
         WcsphTerms { settings: self, shape: PhantomData }
     }
 }
@@ -141,13 +141,13 @@ impl<'a, L: Lanes, const D: usize> WcsphSettings<'a, L, D> {
 impl<L: Lanes, S: LoopShape, const D: usize> WcsphTerms<'_, '_, L, S, D> {
     /// Returns the places of the columns, known to the compiler in a loop of a fixed shape.
     #[inline(always)]
-    pub fn columns(&self) -> WcsphColumns {
+    pub(super) fn columns(&self) -> WcsphColumns {
         if S::FIXED { WcsphColumns::of_shape::<S, D>() } else { self.settings.columns }
     }
 
     /// Returns the choices of the scene, known to the compiler in a loop of a fixed shape.
     #[inline(always)]
-    pub fn choices(&self) -> WcsphChoices {
+    pub(super) fn choices(&self) -> WcsphChoices {
         if S::FIXED { WcsphChoices::default() } else { self.settings.choices }
     }
 

@@ -1,7 +1,7 @@
 //! Velocity gradient among the neighbours of a particle, summed together with its density.
 //!
-//! Its symmetric part, the rate of strain, serves the damping of noise; all of it carries the
-//! velocity of a shifted particle. The same loop sums ∇C for a shift without drift.
+//! The damping of noise uses its symmetric part, the rate of strain; shifting uses the full
+//! gradient to carry velocities. The same loop sums ∇C for a shift without drift.
 //!
 //! ```text
 //! S = ½ (∇v + ∇vᵀ),   ∂v_i/∂x_j = Σ_k G_ik (M⁻¹)_kj,
@@ -10,15 +10,15 @@
 //! s_a  = Σ_b V_b ∇W,   V_b = m/ρ_b of the step before
 //! ```
 //!
-//! The weights are those of Bonet & Lok (1999); the least squares are about the neighbours' own
-//! mean. The velocity of the particle itself does not enter, so neither the damping nor the
+//! The weights are those of Bonet & Lok (1999); the least squares are about the mean of the
+//! neighbours. The velocity of the particle itself does not enter, so neither the damping nor the
 //! shifting can amplify its noise. The sums are over fluid, inflow and outflow. Walls are left out
 //! (except in s), since the images of a particle close to a wall multiply its noise. The gradient
-//! is exact for linear fields whatever the weights of the neighbours. So all weigh the same, and
-//! the density of the step need not be known yet. s needs volumes and takes those of the step
-//! before, which differ by what acoustic waves change in a step. With equal volumes s would contain
-//! the gradient of the pressure, of which the mean over the support leaves the short waves, next to
-//! edges (docs/noise.md).
+//! is exact for linear fields whatever the weights of the neighbours. So all weights are equal, and
+//! the density of the step need not be known yet. The sum s needs volumes and takes those of the
+//! previous step, which differ only by the acoustic change of one step. With equal volumes s would
+//! contain the gradient of the pressure. Subtracting its mean over the support leaves the short
+//! waves next to edges (docs/notebook/2026-11-23-noise.md).
 
 mod pending;
 mod row;
@@ -42,7 +42,8 @@ use crate::math::symmetric::components;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Most columns beside the coordinates: velocity in 3D, whether a neighbour flows, and its volume.
+/// Largest number of columns besides the coordinates: velocity in 3D, flow flag and volume of the
+/// neighbour.
 const MOST_COLUMNS: usize = 3 + 1 + 1;
 
 /// Writer of the columns of this pass.

@@ -8,7 +8,7 @@ use crate::math::symmetric::{component, components};
 use crate::pass::blocks::GROUP;
 
 /// One number per waiting particle.
-type Column = [f64; GROUP];
+type GroupColumn = [f64; GROUP];
 
 /// Columns of a block for the symmetric parts of the gradients, by component, and for the
 /// gradients; empty ones are left out.
@@ -20,19 +20,19 @@ pub(super) struct PendingGradients<const D: usize> {
     waiting: usize,
     /// Their slots in the columns.
     slots: [usize; GROUP],
-    weights: Column,
-    along: [Column; D],
-    across: [Column; D],
-    moment: [Column; 6],
-    sum: [[Column; D]; D],
-    /// w of a particle itself, which is in no sum but that of the weights.
+    weights: GroupColumn,
+    along: [GroupColumn; D],
+    across: [GroupColumn; D],
+    moment: [GroupColumn; 6],
+    sum: [[GroupColumn; D]; D],
+    /// Weight w of the particle itself, which only the sum of the weights contains.
     own_weight: f64,
     /// 1/m, since distances are in units of h.
     inverse_h: f64,
 }
 
 impl<const D: usize> PendingGradients<D> {
-    /// Nothing waits.
+    /// Returns an empty group.
     pub(super) fn new(own_weight: f64, inverse_h: f64) -> Self {
         let none = [0.0; GROUP];
         Self {
@@ -95,9 +95,10 @@ impl<const D: usize> PendingGradients<D> {
     /// Returns the gradient of each particle, 1/s; zero where the neighbours do not span all
     /// dimensions.
     ///
-    /// Computes a whole group: entries behind the waiting ones have older sums and are not written.
+    /// It computes a whole group, in which entries behind the waiting ones have older sums and are
+    /// not written.
     #[inline(always)]
-    fn gradients(&self) -> [[Column; D]; D] {
+    fn gradients(&self) -> [[GroupColumn; D]; D] {
         let mut gradient = [[[0.0; GROUP]; D]; D];
         for row in 0..GROUP {
             let weights = self.weights[row] - self.own_weight;
@@ -106,7 +107,7 @@ impl<const D: usize> PendingGradients<D> {
             let mut plain = [[0.0; D]; D];
             for i in 0..D {
                 for j in 0..D {
-                    // About the mean of the neighbours.
+                    // The moments are about the mean of the neighbours.
                     let (along, across) = (self.along[j][row], self.across[i][row]);
                     moments[i][j] =
                         self.moment[component::<D>(i, j)][row] - self.along[i][row] * along * of_weights;
@@ -126,7 +127,7 @@ impl<const D: usize> PendingGradients<D> {
 
 /// Writes one number per particle to its slot.
 #[inline(always)]
-fn write_column<R: Real>(slots: &[usize], values: &Column, column: &mut [R]) {
+fn write_column<R: Real>(slots: &[usize], values: &GroupColumn, column: &mut [R]) {
     let (Some(first), Some(last)) = (slots.first(), slots.last()) else { return };
     if column.is_empty() {
         return;

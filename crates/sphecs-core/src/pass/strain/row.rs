@@ -37,8 +37,9 @@ pub(super) struct FlowSums<const D: usize> {
 /// Sums over a pack for the particle of a row, with the slopes if `SLOPES`. `all_slopes` is a
 /// buffer for f(q) of a tile.
 ///
-/// In three loops: one finds the neighbours in the support, without a branch; one computes their
-/// roots and kernel; one adds to the many sums, which would find no registers beside the kernel.
+/// There are three loops. The first finds the neighbours in the support without a branch, the
+/// second computes their roots and kernel, the third adds to the sums. In one loop the sums and the
+/// kernel would need too many registers.
 #[inline(always)]
 pub(super) fn sum<K: KernelShape, L: Lanes, const D: usize, const SLOPES: bool>(
     pack: &Pack<L::Real>,

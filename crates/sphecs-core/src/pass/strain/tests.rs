@@ -57,15 +57,15 @@ fn strain_of_a_linear_flow_is_exact_beside_walls_and_faces_and_density_is_the_sa
     }
 }
 
-/// ∇C and shifting vectors of a periodic lattice, drawn out and pressed together as sin(k x) along
-/// x by `drawn` Δ, and disordered by `noise` Δ.
-fn shifts(drift_correction: DriftCorrection, drawn: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
+/// Returns ∇C and shifting vectors of a periodic lattice, stretched and compressed along x by
+/// `amplitude` Δ sin(k x) and disordered by `noise` Δ.
+fn shifts(drift_correction: DriftCorrection, amplitude: f64, noise: f64) -> [Vec<[f64; 2]>; 2] {
     let shifting = Shifting::Local(Local { coefficient: 32.0, drift_correction });
     let pair = PairSettings { shifting, ..settings(Kernel::WendlandC2, 2, 1.5) };
     let mut sample = Sample::<f64, 2>::lattice(pair, [24, 12], true);
     let wave = 2.0 * std::f64::consts::PI / (24.0 * SPACING);
     for x in &mut sample.particles.position[0] {
-        *x += drawn * SPACING * (wave * *x).sin();
+        *x += amplitude * SPACING * (wave * *x).sin();
     }
     sample.stir(noise, 0.0);
     // Twice: the second has the volumes of this arrangement, as if nobody had moved in a step.
@@ -104,7 +104,7 @@ fn the_gradient_of_the_concentration_is_that_of_the_rates_when_nobody_has_moved(
 }
 
 #[test]
-fn a_shift_less_its_drift_leaves_long_waves_alone_and_mends_short_ones() {
+fn drift_correction_removes_long_waves_of_the_shift_and_keeps_short_ones() {
     let [concentration_gradient, removed] = shifts(DriftCorrection::On, 0.3, 0.0);
     let share = size(&removed) / size(&concentration_gradient);
     // 1 − Ŵ(k) of Wendland's kernel with h = 1.5 Δ and a wave of 24 Δ.

@@ -10,13 +10,13 @@
 //!
 //! Sums over b are over the flow around a wall particle. The stress is that of the mean flow in its
 //! support, about one spacing away. The force on the wall acts with opposite sign on the same
-//! particles, by the same weights, so momentum is conserved. Of the layers behind a flat wall one
-//! is nearer than Δ, wherever the lattice is cut, so it has the stress of its own area. In the edge
-//! of two walls the particle behind both has the stress of another Δ^(D−1): 1/N of the stress of a
-//! square duct with N particles across in plug flow.
+//! particles, by the same weights, so momentum is conserved. One of the layers behind a flat wall
+//! is nearer than Δ, wherever the lattice is cut, and it has the stress of its own area. At the
+//! edge of two walls the particle behind both adds the stress of another Δ^(D−1). In a square duct
+//! with N particles across in plug flow this is 1/N of the stress.
 //!
-//! A stress per wall particle that the kernel distributes is our own way to give it to the
-//! particles. Its purpose: docs/walls.md.
+//! Distributing the stress of each wall particle by the kernel is our own method; docs/walls.md
+//! gives its purpose.
 
 #[cfg(test)]
 mod tests;
@@ -43,10 +43,10 @@ use crate::physics::wall::law::friction_velocity;
 
 /// Depth behind the surface beyond which a wall particle has no friction, over Δ.
 ///
-/// A little less than one, for a lattice with a layer on the surface itself.
+/// It is slightly less than one, for lattices with a layer on the surface itself.
 const REACH: f64 = 1.0 - 1e-6;
 
-/// Least distance of the mean flow from the wall, over Δ.
+/// Smallest distance of the mean flow from the wall, over Δ.
 const LEAST_DISTANCE: f64 = 0.1;
 
 /// Writer of the friction.
@@ -136,7 +136,8 @@ pub fn add_friction_on<R: Real, const D: usize>(
     }
     let friction = sums.friction.read(WallFriction(()));
     let friction_felt = sums.friction_felt.read(WallFriction(()));
-    // In the order of the rows, so that the sum is bitwise identical for any number of threads.
+    // The sum is in the order of the rows, so that it is bitwise identical for any number of
+    // threads.
     for row in 0..particles.len() {
         if particles.zone[row] != Zone::Wall || particles.patch[row] != body.part {
             continue;
@@ -232,7 +233,7 @@ fn stress<const D: usize>(
     if u_tau == 0.0 { [0.0; D] } else { along.map(|component| density * u_tau * u_tau * component / speed) }
 }
 
-/// The flow around a wall particle, by its weights w(q).
+/// Flow around a wall particle, weighted by w(q).
 struct MeanFlow<const D: usize> {
     /// Velocity, m/s.
     velocity: [f64; D],

@@ -16,11 +16,11 @@
 //! Under `Wcsph` the pressure depends only on positions, and acoustic waves neither grow nor decay
 //! (`mod.rs`). With dissipative terms the scheme is stable for λ Δt ≤ 0.7 up to ω Δt = 1.
 //!
-//! Under `EdacTvf` an acoustic wave is an oscillation between velocity and pressure, which the
-//! scheme integrates as the two-step method of Adams and Bashforth does: an undamped oscillation of
-//! frequency ω grows by (ω Δt)⁴/4 per step. The damping of the pressure outweighs this. At
-//! Δt = 0.25 h/c_s a wave of wave number k grows by 1e-3 (k h)⁴ and is damped by 8e-3 (k h)² for
-//! α = 0.5, and the gradient sum of the quintic spline resolves no wave beyond k h = 0.88 (test
+//! Under `EdacTvf` an acoustic wave is an oscillation between velocity and pressure. The scheme
+//! integrates it like the two-step method of Adams and Bashforth: an undamped oscillation of
+//! frequency ω grows by (ω Δt)⁴/4 per step. The damping of the pressure outweighs this. At Δt =
+//! 0.25 h/c_s a wave of wave number k grows by 1e-3 (k h)⁴ and is damped by 8e-3 (k h)² for α =
+//! 0.5. The gradient sum of the quintic spline resolves no wave beyond k h = 0.88 (test
 //! `sound_is_stable_at_the_usual_step`). A purely dissipative term is stable up to λ Δt = 1.
 
 use super::Advance;

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     /// Returns the largest |x| in the last tenth of `steps` of an oscillator that starts from rest
-    /// at x = 1, with ω Δt = `frequency` and λ Δt = `damping`.
+    /// at x = 1. Its ω Δt is `frequency`, its λ Δt `damping`.
     ///
     /// `scheme` returns the integrator and whether the damping uses the previous velocity.
     fn amplitude<A: Advance>(

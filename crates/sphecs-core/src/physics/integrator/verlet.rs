@@ -14,9 +14,9 @@
 //!
 //! The viscous terms use the velocities at n−1 in a leapfrog step and those at n in a corrective
 //! step. A leapfrog damped with v(n) has a second solution that grows as exp(λ t) until the next
-//! corrective step. With a corrective step every 50 steps it is stable only below 0.0125 h²/ν, and
-//! unstable next to a wall, whose images damp faster than the fluid (a Poiseuille flow at h = 2.2 Δ
-//! diverged within 0.04 s). Damped with v(n−1) it decays for λ Δt < 1 (test
+//! corrective step. With a corrective step every 50 steps it is stable only below 0.0125 h²/ν. Next
+//! to a wall, whose images damp faster than the fluid, it is unstable (a Poiseuille flow at h = 2.2
+//! Δ diverged within 0.04 s). Damped with v(n−1) it decays for λ Δt < 1 (test
 //! `viscous_decay_is_stable_without_corrective_steps`), at the same cost.
 
 use super::Advance;

@@ -10,10 +10,10 @@
 //! Where a flow is stretched its lattice is, too, and ∇C contains ½ ∇·M (M = −Σ V_b x_ab ∇W, the
 //! unit matrix on a lattice at rest). That part does not make the distribution more even: it is a
 //! drift of the fluid as a whole, for which the velocities of a steady flow compensate
-//! (docs/noise.md). [`DriftCorrection::On`] subtracts the mean of the neighbourhood from ∇C: a wave
-//! of wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform of the kernel, so that next to
-//! nothing remains of waves much longer than the support and next to all of a wave of two spacings.
-//! The correction is our own; no source has it.
+//! (docs/notebook/2026-11-23-noise.md). [`DriftCorrection::On`] subtracts the mean of the
+//! neighbourhood from ∇C. A wave of wave number k is multiplied by 1 − Ŵ(k), with Ŵ the transform
+//! of the kernel. So almost nothing remains of waves much longer than the support, and almost all
+//! of a wave of two spacings. The correction is our own; no source has it.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,9 +31,9 @@ pub enum DriftCorrection {
     On,
 }
 
-/// Largest A v Δt/h. A shift diffuses the concentration: on a square or cubic lattice its shortest
-/// waves overshoot and grow above 0.71 (Wendland's kernel, 3D, h = 1.3 Δ; 0.73 in 2D, twice as much
-/// for the quintic kernel; test `a_shift_is_a_stable_diffusion`).
+/// Largest A v Δt/h. A shift diffuses the concentration. Above 0.71 its shortest waves on a cubic
+/// lattice overshoot and grow (Wendland's kernel, 3D, h = 1.3 Δ). The limit is 0.73 in 2D and twice
+/// as much for the quintic kernel (test `a_shift_is_a_stable_diffusion`).
 const LARGEST_DIFFUSION: f64 = 0.6;
 
 /// Returns the displacement over ∇C, m²: −A h v Δt, limited by the stability of the diffusion.

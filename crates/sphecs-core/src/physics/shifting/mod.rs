@@ -14,10 +14,10 @@
 //! [`ShiftStep::shortened`] turn it into a displacement.
 //!
 //! A method that carries the velocity along adds δx·∇v by [`add_carried`] (Lind et al. (2012), by
-//! Taylor's series). That gradient must not contain the particle's own velocity: with v' the part
-//! of it that the neighbours do not share, Σ V_b (v_b − v_a) ∇W holds −v' ∇C, and
-//! δx·∇v = A h |v_a| Δt |∇C|² v' makes v' grow without bound. So it is fitted to the neighbours
-//! alone: see `pass/strain/mod.rs`.
+//! Taylor's series). That gradient must not contain the particle's own velocity. With v' the part
+//! of it that the neighbours do not share, Σ V_b (v_b − v_a) ∇W contains −v' ∇C. Then δx·∇v = A h
+//! |v_a| Δt |∇C|² v' makes v' grow without bound. So it is fitted to the neighbours alone: see
+//! `pass/strain/mod.rs`.
 
 pub mod concentration;
 pub mod fickian;
@@ -33,6 +33,11 @@ pub use vacondio::Vacondio;
 
 use super::parameter_fault::ParameterFault;
 use crate::math::real::Real;
+
+/// Parameters of the methods, for scenes that are described in Rust.
+pub mod parameters {
+    pub use super::{DriftCorrection, Fickian, Local, Vacondio};
+}
 
 /// Method by which fluid particles are moved towards an even distribution after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

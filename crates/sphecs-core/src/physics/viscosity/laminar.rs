@@ -4,9 +4,9 @@
 //! (dv_a/dt)_b = 4 ν m_b v_ab/(ρ_a + ρ_b) F,   F = (dW/dr)/r ≤ 0
 //! ```
 //!
-//! Lo & Shao (2002), as in Alvarado-Rodríguez et al. (2017), Eq. 10. Published there with
-//! F r²/(r² + η²), η² = 0.01 h²: that is the option `as_published`, which loses 1 to 1.5 % of ν; F
-//! is finite at r = 0 without it. Conserves linear momentum exactly, angular momentum not.
+//! Lo & Shao (2002), as in Alvarado-Rodríguez et al. (2017), Eq. 10. The published form has F
+//! r²/(r² + η²), η² = 0.01 h². That is the option `as_published`, which loses 1 to 1.5 % of ν; F is
+//! finite at r = 0 without it. Conserves linear momentum exactly, angular momentum not.
 
 use serde::{Deserialize, Serialize};
 

@@ -27,6 +27,12 @@ use super::parameter_fault::ParameterFault;
 use crate::math::lanes::Lanes;
 use crate::math::lattice::LatticeSums;
 
+/// Parameters of the terms, for scenes that are described in Rust.
+pub mod parameters {
+    pub use super::reconstructed::NoiseDamping;
+    pub use super::{Artificial, Laminar, Sps};
+}
+
 /// Viscous term of the momentum equation; the kinematic viscosity ν is the fluid's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Viscosity {

@@ -16,7 +16,7 @@
 //! mixes momentum like an eddy viscosity of 10 ν and smears every jet and boundary layer. A
 //! viscosity that damps it within a shear time would be 50 ν; this term has it for the noise and,
 //! by construction, none for a linear flow. It acts along the line of a pair and is antisymmetric:
-//! linear and angular momentum are conserved.
+//! linear and angular momentum are conserved. Pairs with walls are not damped.
 
 use serde::{Deserialize, Serialize};
 
@@ -88,8 +88,8 @@ fn unexplained<L: Lanes, const D: usize>(product: L, strain_sum: [L; 6], x: [L; 
     dot(symmetric::product(strain_sum, x), x).mul_add(L::constant(-0.5 * h), product)
 }
 
-/// Returns −Π_ab/α = (c_a + c_b) h w_ab/((r² + η²)(ρ_a + ρ_b)) from the stiffness
-/// (c_a + c_b)/(ρ_a + ρ_b), m⁴/(kg s), and from `approach` = h w_ab/(r² + η²), m/s.
+/// Returns −Π_ab/α = (c_a + c_b) h w_ab/((r² + η²)(ρ_a + ρ_b)). The stiffness is (c_a + c_b)/(ρ_a +
+/// ρ_b), m⁴/(kg s), and `approach` is h w_ab/(r² + η²), m/s.
 #[inline(always)]
 fn factor<L: Lanes>(stiffness: L, approach: L) -> L {
     stiffness * approach

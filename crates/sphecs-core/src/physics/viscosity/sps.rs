@@ -6,9 +6,10 @@
 //! dv_a/dt = Σ_b m_b (T_a/ρ_a² + T_b/ρ_b²) · ∇W,   in addition to the laminar term
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Eqs. 7, 8 and 10, with the misprints resolved: S_ij carries a
-//! minus sign there, ν_t is missing in the second term of T and |S|² in the third (without them
-//! the units are wrong), and C_I is 0.00066 for 0.0066. The third term only shifts the pressure.
+//! These are Eqs. 7, 8 and 10 of Alvarado-Rodríguez et al. (2017) with the misprints corrected.
+//! There S_ij has a minus sign, and C_I is 0.00066 for 0.0066. The factor ν_t is missing in the
+//! second term of T and |S|² in the third, without which the units are wrong. The third term only
+//! shifts the pressure.
 
 use serde::{Deserialize, Serialize};
 

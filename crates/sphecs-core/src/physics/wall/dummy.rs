@@ -1,16 +1,16 @@
-//! Dummy particles: velocity of a wall particle as the fluid sees it.
+//! Dummy particles: velocity of a wall particle in the sums of the fluid.
 //!
 //! ```text
 //! no slip      v_w = 2 v_wall − ṽ,                          ṽ_w = Σ_b v_b W_wb / Σ_b W_wb
 //! free slip    v_w = ṽ − 2 ((ṽ − v_wall)·n) n,   no viscous force
 //! ```
 //!
-//! Adami et al. (2012), Eqs. 22 and 23, over fluid, inflow and outflow. The kernel mean at a wall
-//! particle is the velocity of the fluid some way in front of the surface, not at the mirror image
-//! of the particle. So the profile is not continued as a straight line, and the effective surface
-//! is slightly displaced (0.45 % of the peak of a Poiseuille flow with 25 particles across, where
-//! the image has 0.26 %: docs/walls.md). In return no factor becomes large for a particle that
-//! touches the wall.
+//! These are Eqs. 22 and 23 of Adami et al. (2012), with sums over fluid, inflow and outflow. The
+//! kernel mean at a wall particle is the velocity of the fluid some way in front of the surface,
+//! not at the mirror image of the particle. So the profile is not continued linearly, and the
+//! effective surface is slightly displaced. The peak of a Poiseuille flow with 25 particles across
+//! is off by 0.45 %, with the image by 0.26 % (docs/walls.md). In return no factor becomes large
+//! for a particle that touches the wall.
 //!
 //! Only the viscous term uses v_w. In the equation of an evolved pressure the divergence uses the
 //! velocity of the wall itself, as in their section 2.3.
@@ -32,7 +32,7 @@ impl WallMethod for Dummy {
 
     #[inline(always)]
     fn inverse_distance(&self, _distance: f64, _spacing: f64) -> f64 {
-        // A wall particle has the velocity that is seen.
+        // Wall particles already have the velocity of the formula.
         0.0
     }
 

@@ -11,13 +11,13 @@
 //!
 //! Simcenter STAR-CCM+ User Guide, page “SPH Boundary Conditions”, Eqs. 1123–1125 (the page bears
 //! no year). Its f_b is a force per volume, ρ_a g here. This is the image of
-//! [`image`](super::image) with d_w = d_a for all pairs, so that one formula serves the pair loops:
-//! the ghost is 1 m behind the surface and the particle 1 m in front of it. The divergence uses the
+//! [`image`](super::image) with d_w = d_a for all pairs, so that one formula serves the pair loops.
+//! The ghost is 1 m behind the surface and the particle 1 m in front of it. The divergence uses the
 //! velocity of the ghost under both schemes.
 //!
-//! The drag of a particle does not depend on its distance from the wall: deep ghosts drag the first
-//! layer of particles too little, those further off too much (0.8 to 1.3 % of the peaks of plane
-//! flows with 20 to 25 particles across: docs/walls.md).
+//! The drag of a particle does not depend on its distance from the wall. Deep ghosts drag the first
+//! layer of particles too little and the layers behind it too much. The error is 0.8 to 1.3 % of
+//! the peaks of plane flows with 20 to 25 particles across (docs/walls.md).
 
 use super::{WallMethod, WallPressure};
 

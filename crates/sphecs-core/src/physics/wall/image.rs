@@ -1,4 +1,4 @@
-//! Image particles: velocity of a wall particle as a fluid particle sees it.
+//! Image particles: velocity of a wall particle in the sums of a fluid particle.
 //!
 //! ```text
 //! v_a − v_b = (1 + d_b/d_a) (v_a − v_wall)
@@ -9,13 +9,13 @@
 //! those of a wall have d_b = 0, so that one formula serves all pairs. Morris et al. cap the factor
 //! at 1.5, which costs 3 to 4 % of the peak of a Poiseuille flow; the cap is an option here.
 //!
-//! A free-slip wall exerts no viscous force; its image has the fluid's own tangential velocity and
-//! the mirrored normal one.
+//! A free-slip wall exerts no viscous force; its image has the tangential velocity of the fluid and
+//! the mirrored normal velocity.
 
 use super::{WallMethod, WallPressure};
 use crate::math::lanes::{Lanes, dot};
 
-/// Smallest distance of a fluid particle from a wall in the factor of the image, over Δ: on the
+/// Smallest distance of a fluid particle from a wall in the factor of the image, over Δ. On the
 /// surface itself the factor would be infinite.
 const LEAST_DISTANCE: f64 = 0.1;
 

@@ -5,10 +5,10 @@
 //! u⁺ = u/u_τ,  y⁺ = y u_τ/ν,  τ_w = ρ u_τ²
 //! ```
 //!
-//! Spalding (1961) with his κ = 0.4 and B = 5.5 (e^(−κB) = 0.1108), without the term of the fourth
-//! power, which he says fits as well. One formula covers the viscous sublayer, u⁺ = y⁺, and the
-//! logarithmic layer, u⁺ = ln(y⁺)/κ + B. Given y and u(y), it is solved for u⁺ in u⁺ y⁺(u⁺) = u
-//! y/ν.
+//! This is the law of Spalding (1961) with his κ = 0.4 and B = 5.5 (e^(−κB) = 0.1108). The term of
+//! the fourth power is omitted, which he says fits as well. One formula covers the viscous
+//! sublayer, u⁺ = y⁺, and the logarithmic layer, u⁺ = ln(y⁺)/κ + B. Given y and u(y), it is solved
+//! for u⁺ in u⁺ y⁺(u⁺) = u y/ν.
 
 /// von Kármán's constant.
 const KAPPA: f64 = 0.4;

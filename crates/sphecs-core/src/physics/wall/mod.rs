@@ -58,13 +58,13 @@ pub trait WallMethod {
     /// surface.
     fn image_distance(&self, distance: f64) -> f64;
 
-    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall
+    /// Returns true if viscous sums see a velocity from the kernel mean of the fluid in wall
     /// particles.
     fn sees_kernel_mean(&self) -> bool {
         false
     }
 
-    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall
+    /// Returns true if the divergence sees the reversed velocity of each fluid particle in wall
     /// particles.
     fn mirrors_velocity(&self) -> bool {
         false
@@ -127,13 +127,13 @@ impl WallModel {
         with_model!(self, method => method.image_distance(distance))
     }
 
-    /// Tells whether viscous sums see a velocity from the kernel mean of the fluid in wall
+    /// Returns true if viscous sums see a velocity from the kernel mean of the fluid in wall
     /// particles.
     pub fn sees_kernel_mean(self) -> bool {
         with_model!(self, method => method.sees_kernel_mean())
     }
 
-    /// Tells whether the divergence sees the reversed velocity of each fluid particle in wall
+    /// Returns true if the divergence sees the reversed velocity of each fluid particle in wall
     /// particles.
     pub fn mirrors_velocity(self) -> bool {
         with_model!(self, method => method.mirrors_velocity())
@@ -151,7 +151,7 @@ pub enum WallPressure {
     /// Adami et al. (2012): kernel mean of the pressure of the fluid, with its hydrostatic part.
     #[default]
     Extrapolated,
-    /// Per pair: p_a + ρ_a (g − a_wall)·(x_w − x_a).
+    /// Per pair: p_a + ρ_a g·(x_w − x_a).
     Mirrored,
 }
 
@@ -169,7 +169,7 @@ pub enum Slip {
 }
 
 impl Slip {
-    /// Tells whether the pairs of fluid and wall exert no viscous force.
+    /// Returns true if the pairs of fluid and wall exert no viscous force.
     pub fn is_free_in_pairs(self) -> bool {
         self != Slip::NoSlip
     }

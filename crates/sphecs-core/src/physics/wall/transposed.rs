@@ -6,15 +6,15 @@
 //!
 //! Inside the flow the divergence of (∇v)ᵀ is ∇(∇·v) and vanishes, so that it does not affect the
 //! motion; on a surface it has a traction. This needs only the velocity along the surface, which is
-//! that of the wall: by ∇·v = 0 the part n·∂_n v of the derivative along n is the second sum. On a
-//! surface that turns with ω the traction is μ n × ω. Over a closed body of volume V (in 2D its
-//! area) its torque is −2 μ ω V and its force 0. On a surface at rest, or in translation, it is 0.
-//! The stress is that of Newton, e.g. Batchelor (1967), Eq. 3.3.11.
+//! that of the wall. By ∇·v = 0 the second sum equals the part n·∂_n v of the derivative along n.
+//! On a surface that turns with ω the traction is μ n × ω. Over a closed body of volume V (in 2D
+//! its area) its torque is −2 μ ω V and its force 0. On a surface at rest, or in translation, it is
+//! 0. The stress is that of Newton, e.g. Batchelor (1967), Eq. 3.3.11.
 
 use glam::DVec3;
 
-/// Returns the traction on a surface of unit normal n into the fluid, Pa, from unit tangents and
-/// the derivative of the velocity of the surface along each, 1/s; `viscosity` is μ, Pa s.
+/// Returns the traction on a surface of unit normal n into the fluid, Pa. Each unit tangent comes
+/// with the derivative of the velocity of the surface along it, 1/s; `viscosity` is μ, Pa s.
 pub fn transposed_traction(viscosity: f64, normal: DVec3, along: &[(DVec3, DVec3)]) -> DVec3 {
     let shear: DVec3 = along.iter().map(|(tangent, slope)| *tangent * slope.dot(normal)).sum();
     let widening: f64 = along.iter().map(|(tangent, slope)| slope.dot(*tangent)).sum();

@@ -14,10 +14,8 @@ use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::real::Real;
 use sphecs_core::pass::body::{Body, BodySum};
-use sphecs_core::pass::edac::sum_body_force as sum_edac_body_force;
-use sphecs_core::pass::rates::sum_body_force;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::settings::{PairSettings, PressureLaw};
 use sphecs_core::pass::wall_friction::add_friction_on;
 use sphecs_core::physics::edac::Edac;
@@ -67,7 +65,7 @@ impl FromWorld for Bodies {
 }
 
 /// Sums the forces on all bodies by the terms of `Wcsph`.
-pub(crate) fn sum_body_forces<R: Real, const D: usize>(
+pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     (scene, clock): (Res<ActiveScene>, Res<Clock>),
     grid: Res<Grid<D>>,
     since_correction: Res<StepsSinceCorrection>,
@@ -80,7 +78,7 @@ pub(crate) fn sum_body_forces<R: Real, const D: usize>(
     row.forces.clear();
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         let mut sum =
-            sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
+            R::sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
         add_shear(&scene.0, clock.time, shear, body, &mut sum);
         sum
@@ -88,7 +86,7 @@ pub(crate) fn sum_body_forces<R: Real, const D: usize>(
 }
 
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
-pub(crate) fn sum_edac_body_forces<R: Real, const D: usize>(
+pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     (scene, clock): (Res<ActiveScene>, Res<Clock>),
     grid: Res<Grid<D>>,
     arrays: Res<Arrays<R, D>>,
@@ -99,7 +97,7 @@ pub(crate) fn sum_edac_body_forces<R: Real, const D: usize>(
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
-        let mut sum = sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
+        let mut sum = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
         add_shear(&scene.0, clock.time, shear, body, &mut sum);
         sum

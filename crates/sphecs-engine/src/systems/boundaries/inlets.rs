@@ -13,9 +13,9 @@ use crate::resources::pair_sums::Sums;
 use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
 use sphecs_core::boundary::inlet::inflow_zone::{InflowBuffers, InflowMotion, InflowZone};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Inlet, Scene};
 
 /// Smallest number of inflow particles per thread: a profile may be an expression.
@@ -51,7 +51,7 @@ impl InflowMotion for SceneMotion<'_> {
 }
 
 /// Sets velocity, pressure and density of inflow particles at the present time.
-pub fn apply_inlets<R: Real, const D: usize>(
+pub fn apply_inlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
@@ -83,7 +83,7 @@ pub fn apply_inlets<R: Real, const D: usize>(
 
 /// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
 /// `velocities` is a buffer that is kept from step to step.
-pub fn move_inflow<R: Real, const D: usize>(
+pub fn move_inflow<R: PairReal<D>, const D: usize>(
     inlet: &Inlet,
     viscosity: f64,
     rows: &[u32],

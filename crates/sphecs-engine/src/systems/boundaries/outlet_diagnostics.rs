@@ -13,9 +13,9 @@ use crate::resources::clock::Clock;
 use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
 use sphecs_core::boundary::outlet::outflow_zone::settling_time;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::fits::PointFlow;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Outlet, Scene};
 
 /// Share of the fluid that may be gained or lost. The density of the rest is as far off, and the
@@ -26,8 +26,8 @@ const CONTENT: f64 = 0.05;
 /// channel gains and loses as many all the time.
 const LAYERS: f64 = 2.0;
 
-/// Largest acoustic pressure at an outlet, and largest drift of its mean pressure, over ρ0 c0²: the
-/// velocity of such sound is half of that of a flow at Mach 0.1.
+/// Largest acoustic pressure at an outlet and largest drift of its mean pressure, over ρ0 c0². The
+/// particle velocity of such a wave is half the velocity of a flow at Mach 0.1.
 const PRESSURE: f64 = 0.05;
 
 /// Normal velocity, over the reference velocity of the scene, at which the mean flow counts as
@@ -139,7 +139,7 @@ fn particles_per_layer(scene: &Scene, inflow: u64) -> f64 {
 }
 
 /// Updates the diagnostics of the outlets after a step.
-pub fn diagnose_outlets<R: Real, const D: usize>(
+pub fn diagnose_outlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     ledger: Res<Ledger>,

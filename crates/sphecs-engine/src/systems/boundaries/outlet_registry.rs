@@ -7,7 +7,7 @@ use bevy_ecs::resource::Resource;
 
 use super::outlets::{RunningCondition, WithMemory};
 use sphecs_core::boundary::outlet::method::OutletMethod;
-use sphecs_core::math::real::Real;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::parameter_fault::ParameterFault;
 
 /// Outlet conditions that plugins add, by the name that a scene gives to
@@ -41,7 +41,7 @@ impl<M: OutletMethod> AddedOutlet for M {
     }
 
     fn start(&self) -> [Box<dyn Any>; 4] {
-        fn running<M: OutletMethod, R: Real, const D: usize>(method: &M) -> Box<dyn Any> {
+        fn running<M: OutletMethod, R: PairReal<D>, const D: usize>(method: &M) -> Box<dyn Any> {
             let running: Box<dyn RunningCondition<R, D>> = Box::new(WithMemory::new(method));
             Box::new(running)
         }
@@ -69,7 +69,7 @@ impl AddedOutlets {
     }
 
     /// Returns the condition of a name, ready to run.
-    pub(super) fn start<R: Real, const D: usize>(
+    pub(super) fn start<R: PairReal<D>, const D: usize>(
         &self,
         name: &str,
     ) -> Result<Box<dyn RunningCondition<R, D>>, Vec<String>> {

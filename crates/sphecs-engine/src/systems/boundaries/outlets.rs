@@ -25,22 +25,22 @@ use sphecs_core::boundary::flow::FlowProperties;
 use sphecs_core::boundary::outlet::OutletVisitor;
 use sphecs_core::boundary::outlet::method::{Advanced, Needs, OutflowMotion, OutletMethod};
 use sphecs_core::boundary::outlet::outflow_zone::{OutflowZone, ZoneBuffers};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{real_vector, set_real_vector};
 use sphecs_core::pass::fits::PointFlow;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Outlet, Scene};
 
 /// Outlets of a simulation.
 #[derive(Resource)]
-pub struct Outlets<R: Real, const D: usize> {
+pub struct Outlets<R: PairReal<D>, const D: usize> {
     /// Outlets, in the order of the scene.
     pub all: Vec<RunningOutlet<R, D>>,
     needs: Vec<Needs>,
 }
 
 /// An outlet with its condition and the state of the present stage.
-pub struct RunningOutlet<R: Real, const D: usize> {
+pub struct RunningOutlet<R: PairReal<D>, const D: usize> {
     /// Mean normal velocity and pressure of the fluid next to the outlet.
     pub adjacent: PointFlow,
     /// Speed along the normal of each outflow row of the outlet, m/s.
@@ -49,7 +49,7 @@ pub struct RunningOutlet<R: Real, const D: usize> {
 }
 
 /// A condition with its memory, for one precision and dimension.
-pub(super) trait RunningCondition<R: Real, const D: usize>: Send + Sync {
+pub(super) trait RunningCondition<R: PairReal<D>, const D: usize>: Send + Sync {
     fn needs(&self) -> Needs;
     fn apply(&mut self, zone: &mut OutflowZone<'_, R, D>);
     fn find_rates(&mut self, zone: &mut OutflowZone<'_, R, D>);
@@ -80,7 +80,7 @@ impl<M: OutletMethod> WithMemory<M> {
     }
 }
 
-impl<M: OutletMethod, R: Real, const D: usize> RunningCondition<R, D> for WithMemory<M> {
+impl<M: OutletMethod, R: PairReal<D>, const D: usize> RunningCondition<R, D> for WithMemory<M> {
     fn needs(&self) -> Needs {
         self.method.needs()
     }
@@ -125,10 +125,10 @@ impl<M: OutletMethod, R: Real, const D: usize> RunningCondition<R, D> for WithMe
     }
 }
 
-/// Makes a condition of the engine ready to run.
+/// Adds an empty memory to a condition of the engine.
 struct Start<R, const D: usize>(PhantomData<R>);
 
-impl<R: Real, const D: usize> OutletVisitor for Start<R, D> {
+impl<R: PairReal<D>, const D: usize> OutletVisitor for Start<R, D> {
     type Output = Box<dyn RunningCondition<R, D>>;
 
     fn visit<M: OutletMethod>(self, method: &M) -> Self::Output {
@@ -141,7 +141,10 @@ impl<R: Real, const D: usize> OutletVisitor for Start<R, D> {
 ///
 /// # Errors
 /// [`OutletFaults`] for conditions that no plugin adds and for parameters out of range.
-pub fn insert_outlets<R: Real, const D: usize>(world: &mut World, scene: &Scene) -> Result<(), OutletFaults> {
+pub fn insert_outlets<R: PairReal<D>, const D: usize>(
+    world: &mut World,
+    scene: &Scene,
+) -> Result<(), OutletFaults> {
     let added = world.get_resource_or_init::<AddedOutlets>();
     let mut faults = Vec::new();
     let mut outlets = Vec::new();
@@ -184,7 +187,7 @@ struct SavedOutlet {
     convective: Vec<f64>,
 }
 
-fn save<R: Real, const D: usize>(world: &World) -> Option<Vec<u8>> {
+fn save<R: PairReal<D>, const D: usize>(world: &World) -> Option<Vec<u8>> {
     let scene = &world.resource::<ActiveScene>().0;
     let outlets = &world.get_resource::<Outlets<R, D>>()?.all;
     let saved = scene.outlets.iter().zip(outlets).map(|(outlet, running)| SavedOutlet {
@@ -197,7 +200,7 @@ fn save<R: Real, const D: usize>(world: &World) -> Option<Vec<u8>> {
     Some(encode_record(&saved.collect::<Vec<_>>()))
 }
 
-fn restore<R: Real, const D: usize>(world: &mut World, bytes: &[u8]) -> Result<(), String> {
+fn restore<R: PairReal<D>, const D: usize>(world: &mut World, bytes: &[u8]) -> Result<(), String> {
     let scene = world.resource::<ActiveScene>().0.clone();
     let saved: Vec<SavedOutlet> = decode_record(bytes)?;
     let mut outlets = world.resource_mut::<Outlets<R, D>>();
@@ -210,7 +213,7 @@ fn restore<R: Real, const D: usize>(world: &mut World, bytes: &[u8]) -> Result<(
             let found = &saved.condition;
             return Err(format!("{patch} has the condition `{found}`, the scene has `{condition}`"));
         }
-        let misread = |fault| format!("{patch}: the memory of `{condition}` does not read: {fault}");
+        let misread = |fault| format!("{patch}: the memory of `{condition}` cannot be read: {fault}");
         running.condition.restore(&saved.memory).map_err(misread)?;
         running.adjacent.velocity = saved.fluid_velocity;
         running.adjacent.pressure = saved.fluid_pressure;
@@ -219,14 +222,14 @@ fn restore<R: Real, const D: usize>(world: &mut World, bytes: &[u8]) -> Result<(
     Ok(())
 }
 
-impl<R: Real, const D: usize> Outlets<R, D> {
+impl<R: PairReal<D>, const D: usize> Outlets<R, D> {
     /// Returns the requirements of the conditions, in the order of the scene.
     pub fn needs(&self) -> &[Needs] {
         &self.needs
     }
 }
 
-impl<R: Real, const D: usize> RunningOutlet<R, D> {
+impl<R: PairReal<D>, const D: usize> RunningOutlet<R, D> {
     /// Moves the outflow particles of the outlet by a time step, s. Each moves along the normal
     /// only.
     pub fn move_particles(
@@ -258,7 +261,7 @@ fn flow_properties<'a>(
 }
 
 /// Calls a function with the condition and the zone of each outlet.
-fn for_each_zone<R: Real, const D: usize>(
+fn for_each_zone<R: PairReal<D>, const D: usize>(
     (scene, clock, pair, grid): (&Scene, &Clock, &Pair, &Grid<D>),
     rows: &PatchRows,
     outlets: &mut Outlets<R, D>,
@@ -293,8 +296,8 @@ fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
     rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
 }
 
-/// Finds the mean flow next to an outlet; without fluid there it stays.
-fn find_adjacent<R: Real, const D: usize>(
+/// Finds the mean flow next to an outlet; without fluid there the earlier mean is kept.
+fn find_adjacent<R: PairReal<D>, const D: usize>(
     adjacent: &mut PointFlow,
     normal: DVec3,
     rows: &[u32],
@@ -308,7 +311,7 @@ fn find_adjacent<R: Real, const D: usize>(
 
 /// Sets pressure, density and velocity of outflow particles and finds the speeds at which they
 /// move.
-pub fn apply_outlets<R: Real, const D: usize>(
+pub fn apply_outlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
@@ -331,7 +334,7 @@ pub fn apply_outlets<R: Real, const D: usize>(
 }
 
 /// Finds rates and shifting vectors of outflow particles.
-pub fn find_outlet_rates<R: Real, const D: usize>(
+pub fn find_outlet_rates<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),

@@ -6,10 +6,10 @@ use glam::DVec3;
 use super::patch_cells::PatchCells;
 use sphecs_core::boundary::outlet::method::Needs;
 use sphecs_core::math::grid::CellGrid;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::with_lists;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
 /// Layers of fluid upstream of an outlet over which the flow next to it is averaged.
@@ -24,10 +24,10 @@ pub struct PatchRows {
     pub outflow: Vec<Vec<u32>>,
     /// Fluid rows in the last three layers before each outlet.
     pub before_outlet: Vec<Vec<u32>>,
-    /// Fluid rows upstream of each outlet that its condition follows; empty if it follows none.
+    /// Fluid rows upstream of each outlet that its condition uses; empty if it uses none.
     pub upstream: Vec<Vec<u32>>,
-    /// Rows of the cells near inlets and outlets: all others, and all that cross a plane, are among
-    /// them.
+    /// Rows of the cells near inlets and outlets. They contain the rows above and all rows that
+    /// cross a plane.
     pub near: PatchCells,
     /// Lists of each part of the rows, kept so that collecting allocates nothing.
     parts: Vec<PatchRows>,
@@ -35,7 +35,7 @@ pub struct PatchRows {
 
 impl PatchRows {
     /// Returns the positions of the inflow particles of an inlet, m.
-    pub fn inflow_positions<R: Real, const D: usize>(
+    pub fn inflow_positions<R: PairReal<D>, const D: usize>(
         &self,
         arrays: &ParticleArrays<R, D>,
         inlet: u16,
@@ -60,7 +60,7 @@ impl PatchRows {
 
     /// Collects the rows, in their order, of arrays that are sorted by the grid. `needs` are the
     /// requirements of the outlets' conditions.
-    pub fn collect<R: Real, const D: usize>(
+    pub fn collect<R: PairReal<D>, const D: usize>(
         &mut self,
         scene: &Scene,
         needs: &[Needs],
@@ -90,7 +90,7 @@ impl PatchRows {
     }
 
     /// Adds a row to the lists that it belongs to.
-    fn add<R: Real, const D: usize>(
+    fn add<R: PairReal<D>, const D: usize>(
         &mut self,
         scene: &Scene,
         needs: &[Needs],

@@ -1,11 +1,11 @@
 //! Projection of particles behind a wall to its surface.
 //!
 //! It applies to particles of the fluid and of outflow zones. Pressure keeps the particles off a
-//! flat wall. At the tip of a sharp corner the nearest wall particle is 0.7 Δ inside, and a
-//! particle that rounds the corner cuts it: with six particles across a throat by up to 0.1 Δ. Such
-//! a particle is moved back to the surface along the normal and loses its velocity into the wall,
-//! at both time levels. [`WallProjections`] counts these events for the monitor. Where the count
-//! grows all the time, the spacing is too coarse for the corner.
+//! flat wall. At the tip of a sharp corner the nearest wall particle is 0.7 Δ inside, and particles
+//! cut the corner. With six particles across a throat they do so by up to 0.1 Δ. Such a particle is
+//! moved back to the surface along the normal and loses its velocity into the wall, at both time
+//! levels. [`WallProjections`] counts these events for the monitor. Where the count grows all the
+//! time, the spacing is too coarse for the corner.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,10 +18,10 @@ use serde::{Deserialize, Serialize};
 use crate::arrays::Arrays;
 use crate::resources::grid::Grid;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// Number of times that a fluid particle was moved back to a wall since the start.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,14 +39,14 @@ const STEP: f64 = 1e-3;
 const IN_FRONT: f64 = 1e-6;
 
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
-pub fn project_to_walls<R: Real, const D: usize>(
+pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     grid: Res<Grid<D>>,
     mut projections: ResMut<WallProjections>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    // Extended beyond the far ends of the zones, which are no walls.
+    // Extended beyond the far ends of the zones, which are not walls.
     let walls = &scene.layout.confines;
     let near = R::from_f64(NEAR * scene.spacing);
     let ParticleArrays { zone, position, velocity, previous_velocity, wall_distance, .. } = &mut **arrays;
@@ -57,7 +57,7 @@ pub fn project_to_walls<R: Real, const D: usize>(
         velocity.each_mut().map(Vec::as_mut_slice),
         previous_velocity.each_mut().map(Vec::as_mut_slice),
     );
-    let work = |rows: Range<usize>, (position, mut now, mut before): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, mut now, mut before): RowColumns<R, D>| {
         // Most parts are far from all walls; a loop without branches finds this fast.
         if wall_distance[rows.clone()].iter().fold(true, |clear, &distance| clear & (distance >= near)) {
             return;
@@ -99,4 +99,4 @@ pub fn project_to_walls<R: Real, const D: usize>(
 }
 
 /// Positions and velocities, present and previous, of the rows of a part.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);

@@ -14,20 +14,18 @@ use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
 use bevy_ecs::system::{Res, ResMut};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{real_vector, vector};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::rates::TimeLevel;
-use sphecs_core::pass::wall_velocity::find_velocity_seen;
-use sphecs_core::pass::walls::extrapolate_wall_pressure;
 use sphecs_core::physics::wall::{Slip, WallPressure};
 use sphecs_scene::model::{BodyForce, Scene, WallPart};
 
 /// Sets the velocity of moving walls, and pressure and velocity of wall particles from the flow
 /// next to them, as the wall model requires.
-pub fn apply_walls<R: Real, const D: usize>(
+pub fn apply_walls<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     pair: Res<Pair>,
@@ -44,7 +42,7 @@ pub fn apply_walls<R: Real, const D: usize>(
     match scene.walls.model.pressure() {
         WallPressure::Extrapolated => {
             let carried = |arrays: &ParticleArrays<R, D>, row: usize| carried(scene, time, arrays, row);
-            extrapolate_wall_pressure(&pair.0, &grid.0, &mut arrays, &mut sums.0, &carried);
+            R::extrapolate_wall_pressure(&pair.0, &grid.0, &mut arrays, &mut sums.0, &carried);
         }
         WallPressure::Mirrored => find_body_force(scene, time, &arrays, &mut sums.0.body_force),
     }
@@ -53,7 +51,7 @@ pub fn apply_walls<R: Real, const D: usize>(
 
 /// Finds the velocities of dummy walls in the viscous term, in the present order of the particles.
 /// Does nothing under other wall models.
-pub(crate) fn find_dummy_velocity<R: Real, const D: usize>(
+pub(crate) fn find_dummy_velocity<R: PairReal<D>, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     since_correction: Option<Res<StepsSinceCorrection>>,
@@ -62,12 +60,12 @@ pub(crate) fn find_dummy_velocity<R: Real, const D: usize>(
 ) {
     if pair.0.wall_model.sees_kernel_mean() {
         let level = since_correction.map_or(TimeLevel::Present, |since| since.time_level());
-        find_velocity_seen(&pair.0, &grid.0, &arrays, level, &mut sums.0);
+        R::find_velocity_seen(&pair.0, &grid.0, &arrays, level, &mut sums.0);
     }
 }
 
 /// Sets the velocity of the particles of moving wall parts to that of the surface in front of them.
-fn set_surface_velocity<R: Real, const D: usize>(
+fn set_surface_velocity<R: PairReal<D>, const D: usize>(
     parts: &[WallPart],
     time: f64,
     arrays: &mut ParticleArrays<R, D>,
@@ -77,7 +75,7 @@ fn set_surface_velocity<R: Real, const D: usize>(
     } = arrays;
     let (zone, patch, position) = (&*zone, &*patch, &*position);
     let (wall_distance, wall_normal) = (&*wall_distance, &*wall_normal);
-    let work = |rows: Range<usize>, (velocity, before): Columns<R, D>| {
+    let work = |rows: Range<usize>, (velocity, before): RowColumns<R, D>| {
         for (at, row) in rows.enumerate() {
             if zone[row] != Zone::Wall {
                 continue;
@@ -105,7 +103,7 @@ fn set_surface_velocity<R: Real, const D: usize>(
 /// Their a_wall is the acceleration of the fluid at the surface, caused by the pressure. Along the
 /// surface the fluid is accelerated by friction, and where it slips it does not move with the wall.
 /// So a_wall is the normal part of the acceleration of a no-slip surface.
-fn carried<R: Real, const D: usize>(
+fn carried<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     time: f64,
     arrays: &ParticleArrays<R, D>,
@@ -117,14 +115,14 @@ fn carried<R: Real, const D: usize>(
     if part.slip == Slip::NoSlip && part.moves() {
         let normal = real_vector(&arrays.wall_normal, row);
         let surface = place + normal * arrays.wall_distance[row].to_f64();
-        force -= normal * part.turning_at(surface, time, scene.spacing).dot(normal);
+        force -= normal * part.convective_acceleration_at(surface, time, scene.spacing).dot(normal);
     }
     std::array::from_fn(|axis| force[axis])
 }
 
 /// Finds the body force of the fluid rows, m/s², where it is an expression; else the columns stay
 /// empty.
-fn find_body_force<R: Real, const D: usize>(
+fn find_body_force<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     time: f64,
     arrays: &ParticleArrays<R, D>,
@@ -150,4 +148,4 @@ fn find_body_force<R: Real, const D: usize>(
 }
 
 /// Velocities, present and previous, of the rows of a part.
-type Columns<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D]);

@@ -4,9 +4,9 @@ use bevy_ecs::resource::Resource;
 use glam::DVec3;
 
 use super::neighbourhood::Neighbourhood;
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// First reason to stop that a step found.
 #[derive(Resource, Clone, Debug, Default)]
@@ -54,7 +54,7 @@ pub(super) struct Finding {
 
 impl Failure {
     /// Records that a row is outside the grid of cells, unless a particle is recorded already.
-    pub(crate) fn outside_grid<R: Real, const D: usize>(
+    pub(crate) fn outside_grid<R: PairReal<D>, const D: usize>(
         &mut self,
         arrays: &ParticleArrays<R, D>,
         row: usize,
@@ -66,7 +66,7 @@ impl Failure {
     }
 
     /// Records a row with an impossible value, unless one is recorded already.
-    pub(super) fn record<R: Real, const D: usize>(
+    pub(super) fn record<R: PairReal<D>, const D: usize>(
         &mut self,
         arrays: &ParticleArrays<R, D>,
         row: usize,

@@ -1,7 +1,7 @@
 //! Detection of a diverging flow after each step.
 //!
-//! A flow has diverged if a value is not finite, if a density, a speed or the time step is out of
-//! bounds, or if a particle is outside the grid.
+//! A flow has diverged if a value is not finite or a particle is outside the grid. Densities,
+//! speeds and the time step must also be within bounds.
 //!
 //! - `failure`: the reasons to stop that a step found
 //! - `neighbourhood`: the particles around a diverged particle
@@ -25,12 +25,13 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::join_parts;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::integrator::friction;
 use sphecs_core::physics::timestep::TimeStepLimits;
 use sphecs_scene::model::{Scene, Scheme};
 
 /// Largest speed of a flow that has not diverged, over the sound speed. Weakly compressible flow
-/// needs a tenth of the sound speed.
+/// stays below a tenth.
 const LARGEST_MACH: f64 = 3.0;
 
 /// Largest deviation of the density of a flow that has not diverged, over the reference density.
@@ -38,13 +39,13 @@ const LARGEST_MACH: f64 = 3.0;
 const LARGEST_DENSITY_DEVIATION: f64 = 0.5;
 
 /// Smallest time step of a flow that has not diverged, over the step that sound speed and viscosity
-/// allow in a fluid at rest. Only an acceleration a million times as large as a physical one causes
-/// a smaller step, with which the run would not end.
+/// allow in a fluid at rest. Only an acceleration a million times the physical one causes a smaller
+/// step, with which the run would never end.
 const SMALLEST_STEP: f64 = 1e-3;
 
 /// Checks every particle after the step, and records the one with the smallest number that has
 /// diverged.
-pub fn check_state<R: Real, const D: usize>(
+pub fn check_state<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     pair: Res<Pair>,
@@ -74,7 +75,7 @@ pub fn check_state<R: Real, const D: usize>(
     }
 }
 
-/// Advice for forces that are too large.
+/// Advice on forces that are too large.
 const START_ADVICE: &str = "check for particles that overlap at the start and for a wall that intersects the fluid, or start with a smoother ramp";
 
 /// Bounds of density and speed in a flow that has not diverged.
@@ -91,7 +92,10 @@ impl Bounds {
     }
 
     /// Returns the row with the smallest particle number that violates the bounds.
-    fn first_violation<R: Real, const D: usize>(&self, arrays: &ParticleArrays<R, D>) -> Option<usize> {
+    fn first_violation<R: PairReal<D>, const D: usize>(
+        &self,
+        arrays: &ParticleArrays<R, D>,
+    ) -> Option<usize> {
         let smaller_number =
             |a: Option<usize>, b: Option<usize>| a.into_iter().chain(b).min_by_key(|&row| arrays.id[row]);
         let quick = QuickBounds::<R>::new(self);
@@ -106,24 +110,23 @@ impl Bounds {
     }
 
     /// Returns true if a row is within the bounds.
-    fn hold<R: Real, const D: usize>(&self, arrays: &ParticleArrays<R, D>, row: usize) -> bool {
+    fn hold<R: PairReal<D>, const D: usize>(&self, arrays: &ParticleArrays<R, D>, row: usize) -> bool {
         let mut squared = 0.0;
         for axis in 0..D {
             let v = arrays.velocity[axis][row].to_f64();
             squared += v * v;
         }
         let deviation = (arrays.density[row].to_f64() / self.density - 1.0).abs();
-        // Under `EdacTvf` the pressure does not follow from the density, and an outflow zone that
-        // its condition does not keep uniform may have any density, such as one at rest that an
-        // impulsively started flow enters.
+        // Under `EdacTvf` the pressure does not follow from the density. So an outflow zone may
+        // have any density unless its condition keeps it uniform, as at an impulsive start.
         let has_any_density = arrays.evolves_pressure && arrays.zone[row] == Zone::Outflow;
         let limit = if has_any_density { f64::INFINITY } else { LARGEST_DENSITY_DEVIATION };
-        // The comparisons are false for a NaN.
+        // Comparisons with a NaN are false.
         squared <= self.speed * self.speed && deviation <= limit && arrays.pressure[row].to_f64().is_finite()
     }
 
     /// Describes the violation of a row, with advice to the user.
-    fn finding<R: Real, const D: usize>(
+    fn finding<R: PairReal<D>, const D: usize>(
         &self,
         scene: &Scene,
         arrays: &ParticleArrays<R, D>,
@@ -163,15 +166,15 @@ struct QuickBounds<R> {
 
 impl<R: Real> QuickBounds<R> {
     fn new(Bounds { density, speed }: &Bounds) -> Self {
-        // The bound of a component is half the largest speed: a velocity of three such components
-        // is below it.
+        // The bound of a component is half the largest speed, so a velocity of three such
+        // components is below it.
         let [speed, density, deviation] =
             [0.5 * speed, *density, 0.98 * LARGEST_DENSITY_DEVIATION * density].map(R::from_f64);
         Self { speed, density, deviation }
     }
 
-    /// Returns true if all rows are within the bounds. Without branches, so that the compiler
-    /// vectorises the loops; false if a value is a NaN.
+    /// Returns true if all rows are within the bounds and no value is a NaN. Without branches, so
+    /// that the compiler vectorises the loops.
     fn hold<const D: usize>(&self, arrays: &ParticleArrays<R, D>, rows: Range<usize>) -> bool {
         let is_slow = arrays.velocity.iter().fold(true, |slow, column| {
             column[rows.clone()].iter().fold(slow, |all, v| all & (v.abs() <= self.speed))
@@ -197,7 +200,7 @@ fn step_at_rest(scene: &Scene) -> f64 {
 }
 
 /// Returns the fluid row with the largest acceleration.
-fn most_accelerated<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>) -> Option<usize> {
+fn most_accelerated<R: PairReal<D>, const D: usize>(arrays: &ParticleArrays<R, D>) -> Option<usize> {
     let fluid = (0..arrays.len()).filter(|&row| arrays.zone[row] == Zone::Fluid);
     let size = |row: &usize| arrays.acceleration_of(*row).length_squared();
     fluid.max_by(|a, b| size(a).total_cmp(&size(b)).then(arrays.id[*b].cmp(&arrays.id[*a])))

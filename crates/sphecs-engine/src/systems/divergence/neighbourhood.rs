@@ -3,10 +3,10 @@
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::real_vector;
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 
 /// Reach of a neighbourhood, in supports of the kernel: it contains the neighbours and their
 /// neighbours.
@@ -56,7 +56,7 @@ pub struct Neighbourhood {
 
 impl Neighbourhood {
     /// Collects the particles around a row.
-    pub(super) fn around<R: Real, const D: usize>(
+    pub(super) fn around<R: PairReal<D>, const D: usize>(
         arrays: &ParticleArrays<R, D>,
         row: usize,
         support: f64,
@@ -90,7 +90,7 @@ impl Neighbourhood {
     }
 }
 
-fn nearby<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) -> NearbyParticle {
+fn nearby<R: PairReal<D>, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) -> NearbyParticle {
     NearbyParticle {
         id: arrays.id[row],
         zone: arrays.zone[row],
@@ -106,7 +106,7 @@ fn nearby<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) ->
 
 /// Returns the position of a row, or the mean position of the rows next to it if that is not
 /// finite.
-fn centre<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) -> DVec3 {
+fn centre<R: PairReal<D>, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) -> DVec3 {
     let own = arrays.position_of(row);
     if own.is_finite() {
         return own;

@@ -10,11 +10,11 @@ use crate::resources::clock::Clock;
 use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
 use crate::resources::ledger::{InflowCapacity, Ledger};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
 /// Smallest distance, over the spacing, from an injected particle to the others: closer pairs would
@@ -39,8 +39,8 @@ pub(super) struct Injection {
     pub returned: bool,
 }
 
-/// Injects a particle if its place is free and the reservoir has a particle.
-pub(super) fn inject<R: Real, const D: usize>(
+/// Injects a particle if its position is free and the reservoir has a particle.
+pub(super) fn inject<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
@@ -54,7 +54,8 @@ pub(super) fn inject<R: Real, const D: usize>(
     let time = world.resource::<Clock>().time;
     let velocity = match zone {
         Zone::Inflow => scene.inlets[usize::from(patch)].velocity_at(scene.fluid.viscosity, place, time),
-        // The velocity of the particle at the plane: the particles between the two move with it.
+        // The injected particle has the velocity of the one at the plane, as have the particles
+        // between.
         _ => injection.velocity,
     };
     arrays.push(&ParticleRow {
@@ -87,9 +88,9 @@ pub(super) fn inject<R: Real, const D: usize>(
     }
 }
 
-/// Returns true if the zone of an injection has lost particles, for an inlet, and its place is
-/// free.
-fn is_possible<R: Real, const D: usize>(
+/// Returns true if the position of an injection is free and, at an inlet, the zone has lost
+/// particles.
+fn is_possible<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
@@ -102,10 +103,10 @@ fn is_possible<R: Real, const D: usize>(
     is_free(world, arrays, sorted, injection.place, MIN_DISTANCE * scene.spacing)
 }
 
-/// Returns true if no particle is within `distance`, m, of a place.
+/// Returns true if no particle is within `distance`, m, of a position.
 ///
 /// Rows from `sorted` on were added after the last sort.
-fn is_free<R: Real, const D: usize>(
+fn is_free<R: PairReal<D>, const D: usize>(
     world: &World,
     arrays: &ParticleArrays<R, D>,
     sorted: usize,

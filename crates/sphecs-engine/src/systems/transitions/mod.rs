@@ -1,4 +1,4 @@
-//! Changes of zone: the only place where roles change during a run.
+//! Changes of zone; no other system changes the role of a particle.
 //!
 //! - `injection`: injection of a particle into a zone
 //! - `reservoir`: storage and creation of particles
@@ -12,13 +12,14 @@
 //! Outflow → Reservoir  beyond the downstream end of the zone, with zero velocity
 //! ```
 //!
-//! Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4; they do not treat backflow. A particle that
-//! oscillates across a plane would inject a particle at each crossing (test
-//! `oscillation_across_a_plane_injects_once`). For a particle that returned, an injection therefore
-//! needs a free position within half a spacing, and at an inlet also a zone that has lost particles
-//! at its upstream end. All other crossings inject always: an omitted injection would leave a
-//! permanent gap in the zone. An oblique inlet keeps its lines of particles as long as its zone. An
-//! inlet that is filled once injects nothing, and the run stops when it is drained.
+//! The transitions are those of Alvarado-Rodríguez et al. (2017), Fig. 1 and Sec. 4, who do not
+//! treat backflow. A particle that oscillates across a plane would inject a particle at each
+//! crossing (test `oscillation_across_a_plane_injects_once`). For a particle that returned, an
+//! injection therefore needs a free position within half a spacing. At an inlet the zone must also
+//! have lost particles at its upstream end. All other crossings always inject, since an omitted
+//! injection would leave a permanent gap in the zone. An oblique inlet keeps its lines of particles
+//! as long as its zone. An inlet that is filled once injects nothing, and the run stops when it is
+//! drained.
 
 pub(crate) mod injection;
 pub(crate) mod reservoir;
@@ -40,11 +41,11 @@ use injection::{Injection, inject};
 use reservoir::store;
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::boundary::inlet::injection::{InflowLine, is_drained};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Inlet, Patch, Scene};
 
 /// Change of zone that a row has to make.
@@ -64,7 +65,7 @@ pub struct TransitionLists {
 }
 
 /// Finds the rows that crossed a plane, and changes their roles in components and arrays.
-pub(crate) fn transition<R: Real, const D: usize>(world: &mut World) {
+pub(crate) fn transition<R: PairReal<D>, const D: usize>(world: &mut World) {
     let scene = world.resource::<ActiveScene>().0.clone();
     if scene.inlets.is_empty() && scene.outlets.is_empty() {
         wrap_periodic::<R, D>(world, &scene);
@@ -89,7 +90,7 @@ pub(crate) fn transition<R: Real, const D: usize>(world: &mut World) {
 }
 
 /// Moves rows that left the domain in a periodic direction by one period.
-fn wrap_periodic<R: Real, const D: usize>(world: &mut World, scene: &Scene) {
+fn wrap_periodic<R: PairReal<D>, const D: usize>(world: &mut World, scene: &Scene) {
     let mut arrays = world.resource_mut::<Arrays<R, D>>();
     for axis in 0..D {
         let Some((lower, upper)) = scene.periodic[axis] else { continue };
@@ -97,7 +98,7 @@ fn wrap_periodic<R: Real, const D: usize>(world: &mut World, scene: &Scene) {
         let column = arrays.position[axis].as_mut_slice();
         for_each_part(0..column.len(), column, &|_, column| {
             for group in column.chunks_mut(GROUP) {
-                // Nearly all rows are inside, which this check finds without branches.
+                // Nearly all rows are inside; this check confirms it without branches.
                 if group.iter().fold(true, |inside, x| inside & (*x >= lower) & (*x < upper)) {
                     continue;
                 }
@@ -120,7 +121,7 @@ fn is_through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
 }
 
 /// Lists the rows that have to change zone, in their order.
-fn find_due<R: Real, const D: usize>(
+fn find_due<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
     rows: impl Iterator<Item = usize>,
@@ -136,7 +137,7 @@ fn find_due<R: Real, const D: usize>(
 
 /// Returns the zone and the patch that a row has to change to.
 #[inline]
-fn due_change<R: Real, const D: usize>(
+fn due_change<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
     row: usize,
@@ -186,7 +187,7 @@ fn due_change<R: Real, const D: usize>(
 }
 
 /// Changes the zone of a row in the particle counts, the arrays and the components.
-fn apply<R: Real, const D: usize>(
+fn apply<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
@@ -231,7 +232,7 @@ fn count_crossing(ledger: &mut Ledger, from: Zone, change: &Change) {
 /// Lists the injections upstream of an inlet after one of its particles entered the fluid.
 ///
 /// At an inlet that is filled once, records instead whether it is drained.
-fn follow_inflow<R: Real, const D: usize>(
+fn follow_inflow<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
@@ -275,7 +276,7 @@ fn follow_inflow<R: Real, const D: usize>(
 
 /// Returns the injection at the downstream end of an outflow zone after one of its particles
 /// entered the fluid.
-fn follow_backflow<R: Real, const D: usize>(
+fn follow_backflow<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
     change: &Change,
@@ -292,7 +293,7 @@ fn follow_backflow<R: Real, const D: usize>(
 }
 
 /// Changes the zone of a row in the arrays.
-fn set_zone<R: Real, const D: usize>(arrays: &mut ParticleArrays<R, D>, change: &Change) {
+fn set_zone<R: PairReal<D>, const D: usize>(arrays: &mut ParticleArrays<R, D>, change: &Change) {
     let row = change.row;
     arrays.zone[row] = change.zone;
     arrays.patch[row] = if change.zone == Zone::Fluid { 0 } else { change.patch };
@@ -320,7 +321,7 @@ fn change_role(world: &mut World, entity: Entity, from: Zone, change: &Change) {
 }
 
 /// Returns the smallest `along` of the inflow particles of an inlet, pending injections included.
-fn last_upstream<R: Real, const D: usize>(
+fn last_upstream<R: PairReal<D>, const D: usize>(
     world: &World,
     arrays: &ParticleArrays<R, D>,
     injections: &[Injection],

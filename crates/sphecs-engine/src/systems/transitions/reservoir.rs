@@ -25,12 +25,12 @@ use sphecs_scene::model::{Scene, WhenEmpty};
 
 /// Numbers of deleted particles, which are reused; the last one first.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FreeNumbers(pub Vec<FreeNumber>);
+pub(crate) struct FreeNumbers(pub Vec<FreeNumber>);
 
 /// Number that no particle has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FreeNumber {
+pub(crate) struct FreeNumber {
     /// Number.
     pub id: u32,
     /// Number of injections of particles with this number.

@@ -13,11 +13,11 @@ use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
 use crate::systems::advance::{StepSettings, ZoneMotion, are_regular_fluid, largest_acceleration};
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
-use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
 use sphecs_core::pass::column_access::AfterPasses;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::integrator::kick_drift::KickDrift;
 use sphecs_core::physics::integrator::verlet::Verlet;
 use sphecs_core::physics::integrator::{Advance, Integrator, friction};
@@ -27,7 +27,7 @@ const CHUNK: usize = 4096;
 
 /// Chooses the time step and advances velocities and positions of fluid, inflow and outflow
 /// particles.
-pub(crate) fn kick<R: Real, const D: usize>(
+pub(crate) fn kick<R: PairReal<D>, const D: usize>(
     (scene, settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
     mut since_correction: ResMut<StepsSinceCorrection>,
@@ -61,7 +61,7 @@ pub(crate) fn kick<R: Real, const D: usize>(
 
 /// Advances velocities and positions of the fluid; `largest_damping` and `damping`, 1/s, are those
 /// at walls.
-fn advance_fluid<A: Advance, R: Real, const D: usize>(
+fn advance_fluid<A: Advance, R: PairReal<D>, const D: usize>(
     scheme: &A,
     largest_damping: f64,
     damping: &[R],
@@ -75,7 +75,7 @@ fn advance_fluid<A: Advance, R: Real, const D: usize>(
 }
 
 /// Reduces the accelerations at walls to the part that the step resolves.
-fn limit_friction<A: Advance, R: Real, const D: usize>(
+fn limit_friction<A: Advance, R: PairReal<D>, const D: usize>(
     scheme: &A,
     damping: &[R],
     arrays: &mut ParticleArrays<R, D>,
@@ -97,7 +97,7 @@ fn limit_friction<A: Advance, R: Real, const D: usize>(
 }
 
 /// Advances velocities and positions of the fluid rows.
-fn kick_fluid<A: Advance, R: Real, const D: usize>(
+fn kick_fluid<A: Advance, R: PairReal<D>, const D: usize>(
     scheme: &A,
     lanes: InstructionSet,
     arrays: &mut ParticleArrays<R, D>,
@@ -105,7 +105,7 @@ fn kick_fluid<A: Advance, R: Real, const D: usize>(
     let ParticleArrays { zone, needs_restart, position, velocity, previous_velocity, acceleration, .. } =
         arrays;
     let (zone, needs_restart, acceleration) = (&**zone, &**needs_restart, &*acceleration);
-    let work = |rows: Range<usize>, (position, velocity, before): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, velocity, before): RowColumns<R, D>| {
         R::dispatch(
             lanes,
             KickPart { scheme, zone, needs_restart, acceleration, rows, position, velocity, before },
@@ -120,7 +120,7 @@ fn kick_fluid<A: Advance, R: Real, const D: usize>(
 }
 
 /// Positions, velocities and previous velocities of some rows.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [&'a mut [R]; D], [&'a mut [R]; D]);
 
 /// Kick of some rows.
 ///
@@ -136,7 +136,7 @@ struct KickPart<'a, A, R, const D: usize> {
     before: [&'a mut [R]; D],
 }
 
-impl<A: Advance, R: Real, const D: usize> Vectorised<R> for KickPart<'_, A, R, D> {
+impl<A: Advance, R: PairReal<D>, const D: usize> Vectorised<R> for KickPart<'_, A, R, D> {
     type Output = ();
 
     #[inline(always)]

@@ -7,11 +7,8 @@ use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{RatesFound, StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::real::Real;
-use sphecs_core::pass::density;
-use sphecs_core::pass::gradients;
-use sphecs_core::pass::rates::{self, TimeLevel};
-use sphecs_core::pass::{strain, stress, wall_friction};
+use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::rates::TimeLevel;
 use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 use sphecs_scene::model::Wcsph;
 
@@ -25,7 +22,7 @@ fn needs_strain(scheme: &Wcsph) -> bool {
 ///
 /// It also sums the velocity gradient among the neighbours, if the noise damping or the shifting
 /// needs it.
-pub(crate) fn sum_density<R: Real, const D: usize>(
+pub(crate) fn sum_density<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -34,20 +31,14 @@ pub(crate) fn sum_density<R: Real, const D: usize>(
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     if scene.0.scheme.wcsph().is_some_and(needs_strain) {
-        strain::sum_density_and_strain(
-            &pair.0,
-            &grid.0,
-            &mut arrays,
-            since_correction.time_level(),
-            &mut sums.0,
-        );
+        R::sum_density_and_strain(&pair.0, &grid.0, &mut arrays, since_correction.time_level(), &mut sums.0);
     } else {
-        density::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
+        R::sum_density(&pair.0, &grid.0, &mut arrays, &mut sums.0);
     }
 }
 
 /// Computes velocity gradients and sub-particle stress, in a scene with `Sps` viscosity.
-pub(crate) fn sum_gradients<R: Real, const D: usize>(
+pub(crate) fn sum_gradients<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -58,12 +49,12 @@ pub(crate) fn sum_gradients<R: Real, const D: usize>(
     if !scene.0.scheme.has_stress() {
         return;
     }
-    gradients::sum_gradients(&pair.0, &grid.0, &arrays, since_correction.time_level(), &mut sums.0);
-    stress::find_stress(&pair.0, &grid.0, &arrays, &mut sums.0);
+    R::sum_gradients(&pair.0, &grid.0, &arrays, since_correction.time_level(), &mut sums.0);
+    R::find_stress(&pair.0, &grid.0, &arrays, &mut sums.0);
 }
 
 /// Computes pair forces, shifting vector and divergence, and the extremes that limit the time step.
-pub(crate) fn sum_rates<R: Real, const D: usize>(
+pub(crate) fn sum_rates<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -72,7 +63,7 @@ pub(crate) fn sum_rates<R: Real, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut found: ResMut<RatesFound>,
 ) {
-    let summary = rates::sum_rates(&pair.0, &grid.0, &mut arrays, since_correction.time_level(), &mut sums.0);
+    let summary = R::sum_rates(&pair.0, &grid.0, &mut arrays, since_correction.time_level(), &mut sums.0);
     *found = RatesFound {
         largest_signal: summary.signal_speed.max(scene.0.fluid.sound_speed),
         largest_speed: summary.speed,
@@ -85,7 +76,7 @@ pub(crate) fn sum_rates<R: Real, const D: usize>(
 
 /// Adds the friction at walls with a wall function, with the velocities of the other dissipative
 /// terms.
-pub(crate) fn add_wall_friction<R: Real, const D: usize>(
+pub(crate) fn add_wall_friction<R: PairReal<D>, const D: usize>(
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
     since_correction: Option<Res<StepsSinceCorrection>>,
@@ -93,5 +84,5 @@ pub(crate) fn add_wall_friction<R: Real, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
 ) {
     let level = since_correction.map_or(TimeLevel::Present, |since_correction| since_correction.time_level());
-    wall_friction::add_wall_friction(&pair.0, &grid.0, &mut arrays, level, &mut sums.0);
+    R::add_wall_friction(&pair.0, &grid.0, &mut arrays, level, &mut sums.0);
 }

@@ -15,6 +15,7 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part};
 use sphecs_core::pass::column_access::AfterPasses;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::sums::PairSums;
 use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 
@@ -22,7 +23,7 @@ use sphecs_core::physics::shifting::{ShiftStep, Shifting, add_carried};
 ///
 /// With a shifting that carries velocity, fluid particles take the velocity of their new position,
 /// at both time levels. The velocity of outflow particles is that of the outlet condition.
-pub(crate) fn shift<R: Real, const D: usize>(
+pub(crate) fn shift<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     found: Res<RatesFound>,
@@ -45,7 +46,7 @@ pub(crate) fn shift<R: Real, const D: usize>(
     let position = position.each_mut().map(Vec::as_mut_slice);
     let velocities = [velocity, previous_velocity].map(|columns| columns.each_mut().map(Vec::as_mut_slice));
     let drift = drift.each_mut().map(Vec::as_mut_slice);
-    let work = |rows: Range<usize>, (position, velocities, drift): Columns<R, D>| {
+    let work = |rows: Range<usize>, (position, velocities, drift): RowColumns<R, D>| {
         R::dispatch(
             pair.0.lanes,
             ShiftPart { shifting, step, sums, zone, rows, position, velocities, drift },
@@ -56,12 +57,12 @@ pub(crate) fn shift<R: Real, const D: usize>(
 
 /// Columns of some rows: positions; present and previous velocities; drifts, empty if they are not
 /// stored.
-type Columns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 2], [&'a mut [R]; D]);
+type RowColumns<'a, R, const D: usize> = ([&'a mut [f64]; D], [[&'a mut [R]; D]; 2], [&'a mut [R]; D]);
 
 /// Shifting of some rows.
 ///
 /// A vectorised task only to be compiled for the instruction set; its loops are scalar.
-struct ShiftPart<'a, R: Real, const D: usize> {
+struct ShiftPart<'a, R: PairReal<D>, const D: usize> {
     shifting: Shifting,
     step: ShiftStep,
     sums: &'a PairSums<R, D>,
@@ -72,7 +73,7 @@ struct ShiftPart<'a, R: Real, const D: usize> {
     drift: [&'a mut [R]; D],
 }
 
-impl<R: Real, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
     type Output = ();
 
     #[inline(always)]
@@ -108,7 +109,7 @@ impl<R: Real, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
     }
 }
 
-impl<R: Real, const D: usize> ShiftPart<'_, R, D> {
+impl<R: PairReal<D>, const D: usize> ShiftPart<'_, R, D> {
     /// Changes the velocities of rows to those of their new positions.
     #[inline(always)]
     fn carry(&mut self, group: &Range<usize>, part: &Range<usize>, moved: &[[f64; GROUP]; D]) {

@@ -1,4 +1,4 @@
-//! serde's questions, answered from the tree.
+//! serde `Deserializer` over the tree.
 
 use serde::de::{self, IntoDeserializer, Visitor};
 

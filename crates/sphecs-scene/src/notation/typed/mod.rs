@@ -1,9 +1,9 @@
-//! Tree → serde types, with all faults of kind and name in one run.
+//! Conversion of the tree to serde types, with all faults of kind and name in one run.
 //!
 //! A value of the wrong kind is reported and replaced by a placeholder of the right one; so is a
-//! variant that does not exist. An unknown field is reported and skipped. What only the visitor
-//! notices (a missing field, a wrong length) ends the pass: it is reported, remembered, and the
-//! next pass finds a placeholder there.
+//! variant that does not exist. An unknown field is reported and skipped. A fault that only the
+//! visitor notices (a missing field, a wrong length) ends the pass. It is reported and remembered,
+//! and the next pass finds a placeholder there.
 
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
@@ -23,11 +23,11 @@ pub use spanned::Spanned;
 
 use value::Typed;
 
-/// Everything that a fault needs to know; shared by all parts of a tree.
+/// Context of the faults, shared by all parts of a tree.
 struct Context<'a> {
     constants: &'a Constants,
     faults: RefCell<Vec<Fault>>,
-    /// Values that a visitor refused.
+    /// Spans of values that a visitor refused.
     refused: RefCell<HashSet<Span>>,
     /// Fields that a visitor missed, by struct.
     missing: RefCell<HashMap<Span, Vec<&'static str>>>,
@@ -52,7 +52,7 @@ pub struct Abort {
 }
 
 impl Abort {
-    /// Notes where it happened, unless an inner value already did.
+    /// Adds the position, unless an inner value has already done so.
     fn at(mut self, node: Option<&Node>) -> Self {
         if self.place.is_none() {
             self.place = node.map(|node| (node.span, node.head()));
@@ -83,8 +83,8 @@ impl de::Error for Abort {
     }
 }
 
-/// Reads a type from a tree, with placeholders where faults are. Numbers may be expressions of the
-/// constants. None only if no placeholder could be found, with a fault that says so.
+/// Reads a type from a tree, with placeholders for faulty values. Numbers may be expressions of the
+/// constants. Returns None, with a fault, only if no placeholder could be found.
 pub fn read<T: DeserializeOwned>(root: &Node, constants: &Constants) -> (Option<T>, Vec<Fault>) {
     let context = Context {
         constants,
@@ -92,7 +92,7 @@ pub fn read<T: DeserializeOwned>(root: &Node, constants: &Constants) -> (Option<
         refused: RefCell::new(HashSet::new()),
         missing: RefCell::new(HashMap::new()),
     };
-    // Each failed pass adds a place: a bound only guards against a visitor that refuses
+    // Each failed pass adds a position. The bound guards against a visitor that refuses
     // placeholders.
     for _ in 0..1000 {
         let abort = match T::deserialize(Typed::new(Some(root), &context, "the scene")) {

@@ -1,4 +1,4 @@
-//! The parts of a compound value as serde asks for them: items, named fields, variants.
+//! Parts of a compound value as serde requests them: items, named fields, variants.
 
 use serde::de::{self, DeserializeSeed, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
@@ -114,9 +114,9 @@ impl<'de> de::VariantAccess<'de> for Variant<'de> {
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, content_seed: S) -> Result<S::Value, Abort> {
         let node = match self.node.map(|node| &node.value) {
-            // `Reference(0.0)`, `Union([…])`: the content stands alone in the bracket.
+            // In `Reference(0.0)` or `Union([…])` the bracket holds the content alone.
             Some(Value::Tuple(_, items)) if items.len() == 1 => items.first(),
-            // `Box(min: …, max: …)`: the content's own bracket is left out.
+            // In `Box(min: …, max: …)` the bracket of the content is omitted.
             Some(Value::Struct(..)) => return content_seed.deserialize(Unnamed(self)),
             Some(Value::Tuple(_, items)) if items.is_empty() => {
                 return content_seed.deserialize(Unnamed(self));
@@ -163,11 +163,11 @@ impl<'de> de::VariantAccess<'de> for Variant<'de> {
     }
 }
 
-/// The content of a newtype variant whose own bracket is left out.
+/// Content of a newtype variant whose bracket is omitted.
 struct Unnamed<'a>(Variant<'a>);
 
 impl<'a> Unnamed<'a> {
-    /// Returns the content where it is a single value; a placeholder, reported, if it is left out.
+    /// Returns the content if it is a single value; otherwise reports it and returns a placeholder.
     fn value(&self) -> Typed<'a> {
         if self.0.is_name_alone() {
             self.0.mismatch_of_content();

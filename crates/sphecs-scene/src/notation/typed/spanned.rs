@@ -1,4 +1,4 @@
-//! A value that knows its place in the scene's text.
+//! A value with its position in the text of the scene.
 
 use std::marker::PhantomData;
 
@@ -8,18 +8,18 @@ use serde::{Deserialize, Deserializer};
 use super::{Abort, Context, Typed};
 use crate::notation::tree::{Node, Span};
 
-/// The name under which the place is asked for: no scene can write it.
+/// Struct name under which the position is requested; no scene can contain it.
 pub(super) const NAME: &str = "$spanned";
 const FIELDS: &[&str] = &["value", "start", "end", "head"];
 
-/// A value and its place.
+/// A value and its position.
 #[derive(Clone, Copy, Debug)]
 pub struct Spanned<T> {
     /// The value.
     pub value: T,
-    /// Its place, [`Span::PLACEHOLDER`] for one that stands in for a faulty value.
+    /// Position of the value, [`Span::PLACEHOLDER`] for a placeholder.
     pub span: Span,
-    /// The part of the place to mark in a message.
+    /// Part of the position to mark in a message.
     pub head: Span,
 }
 
@@ -59,7 +59,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for SpannedVisitor<T> {
     }
 }
 
-/// The key of an entry that comes in a known order.
+/// Key of an entry whose order is known.
 struct IgnoredKey;
 
 impl<'de> Deserialize<'de> for IgnoredKey {
@@ -68,7 +68,7 @@ impl<'de> Deserialize<'de> for IgnoredKey {
     }
 }
 
-/// Something that can be read before its place is known.
+/// Content that can be read before its position is known.
 pub(super) trait Content<'de> {
     fn read<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, Abort>;
 }
@@ -79,24 +79,24 @@ impl<'de> Content<'de> for Typed<'de> {
     }
 }
 
-/// The value itself, then start, end and end of the head: a value that was refused while it was
-/// read has no place.
+/// Entries of a spanned value: the value, start, end and end of the head. A value that was refused
+/// has no position.
 pub(super) struct Access<'a, C> {
     node: Option<&'a Node>,
     context: &'a Context<'a>,
-    told: usize,
+    given: usize,
     content: Option<C>,
 }
 
 impl<'a, C> Access<'a, C> {
     pub(super) fn new(node: Option<&'a Node>, context: &'a Context<'a>, content: C) -> Self {
-        Self { node, context, told: 0, content: Some(content) }
+        Self { node, context, given: 0, content: Some(content) }
     }
 
     fn place(&self) -> [usize; 3] {
-        let sound = self.node.filter(|node| !self.context.refused.borrow().contains(&node.span));
+        let accepted = self.node.filter(|node| !self.context.refused.borrow().contains(&node.span));
         let (span, head) =
-            sound.map_or((Span::PLACEHOLDER, Span::PLACEHOLDER), |node| (node.span, node.head()));
+            accepted.map_or((Span::PLACEHOLDER, Span::PLACEHOLDER), |node| (node.span, node.head()));
         [span.start, span.end, head.end]
     }
 }
@@ -105,9 +105,9 @@ impl<'de, C: Content<'de>> MapAccess<'de> for Access<'de, C> {
     type Error = Abort;
 
     fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Abort> {
-        match FIELDS.get(self.told) {
+        match FIELDS.get(self.given) {
             Some(name) => {
-                self.told += 1;
+                self.given += 1;
                 seed.deserialize(IntoDeserializer::<Abort>::into_deserializer(*name)).map(Some)
             }
             None => Ok(None),
@@ -118,7 +118,7 @@ impl<'de, C: Content<'de>> MapAccess<'de> for Access<'de, C> {
         if let Some(content) = self.content.take() {
             return content.read(seed);
         }
-        let place = self.place()[self.told.saturating_sub(2).min(2)];
+        let place = self.place()[self.given.saturating_sub(2).min(2)];
         let place = u64::try_from(place).unwrap_or(u64::MAX);
         seed.deserialize(IntoDeserializer::<Abort>::into_deserializer(place))
     }

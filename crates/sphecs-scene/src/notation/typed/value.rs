@@ -1,16 +1,16 @@
-//! A value about to be read: what kind it is, and what is reported if it is of another.
+//! A value to be read, and the faults of a wrong kind.
 
 use super::Context;
 use super::parts::{Entries, Variant};
 use crate::faults::{Fault, advice, nearest};
-use crate::notation::tree::{Field, Node, Value};
+use crate::notation::tree::{Node, StructField, Value};
 
-/// A value about to be read; `node` is None for a placeholder.
+/// A value to be read; `node` is None for a placeholder.
 #[derive(Clone, Copy)]
 pub(super) struct Typed<'a> {
     pub(super) node: Option<&'a Node>,
     pub(super) context: &'a Context<'a>,
-    /// The field it stands in, for messages.
+    /// Name of the field that holds it, for messages.
     pub(super) field: &'a str,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Typed<'a> {
         self.refuse(node);
     }
 
-    /// From now on a placeholder stands in for the value.
+    /// Replaces the value by a placeholder in the next pass.
     pub(super) fn refuse(&self, node: &Node) {
         self.context.refused.borrow_mut().insert(node.span);
     }
@@ -57,7 +57,7 @@ impl<'a> Typed<'a> {
 
     pub(super) fn whole_number(&self) -> u64 {
         let value = self.number();
-        // 2^53: every whole number up to there has its own double.
+        // Up to 2^53 every whole number is exact in f64.
         let exact = value.fract() == 0.0 && (0.0..=9.0e15).contains(&value);
         match self.node {
             Some(node) if !exact => {
@@ -75,8 +75,8 @@ impl<'a> Typed<'a> {
         }
     }
 
-    /// The named fields of a struct; None (reported) if there are none to be had.
-    pub(super) fn fields(&self, name: &str) -> Option<&'a [Field]> {
+    /// Returns the named fields of a struct, or reports a fault and returns None.
+    pub(super) fn fields(&self, name: &str) -> Option<&'a [StructField]> {
         let node = self.node?;
         match &node.value {
             Value::Struct(given, fields) => {
@@ -100,7 +100,7 @@ impl<'a> Typed<'a> {
         }
     }
 
-    /// Known fields with values, unknown ones reported, missed ones as placeholders.
+    /// Returns the known fields, with placeholders for missing ones, and reports unknown ones.
     pub(super) fn entries(&self, name: &str, known: &'static [&'static str]) -> Entries<'a> {
         let Some(fields) = self.fields(name) else {
             let all = known.iter().map(|field| (*field, None)).collect();
@@ -119,7 +119,7 @@ impl<'a> Typed<'a> {
                     )
                     .help(former_field(text, known).unwrap_or_else(|| advice(text, known.iter().copied()))),
                 );
-                // A misspelt field is not also missing.
+                // A misspelt field is not reported as missing, too.
                 let meant = nearest(text, known.iter().copied());
                 unless_given.extend(meant);
             } else if entries.iter().any(|(old, _)| *old == text) {
@@ -144,7 +144,7 @@ impl<'a> Typed<'a> {
         Entries::new(entries, self.context)
     }
 
-    /// The variant chosen; a placeholder of the first one if there is no such variant.
+    /// Returns the chosen variant, or a placeholder of the first one if it does not exist.
     pub(super) fn variant(&self, variants: &'static [&'static str]) -> Variant<'a> {
         let placeholder =
             Variant { name: variants.first().copied().unwrap_or(""), node: None, context: self.context };
@@ -180,7 +180,7 @@ impl<'a> Typed<'a> {
     }
 }
 
-/// Returns advice on a name that is written elsewhere in a scene or had its name changed.
+/// Returns advice on a name that belongs elsewhere in a scene or was renamed.
 fn elsewhere(field: &str, name: &str) -> Option<String> {
     let advice = match (field, name) {
         ("condition", "Periodic") => {
@@ -192,7 +192,7 @@ fn elsewhere(field: &str, name: &str) -> Option<String> {
     Some(advice.to_owned())
 }
 
-/// Returns advice on a field that had its name changed, if the struct has the new one.
+/// Returns advice on a renamed field, if the struct has the new name.
 fn former_field(name: &str, known: &[&str]) -> Option<String> {
     let (new, advice) = match name {
         "drift" => (

@@ -4,7 +4,7 @@ use super::{SOUND, check, faults_of};
 use crate::Scene;
 
 #[test]
-fn shapes_without_sense_are_faults() {
+fn degenerate_shapes_are_faults() {
     check("max: (1.0, \"H\")", "max: (-1.0, \"H\")", "a box has no extent along x", "(-1.0, \"H\")");
     let domain = "Box(min: (0.0, 0.0), max: (1.0, \"H\"))";
     check(domain, "Sphere(center: (0.0, 0.0), radius: 1.0)", "`Sphere` needs 3 dimensions", "(0.0, 0.0)");
@@ -60,7 +60,7 @@ fn openings_must_be_ends_of_the_domain() {
 }
 
 #[test]
-fn zones_must_hold_the_support() {
+fn zones_must_be_longer_than_the_support() {
     let report = check("depth: 0.4", "depth: 0.1", "the zone of the outlet is shorter", "0.1");
     assert!(report.contains("must be at least `1.5000e-1` m"), "{report}");
     check("depth: 0.25", "depth: 0.01", "the zone of the inlet is shorter", "0.01");
@@ -89,7 +89,7 @@ fn periods_must_fit() {
     assert_eq!(scene.periodic, [Some((0.0, 1.0)), None, None]);
     let uneven = text.replace("max: (1.0,", "max: (1.02,");
     let faults = faults_of(&uneven);
-    assert!(faults.faults()[0].title.contains("no whole number of spacings"));
+    assert!(faults.faults()[0].title.contains("not a whole number of spacings"));
     let slanted = text.replace(
         "Box(min: (0.0, 0.0), max: (1.0, \"H\"))",
         "Polygon(points: [(0,0), (1,0), (1,0.4), (0,0.2)])",
@@ -114,7 +114,7 @@ fn more_particles_than_memory_are_refused_with_the_spacing_that_fits() {
 }
 
 #[test]
-fn parts_of_a_domain_that_are_worlds_apart_are_refused() {
+fn domain_parts_far_apart_are_refused() {
     for far in ["1e15", "1e20", "1e300"] {
         let apart = format!(
             "domain: Union([Box(min: (0.0, 0.0), max: (1.0, \"H\")), Circle(center: ({far}, 0.0), radius: 0.2)])"
@@ -125,7 +125,7 @@ fn parts_of_a_domain_that_are_worlds_apart_are_refused() {
 }
 
 #[test]
-fn too_coarse_a_spacing_is_a_fault() {
+fn spacing_that_is_too_coarse_is_a_fault() {
     let text = SOUND
         .replace("spacing: 0.05", "spacing: 5.0")
         .replace("depth: 0.25, ", "")

@@ -1,4 +1,4 @@
-//! Every kind of fault: its message, the marked token, its line and column.
+//! Faults of every kind: message, marked token, line and column.
 
 mod geometry;
 mod notation;
@@ -7,7 +7,7 @@ mod values;
 use crate::Scene;
 use crate::faults::SceneErrors;
 
-/// A sound scene; tests replace one piece of it.
+/// A scene without faults; tests replace one part of it.
 const SOUND: &str = r#"Scene(
     title: "t",
     dimensions: 2,
@@ -35,7 +35,7 @@ fn faults_of(text: &str) -> SceneErrors {
     }
 }
 
-/// Puts `wrong` in place of `right`; there must be one fault with this title, and it must mark this
+/// Replaces `right` by `wrong` and checks that there is one fault, with this title and marked
 /// token.
 #[track_caller]
 fn check(right: &str, wrong: &str, title: &str, token: &str) -> String {
@@ -71,7 +71,7 @@ fn check(right: &str, wrong: &str, title: &str, token: &str) -> String {
 }
 
 #[test]
-fn the_sound_scene_is_sound() {
+fn scene_without_changes_has_no_faults() {
     if let Err(faults) = Scene::from_text("test.ron", SOUND).load() {
         panic!("{:?}", miette::Report::new(faults));
     }

@@ -3,7 +3,7 @@
 use super::check;
 
 #[test]
-fn names_are_answered_with_the_nearest() {
+fn unknown_names_get_the_nearest_as_advice() {
     let report = check("viscosity: 1.0e-3", "viscosty: 1.0e-3", "unknown field `viscosty`", "viscosty");
     assert!(report.contains("did you mean `viscosity`?"), "{report}");
     let report = check("NoSlip", "NoSlipp", "`NoSlipp` is not a choice for `slip`", "NoSlipp");
@@ -18,7 +18,7 @@ fn names_are_answered_with_the_nearest() {
 }
 
 #[test]
-fn missing_and_doubled_fields_are_faults() {
+fn missing_and_repeated_fields_are_faults() {
     check("sound_speed: 10.0", "", "field `sound_speed` is missing", "(");
     check("title: \"t\",", "", "field `title` is missing", "Scene");
     check("smoke: 0.1,", "smoke: 0.1, smoke: 0.2,", "field `smoke` is given twice", "smoke");
@@ -39,7 +39,7 @@ fn values_of_the_wrong_kind_are_faults() {
 }
 
 #[test]
-fn syntax_faults_have_their_place() {
+fn syntax_faults_mark_their_position() {
     check("spacing: 0.05,", "spacing: ,", "a value is missing", ",");
     check("spacing: 0.05,", "spacing: 0.0.5,", "`0.0.5` is not a number", "0.0.5");
     check("spacing: 0.05,", "spacing: 2*0.05,", "an expression has no quotes", "2*0.05");

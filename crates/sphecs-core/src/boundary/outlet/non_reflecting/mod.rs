@@ -20,19 +20,19 @@ use super::pressure::Waves;
 use crate::boundary::flow::FlowProperties;
 use crate::boundary::patch::Patch;
 use crate::boundary::section_points::SectionPoints;
-use crate::math::real::Real;
 use crate::pass::fits::PointFlow;
+use crate::pass::pair_real::PairReal;
 use oblique_waves::{ObliqueSetting, ObliqueWaves};
 use plane_waves::{PlaneSetting, PlaneWaves};
 use propagation::Propagation;
 
-/// Travel times of sound along the section over which the velocity at its points is followed.
-/// Longer, and more of a vortex counts as sound; shorter, and less of the sound does
-/// (docs/outlets.md).
+/// Travel times of sound along the section over which the velocity at its points is followed. A
+/// longer time takes more of a vortex for sound, a shorter one less of the sound
+/// (docs/notebook/2026-11-24-outlets.md).
 const CROSSINGS: f64 = 1.0;
 
-/// Layers upstream of the sampled points that their mean represents: the outer part of the support
-/// has no fluid.
+/// Layers upstream of the sampled points that their mean represents, since the outer part of the
+/// support has no fluid.
 const LAYERS_SEEN: f64 = 1.0;
 
 /// State of a nonreflecting outlet, with the results of the present step.
@@ -70,7 +70,7 @@ impl NonReflecting {
     ///
     /// `target` (Pa) and `time` (s) are those of
     /// [`OutletPressure::NonReflecting`](super::pressure::OutletPressure::NonReflecting).
-    pub fn advance<R: Real, const D: usize>(
+    pub fn advance<R: PairReal<D>, const D: usize>(
         &mut self,
         zone: &OutflowZone<'_, R, D>,
         target: f64,
@@ -102,9 +102,9 @@ impl NonReflecting {
     /// Splits the flow at the points into its mean over the section, which is returned, and
     /// deviations from it. Points without fluid count as the flow `adjacent` to the plane.
     ///
-    /// A mean over the particles near the plane, which are disordered and at different depths,
-    /// takes disorder and depth for a wave. It reflected 2.4 % of a plane pulse where this reflects
-    /// 1 %, and drew at a vortex that left with up to 25 Pa.
+    /// A mean over the particles near the plane would take their disorder and different depths for
+    /// a wave. It reflected 2.4 % of a plane pulse instead of 1 %, and exerted up to 25 Pa on a
+    /// vortex that crossed the outlet.
     fn split(&mut self, fitted: &[Option<PointFlow>], adjacent: PointFlow) -> PointFlow {
         let fields = [|flow: PointFlow| flow.pressure, |flow: PointFlow| flow.velocity];
         let mut means = [adjacent.pressure, adjacent.velocity];
@@ -166,7 +166,8 @@ impl NonReflecting {
         let impedance = flow.density * flow.sound_speed;
         let present = location.interpolate(&self.pressure);
         let velocity = convective_velocity(foot.velocity, foot.pressure, present, impedance);
-        // The fit at the foot resolves the profile better than the points do; they know the past.
+        // The fit at the foot resolves the profile better than the points, which supply the
+        // history.
         let change = propagated(&self.propagation.velocity) - location.interpolate(&self.velocity);
         (propagated(&self.propagation.pressure), velocity + change)
     }

@@ -8,29 +8,29 @@
 //!
 //! p' and v' are the deviations of pressure and normal velocity of the fluid next to the plane from
 //! their means over the section, which [`plane_waves`](super::plane_waves) treats. A plane wave at
-//! the angle θ to the normal has ρ0 c0 v' = p' cos θ, so that J3 = 0, Negi et al. (2020), Eqs.
-//! 25–27, reflects the share R = (1 − cos θ)/(1 + cos θ) of it. The second line is the wave
-//! equation in the plane that follows from the second approximation of Engquist & Majda (1977),
+//! the angle θ to the normal has ρ0 c0 v' = p' cos θ. So J3 = 0, Negi et al. (2020), Eqs. 25–27,
+//! reflects the share R = (1 − cos θ)/(1 + cos θ). The second line is the wave equation in the
+//! plane that follows from the second approximation of Engquist & Majda (1977),
 //!
 //! ```text
 //! cos θ ≈ 1 − ½ sin² θ,   R = ((1 − cos θ)/(1 + cos θ))²
 //! ```
 //!
-//! 0.03 at 45° and 0.11 at 60°. A field that varies along the plane and slowly in time is a vortex:
-//! there J3 = −J2, and the outlet does not act on the pressure. Their third approximation, R = ((1
-//! − cos θ)/(1 + cos θ))³, responds to the velocity of a slow vortex with ⅓ ρ0 c0 v', orders of
-//! magnitude above its pressure, and reverses it before it leaves; it reflects a fifth less at 45°
-//! (docs/outlets.md).
+//! R is 0.03 at 45° and 0.11 at 60°. A field that varies along the plane but slowly in time is a
+//! vortex. There J3 = −J2, and the outlet does not act on the pressure. Their third approximation
+//! is R = ((1 − cos θ)/(1 + cos θ))³. It responds to a slow vortex with ⅓ ρ0 c0 v', orders of
+//! magnitude above its pressure, which reverses the vortex before it leaves. It reflects a fifth
+//! less at 45° (docs/notebook/2026-11-24-outlets.md).
 //!
-//! u' follows the flow in two stages within τ, the travel time of sound along the section: nothing
-//! of a vortex that stays is taken for sound. Waves that are not plane propagate along a channel
-//! only above the frequency c0/(2 width), so that little is lost.
+//! The velocity u' follows the flow in two stages within τ, the travel time of sound along the
+//! section. So a stationary vortex is not taken for sound. Waves that are not plane propagate along
+//! a channel only above the frequency c0/(2 width), so that little is lost.
 //!
 //! By itself J3 oscillates with ω = ½ c0 k, below the c0 k of any sound of the wave number k along
-//! the plane, so that only the flow next to the plane responds to it. With the third approximation
-//! waves of some seven spacings grew between both (`scenes/quickstart.ron` with `EdacTvf` diverged
-//! by them at 0.69 s). So ∂J3/∂t is damped at the rate β (c0/h) (h² ∇_t²)², β = 0.1: a wave of 7
-//! points decays by a factor e in 35 h/c0, one of 40 points in 33 000 h/c0.
+//! the plane. So only the flow next to the plane responds to it. With the third approximation waves
+//! of some seven spacings grew between both (`scenes/quickstart.ron` with `EdacTvf` diverged by
+//! them at 0.69 s). So ∂J3/∂t is damped at the rate β (c0/h) (h² ∇_t²)², β = 0.1. A wave of 7
+//! points decays by e in 35 h/c0, one of 40 points in 33 000 h/c0.
 
 use serde::{Deserialize, Serialize};
 
@@ -88,7 +88,7 @@ impl ObliqueWaves {
     ) {
         let points = neighbours.len();
         if self.followed.len() != points {
-            // A flow already in motion is no wave.
+            // A flow already in motion is not a wave.
             self.followed = velocity.to_vec();
             self.first_stage = velocity.to_vec();
             self.incoming = vec![0.0; points];
@@ -174,8 +174,8 @@ mod tests {
         let end = periods * TAU / omega;
         for step in 0..(end / time_step) as usize {
             let time = step as f64 * time_step;
-            // Smooth at both ends: a wave that starts at once has all frequencies, and the waves
-            // along the plane that it excites stay.
+            // The ramp is smooth at both ends, since an abrupt start has all frequencies and
+            // excites waves along the plane that remain.
             let rise = (1.25 * time / end).min(1.0);
             let amplitude = rise.powi(3) * (10.0 - 15.0 * rise + 6.0 * rise * rise);
             let wave =
@@ -207,9 +207,8 @@ mod tests {
     }
 
     #[test]
-    fn a_vortex_that_stays_is_no_wave() {
-        // A vortex that hardly moves: its velocity is taken for that of the flow, its pressure is
-        // released.
+    fn slow_vortex_is_not_taken_for_a_wave() {
+        // The velocity of a slow vortex counts as that of the flow, and its pressure is released.
         let setting = setting(0.04);
         let shape = |point: usize| (TAU * point as f64 / POINTS as f64).sin();
         let velocity: Vec<f64> = (0..POINTS).map(|point| 0.1 * shape(point)).collect();
@@ -225,13 +224,13 @@ mod tests {
         }
     }
 
-    /// Returns the discrete kh of a wave of so many points.
+    /// Returns the discrete k h of a wave of `points_of_a_wave` points.
     fn roughness_of(points_of_a_wave: usize) -> f64 {
         2.0 * (std::f64::consts::PI / points_of_a_wave as f64).sin()
     }
 
-    /// Returns the remaining share of the amplitude of a wave of so many points after a time, in
-    /// h/c0, without an outgoing wave.
+    /// Returns the remaining share of the amplitude of a wave of `points_of_a_wave` points after a
+    /// time, in h/c0, without an outgoing wave.
     fn remaining_of(points_of_a_wave: usize, time: f64) -> f64 {
         let setting = setting(1e6);
         let shape = |point: usize| (TAU * point as f64 / points_of_a_wave as f64).sin();

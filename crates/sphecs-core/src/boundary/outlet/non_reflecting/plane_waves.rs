@@ -8,15 +8,16 @@
 //!
 //! p̄ and v̄ are means over uniform points of the section a layer inside the plane.
 //!
-//! The characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al. (2009),
-//! for the mean over the section only. In a nearly incompressible flow the velocity of a passing
-//! vortex is orders of magnitude too large to be taken for sound: ½ ρ0 c0 v' of a jet with
-//! v' = 0.1 m/s is 200 Pa at c0 = 4 m/s, its true pressure 5 Pa. A channel carries only plane waves
-//! below its cut-on frequency c0/(2 width), and the mean over the section is exactly that part.
+//! These are the characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al.
+//! (2009), for the mean over the section only. In a nearly incompressible flow the velocity of a
+//! passing vortex is orders of magnitude too large to be taken for sound. For a jet with v' = 0.1
+//! m/s at c0 = 4 m/s, ½ ρ0 c0 v' is 200 Pa, its true pressure 5 Pa. A channel carries only plane
+//! waves below its cut-on frequency c0/(2 width), and the mean over the section is exactly that
+//! part.
 //!
 //! The mean velocity u follows the flow over a time τ, so that the target p_t holds in the long
 //! run. It does so in two stages, so that a passing pulse leaves no offset. A fixed pressure would
-//! reflect every wave and, with a prescribed inlet velocity, make a resonator of the channel.
+//! reflect every wave and, with a prescribed inlet velocity, turn the channel into a resonator.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,15 +26,16 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct PlaneWaves {
     /// Followed mean velocity u, m/s. None before the first step, which takes that of the flow: a
-    /// flow already in motion is no wave.
+    /// flow already in motion is not a wave.
     pub mean_velocity: Option<f64>,
     /// First stage w of the following velocity, m/s.
     pub first_stage: f64,
 }
 
 impl PlaneWaves {
-    /// Returns the pressure at the outlet, Pa, from the section means of pressure (Pa) and normal
-    /// velocity (m/s) of the adjacent fluid, and advances the followed velocity by a step (s).
+    /// Advances the followed velocity by a step (s) and returns the pressure at the outlet, Pa. It
+    /// follows from the section means of pressure (Pa) and normal velocity (m/s) of the adjacent
+    /// fluid.
     pub fn advance(
         &mut self,
         setting: &PlaneSetting,
@@ -93,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flow_in_motion_from_the_start_is_no_wave() {
+    fn initial_velocity_is_not_taken_for_a_wave() {
         let p = PlaneWaves::default().advance(&SETTING, 5.0, 3.0, 1e-4);
         assert_eq!(p, 5.0);
     }

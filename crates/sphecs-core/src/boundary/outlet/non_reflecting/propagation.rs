@@ -4,10 +4,10 @@
 //! ∂f/∂t + c0 ∂f/∂s = 0,   f = p_o, v̄_n,   s = depth in the zone
 //! ```
 //!
-//! Pressure and convective velocity at the plane belong to the present wave; deeper in the zone is
-//! the wave of earlier times. A zone that has the present values everywhere moves as a rigid body.
-//! It is not compressed with the wave, and the density of the last layers of fluid, which is summed
-//! over it, lacks part of the wave.
+//! Pressure and convective velocity at the plane belong to the present wave; deeper in the zone
+//! they belong to earlier times. A zone with the present values everywhere would move as a rigid
+//! body. The wave would not compress it, and the summed density of the last layers of fluid would
+//! lack part of the wave.
 
 use serde::{Deserialize, Serialize};
 

@@ -16,8 +16,8 @@
 mod avx2;
 mod avx512;
 
-pub use avx2::{F32x8, F64x4};
-pub use avx512::{F32x16, F64x8};
+pub(super) use avx2::{F32x8, F64x4};
+pub(super) use avx512::{F32x16, F64x8};
 
 macro_rules! lanes {
     (
@@ -29,7 +29,7 @@ macro_rules! lanes {
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        pub struct $name($vector);
+        pub(crate) struct $name($vector);
 
         lanes!(@operator $name Add add $add);
         lanes!(@operator $name Sub sub $sub);
