@@ -34,7 +34,7 @@ pub fn resolve(text: &str, page: &Page, sources: &Sources, faults: &mut Vec<Faul
             }
             _ => {
                 let offset = page.text.find(&format!("{}{path}", &directive[..length])).unwrap_or(0);
-                let message = format!("includes `{path}`, which does not exist: mend the path");
+                let message = format!("includes `{path}`, which does not exist: correct the path");
                 faults.push(Fault::at(&page.file, &page.text, offset, message));
                 resolved.push_str(path);
             }
@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(faults.len(), 1);
         assert_eq!(
             faults[0].to_string(),
-            "docs/p.md:2:1: includes `c.ron`, which does not exist: mend the path"
+            "docs/p.md:2:1: includes `c.ron`, which does not exist: correct the path"
         );
     }
 }

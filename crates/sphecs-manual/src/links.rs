@@ -120,7 +120,7 @@ struct Target {
     path: String,
     /// Path from the repository's root.
     file: String,
-    /// Whether it is a file to be copied, not a page.
+    /// True for a file to be copied, false for a page.
     is_file: bool,
 }
 
@@ -142,7 +142,7 @@ fn target<'a>(
     let (path, fragment) = destination.split_at(destination.find('#').unwrap_or(destination.len()));
     let found = if path.is_empty() { linked_page(&page.path, sources) } else { find(page, path, sources) };
     let Some(found) = found else {
-        return Err(format!("`{path}` does not exist: mend the link"));
+        return Err(format!("`{path}` does not exist: correct the link"));
     };
     if found.is_file && !sources.root.join(&found.file).is_file() {
         return Err(format!("`{path}` is a folder: link to a file"));
@@ -153,7 +153,7 @@ fn target<'a>(
     let is_anchor = |id: &str| anchors.get(&found.path).is_some_and(|ids| ids.contains(id));
     match fragment.strip_prefix('#') {
         Some(id) if !found.is_file && !is_anchor(id) => {
-            Err(format!("`{}` has no heading `#{id}`: mend the link", found.file))
+            Err(format!("`{}` has no heading `#{id}`: correct the link", found.file))
         }
         _ => Ok(Some((found, fragment))),
     }
@@ -220,10 +220,10 @@ mod tests {
         assert_eq!(
             faults,
             [
-                "docs/book/src/index.md:1:1: `guides/wall.md` does not exist: mend the link",
-                "docs/book/src/index.md:2:1: `docs/book/src/guides/walls.md` has no heading `#corner`: mend the link",
-                "docs/book/src/index.md:2:33: `docs/book/src/index.md` has no heading `#none`: mend the link",
-                "docs/book/src/index.md:3:1: `d.png` does not exist: mend the link",
+                "docs/book/src/index.md:1:1: `guides/wall.md` does not exist: correct the link",
+                "docs/book/src/index.md:2:1: `docs/book/src/guides/walls.md` has no heading `#corner`: correct the link",
+                "docs/book/src/index.md:2:33: `docs/book/src/index.md` has no heading `#none`: correct the link",
+                "docs/book/src/index.md:3:1: `d.png` does not exist: correct the link",
                 "docs/book/src/index.md:3:13: `[e]` is defined nowhere on the page: define it, or mark code by \
                  backticks",
                 "docs/book/src/index.md:4:1: the picture `https://a.org/f.png` is in the network: copy it into the \

@@ -25,7 +25,7 @@ fn entries(summary: &str) -> Vec<Entry> {
     found.collect()
 }
 
-/// Adds faults for missing and repeated chapters, for pages without one and for pages with one path.
+/// Adds faults for missing and repeated chapters, and for pages without one or with one path.
 pub fn check(sources: &Sources, faults: &mut Vec<Fault>) {
     let file = format!("{BOOK_SOURCE}SUMMARY.md");
     let mut listed = BTreeSet::new();
