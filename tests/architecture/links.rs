@@ -57,7 +57,8 @@ fn is_path_character(c: char) -> bool {
 #[test]
 fn pages_named_in_any_text_exist() {
     let mut faults = Vec::new();
-    for path in texts() {
+    // The builder of the manual is tested with pages of its own.
+    for path in texts().into_iter().filter(|path| !path.starts_with("crates/sphecs-manual/")) {
         for (number, line) in read(&path).lines().enumerate() {
             for (at, _) in line.match_indices("docs/") {
                 let is_inside_a_path = line[..at].ends_with(is_path_character);
