@@ -57,7 +57,8 @@ fn is_path_character(c: char) -> bool {
 #[test]
 fn pages_named_in_any_text_exist() {
     let mut faults = Vec::new();
-    for path in texts() {
+    // The builder of the manual is tested with pages of its own.
+    for path in texts().into_iter().filter(|path| !path.starts_with("crates/sphecs-manual/")) {
         for (number, line) in read(&path).lines().enumerate() {
             for (at, _) in line.match_indices("docs/") {
                 let is_inside_a_path = line[..at].ends_with(is_path_character);
@@ -105,7 +106,8 @@ fn links_between_pages_lead_to_files_and_headings() {
     let names = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"];
     pages.extend(names.map(|name| root().join(name)).into_iter().filter(|page| page.exists()));
     let mut faults = Vec::new();
-    for page in &pages {
+    // The build of the manual generates some of its pages and checks its links.
+    for page in pages.iter().filter(|page| !relative(page).starts_with("docs/book/")) {
         let text = read(page);
         let folder = page.parent().unwrap_or(Path::new(""));
         for (line, target) in links(&text) {

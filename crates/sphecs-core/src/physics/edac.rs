@@ -15,9 +15,10 @@
 //! p_b the background pressure. Deviations from the paper:
 //!
 //! * The last term of the pressure's equation is our own, the option `relaxation`. Without it the
-//!   volumes drift, because the pressure follows the divergence of v but the particles move with v
-//!   + w. In a strained flow their distances grow by 3 % (docs/edac.md). An acoustic wave keeps p =
-//!   c_s² (ρ − ρ0), so the term does not act on it; the difference decays at the rate r c_s/h.
+//!   volumes drift: the pressure follows the divergence of v, but the particles move with v + w. In
+//!   a strained flow their distances grow by 3 % (docs/book/src/theory/edac.md). An acoustic wave
+//!   keeps p = c_s² (ρ − ρ0), so the term does not act on it. The difference decays at the rate r
+//!   c_s/h.
 //! * As p̄_a is the same for all pairs of a particle, Σ S p̃ ∇W = Σ S p_ab ∇W − p̄_a Σ S ∇W. The
 //!   last sum is also that of the transport velocity, so the mean pressure needs no extra pass. The
 //!   loop sums differences to p_a: in single precision the pressures themselves would cancel. The
@@ -91,8 +92,8 @@ impl Edac {
         self.alpha * smoothing_length * sound_speed / 8.0
     }
 
-    /// Returns (r c_s/h) [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s, the
-    /// density minus ρ0, kg/m³, and the pressure, Pa.
+    /// Returns (r c_s/h) [c_s² (ρ − ρ0) − p], Pa/s, for a smoothing length, m, a sound speed, m/s,
+    /// the density minus ρ0, kg/m³, and the pressure, Pa.
     pub fn relaxing(&self, smoothing_length: f64, sound_speed: f64, excess: f64, pressure: f64) -> f64 {
         self.relaxation * sound_speed / smoothing_length * (sound_speed * sound_speed * excess - pressure)
     }

@@ -50,16 +50,14 @@ fn describe(text: &str, entries: &mut Map<String, Value>) {
 
 /// Lets a number be an expression in quotes as well.
 fn allow_expressions(kind: &mut Value) {
-    let text = || Value::from("string");
-    match kind {
-        Value::String(name) if matches!(name.as_str(), "number" | "integer") => {
-            *kind = Value::Array(vec![kind.take(), text()]);
-        }
-        Value::Array(kinds) if kinds.iter().any(|kind| kind == "number" || kind == "integer") => {
-            if !kinds.contains(&text()) {
-                kinds.insert(1, text());
-            }
-        }
-        _ => {}
+    let is_number = |kind: &Value| kind == "number" || kind == "integer";
+    let text = Value::from("string");
+    if is_number(kind) {
+        *kind = Value::Array(vec![kind.take(), text]);
+    } else if let Value::Array(kinds) = kind
+        && kinds.iter().any(is_number)
+        && !kinds.contains(&text)
+    {
+        kinds.insert(1, text);
     }
 }
