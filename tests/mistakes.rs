@@ -104,7 +104,7 @@ fn message(text: &str) -> String {
         .expect("a text takes all");
     // Figures of memory change with the bytes that a particle takes.
     let cut =
-        report.lines().map(|line| masked(&masked(line, "; ", " GB are free"), "at least `", "`, or begin"));
+        report.lines().map(|line| masked(&masked(line, "; ", " GB are free"), "at least `", "`, or run"));
     cut.collect::<Vec<_>>().join("\n")
 }
 

@@ -1,5 +1,5 @@
 //! Free-slip walls of every model under both schemes: no drag along the wall, and full support
-//! normal to it. The figures are in docs/walls.md, printed with `--nocapture`.
+//! normal to it. The figures are in docs/book/src/theory/walls.md, printed with `--nocapture`.
 
 use std::f64::consts::PI;
 

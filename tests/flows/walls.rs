@@ -1,5 +1,6 @@
-//! Every wall model under both schemes compared with exact solutions: the figures of docs/walls.md,
-//! printed with `--nocapture`. The bands are some tenths above the measured values.
+//! Every wall model under both schemes compared with exact solutions: the figures of
+//! docs/book/src/theory/walls.md, printed with `--nocapture`. The bands are some tenths above the
+//! measured values.
 
 use sphecs::Simulation;
 use sphecs::glam::DVec3;
@@ -17,7 +18,7 @@ const SCHEMES: [&str; 2] = ["Wcsph()", "EdacTvf()"];
 
 /// Measures each model under each scheme and checks its band, `bands[scheme][model]`.
 #[track_caller]
-#[expect(clippy::print_stdout, reason = "the figures of docs/walls.md, by `--nocapture`")]
+#[expect(clippy::print_stdout, reason = "the figures of docs/book/src/theory/walls.md, by `--nocapture`")]
 pub(crate) fn check(what: &str, bands: [[f64; 3]; 2], measure: impl Fn(&str, &str) -> f64) {
     let mut faults = Vec::new();
     for (scheme, bands) in SCHEMES.into_iter().zip(bands) {

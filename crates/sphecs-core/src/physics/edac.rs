@@ -16,8 +16,9 @@
 //!
 //! * The last term of the pressure's equation is our own, the option `relaxation`. Without it the
 //!   volumes drift: the pressure follows the divergence of v, but the particles move with v + w. In
-//!   a strained flow their distances grow by 3 % (docs/edac.md). An acoustic wave keeps
-//!   p = c_s² (ρ − ρ0), so the term does not act on it. The difference decays at the rate r c_s/h.
+//!   a strained flow their distances grow by 3 % (docs/book/src/theory/edac.md). An acoustic wave
+//!   keeps p = c_s² (ρ − ρ0), so the term does not act on it. The difference decays at the rate r
+//!   c_s/h.
 //! * As p̄_a is the same for all pairs of a particle, Σ S p̃ ∇W = Σ S p_ab ∇W − p̄_a Σ S ∇W. The
 //!   last sum is also that of the transport velocity, so the mean pressure needs no extra pass. The
 //!   loop sums differences to p_a: in single precision the pressures themselves would cancel. The

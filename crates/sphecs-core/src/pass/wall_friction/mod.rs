@@ -15,8 +15,8 @@
 //! edge of two walls the particle behind both adds the stress of another Δ^(D−1). In a square duct
 //! with N particles across in plug flow this is 1/N of the stress.
 //!
-//! Distributing the stress of each wall particle by the kernel is our own method; docs/walls.md
-//! gives its purpose.
+//! Distributing the stress of each wall particle by the kernel is our own method;
+//! docs/book/src/theory/walls.md gives its purpose.
 
 #[cfg(test)]
 mod tests;

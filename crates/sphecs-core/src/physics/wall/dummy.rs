@@ -9,8 +9,8 @@
 //! kernel mean at a wall particle is the velocity of the fluid some way in front of the surface,
 //! not at the mirror image of the particle. So the profile is not continued linearly, and the
 //! effective surface is slightly displaced. The peak of a Poiseuille flow with 25 particles across
-//! is off by 0.45 %, with the image by 0.26 % (docs/walls.md). In return no factor becomes large
-//! for a particle that touches the wall.
+//! is off by 0.45 %, with the image by 0.26 % (docs/book/src/theory/walls.md). In return no factor
+//! becomes large for a particle that touches the wall.
 //!
 //! Only the viscous term uses v_w. In the equation of an evolved pressure the divergence uses the
 //! velocity of the wall itself, as in their section 2.3.

@@ -17,7 +17,7 @@
 //!
 //! The drag of a particle does not depend on its distance from the wall. Deep ghosts drag the first
 //! layer of particles too little and the layers behind it too much. The error is 0.8 to 1.3 % of
-//! the peaks of plane flows with 20 to 25 particles across (docs/walls.md).
+//! the peaks of plane flows with 20 to 25 particles across (docs/book/src/theory/walls.md).
 
 use super::{WallMethod, WallPressure};
 
