@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing and runs the tests: those in Rust, then those that read the result files in Python.
+# Installs what is missing and runs the tests: those in Rust, those that read the result files in Python, and the
+# commands of the tutorials.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -13,3 +14,6 @@ make_venv || { echo "no python3 with venv: install python3-venv" >&2; exit 1; }
 # The program that the tests above built.
 export SPHECS="${CARGO_TARGET_DIR:-target}/debug/sphecs"
 .venv/bin/python -m pytest -q python/tests
+
+say "tutorials"
+python3 scripts/tutorials.py --python .venv/bin/python
