@@ -134,7 +134,7 @@ mod tests {
         assert!(lines[1].contains("2.00") && lines[1].contains("10.0 %") && !lines[1].contains("3d-f32"));
         let summary = summary(&[("3d-f32", figures)], 3.0);
         assert!(
-            summary.contains("density 25.0, rates 75.0; 80 FLOP per pair; 1.000e-3 s of flow"),
+            summary.contains("density 25.0, rates 75.0; 80 FLOP per pair; 1.000e-3 s simulated per second"),
             "{summary}"
         );
         let timings = vec![timing(2, 0.1)];

@@ -223,9 +223,9 @@ mod tests {
             "fraction of a width",
             "no coefficients of a body `cylinder`",
             "compared with another run",
-            "drawings are named `p`",
+            "drawings of the case are named `p`",
             "`sped` is not a field",
-            "does not rise",
+            "is not ascending",
             "width of a picture",
         ] {
             assert!(
