@@ -85,9 +85,33 @@ fn help_has_examples_and_the_exit_codes() {
     for word in ["sphecs scenes/quickstart.ron", "render", "130 interrupted"] {
         assert!(help.contains(word), "no `{word}` in:\n{help}");
     }
-    for command in ["run", "resume", "check", "render", "info", "export", "pack", "bench"] {
+    for command in ["run", "resume", "check", "render", "info", "export", "pack", "bench", "new", "explain"] {
         assert!(done(&answer([command, "--help"])).contains("Usage"));
     }
+}
+
+#[test]
+fn new_scene_passes_the_check_and_is_never_replaced() {
+    let folder = folder();
+    let name = folder.path().join("flow");
+    let new = || answer(["new".as_ref(), "bend".as_ref(), name.as_os_str()]);
+    let path = name.with_extension("ron");
+    assert!(done(&new()).contains("flow.ron"));
+    assert!(done(&answer(["check".as_ref(), path.as_os_str()])).contains("particles"));
+    let before = fs::read_to_string(&path).expect("the scene");
+    refused(&new(), 2, &["flow.ron", "never replaced"]);
+    assert_eq!(fs::read_to_string(&path).expect("the scene"), before);
+}
+
+#[test]
+fn path_of_the_scene_file_is_explained() {
+    let text = done(&answer(["explain", "outlets.0.condition"]));
+    for word in ["WaveEquation(…)", "example", "default"] {
+        assert!(text.contains(word), "no `{word}` in:\n{text}");
+    }
+    refused(&answer(["explain", "outlets.conditon"]), 2, &["outlets.conditon", "did you mean `condition`?"]);
+    let schema = done(&answer(["schema"]));
+    assert!(serde_json::from_str::<serde_json::Value>(&schema).expect("JSON")["properties"].is_object());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use sphecs::{Scene, SceneErrors, Simulation};
 
 fn shipped() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut scenes: Vec<PathBuf> = ["scenes", "benches"]
+    let mut scenes: Vec<PathBuf> = ["scenes", "benches", "assets/templates"]
         .into_iter()
         .flat_map(|folder| std::fs::read_dir(root.join(folder)).expect("a folder of scenes"))
         .map(|entry| entry.expect("an entry").path())

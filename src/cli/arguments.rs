@@ -7,6 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use super::check_arguments::{BenchArguments, ValidateArguments};
+use super::help_arguments::{CompletionsArguments, ExplainArguments, ManArguments, NewArguments};
 use super::run_arguments::{ResumeArguments, RunArguments};
 use sphecs_output::picture::{Colours, Field, Slice};
 
@@ -20,6 +21,8 @@ use sphecs_output::picture::{Colours, Field, Slice};
         `sphecs SCENE` is short for `sphecs run SCENE` and takes its options (`sphecs run --help`).",
     after_help = "Examples:\n  \
         sphecs scenes/quickstart.ron\n  \
+        sphecs new channel my_channel\n  \
+        sphecs explain outlets.condition\n  \
         sphecs check scenes/constricted_r2.ron\n  \
         sphecs scenes/constricted_r2.ron --set fluid.sound_speed=1.0 --until 2 --out runs/slow_sound\n  \
         sphecs resume runs/quickstart\n  \
@@ -82,6 +85,18 @@ pub enum Command {
     Bench(BenchArguments),
     /// Run validation cases and compare them with their references
     Validate(ValidateArguments),
+    /// Write a commented scene to begin with
+    New(NewArguments),
+    /// Explain a field or a choice of the scene file
+    Explain(ExplainArguments),
+    /// Print the JSON Schema of the scene file, for editors
+    #[command(after_help = "Example:\n  sphecs schema > scene.schema.json\n\n\
+        Editors complete and check the JSON or YAML twin of a scene by it. Units and defaults are in `x-unit` and `x-default`.")]
+    Schema,
+    /// Print the completions of the command line for a shell
+    Completions(CompletionsArguments),
+    /// Print the manual page, or write the pages of all commands
+    Man(ManArguments),
 }
 
 /// Scene and changes to it.
@@ -329,5 +344,8 @@ mod tests {
         refused("sphecs bench --case 4d", "3d-sps-f64");
         refused("sphecs bench --threads 0", "--threads");
         refused("sphecs flow.ron --treads 2", "--threads");
+        refused("sphecs new chanel flow", "channel");
+        refused("sphecs new channel", "NAME");
+        refused("sphecs completions basch", "bash");
     }
 }

@@ -9,6 +9,7 @@ use sphecs_bench::BenchError;
 use sphecs_output::error::OutputError;
 use sphecs_run::error::RunError;
 use sphecs_scene::faults::SceneErrors;
+use sphecs_scene::manual::UnknownPath;
 use sphecs_validate::ValidateError;
 
 /// Exit code of a completed command.
@@ -36,6 +37,10 @@ pub enum Failure {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneErrors),
+    /// A path is not one of the scene file.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Path(#[from] UnknownPath),
     /// A run was stopped by an error.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -58,6 +63,7 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Failure::Scene(_)
+            | Failure::Path(_)
             | Failure::Validate(ValidateError::Case(_) | ValidateError::Scene(_))
             | Failure::Bench(BenchError::Scene(_) | BenchError::Threads(_)) => BAD_INPUT,
             Failure::Bench(BenchError::Flow { .. }) => FLOW,

@@ -3,14 +3,23 @@
 //! - [`arguments`]: commands and their arguments
 //! - [`run_arguments`]: arguments of `run` and `resume`
 //! - [`check_arguments`]: arguments of `bench` and `validate`
+//! - [`help_arguments`]: arguments of `explain`, `new`, `completions` and `man`
 //! - [`commands`]: one function for each command
+//! - [`explain`], [`new_scene`], [`shell`]: commands that help to write scenes and command lines
+//! - `command_line_page`: page of the manual
 //! - [`failure`]: messages and exit codes
 
 pub mod arguments;
 pub mod check_arguments;
+#[cfg(test)]
+mod command_line_page;
 pub mod commands;
+pub mod explain;
 pub mod failure;
+pub mod help_arguments;
+pub mod new_scene;
 pub mod run_arguments;
+pub mod shell;
 
 use std::process::ExitCode;
 
@@ -39,6 +48,11 @@ pub fn main() -> ExitCode {
         Command::Pack(pack) => commands::pack(&pack),
         Command::Bench(bench) => commands::bench(&bench),
         Command::Validate(validate) => commands::validate(&validate),
+        Command::New(new) => new_scene::new(&new),
+        Command::Explain(path) => explain::explain(&path),
+        Command::Schema => explain::schema(),
+        Command::Completions(completions) => shell::completions(&completions),
+        Command::Man(man) => shell::man(&man),
     };
     result.map_or_else(failure::Failure::report, ExitCode::from)
 }

@@ -9,13 +9,14 @@ use std::path::PathBuf;
 use crate::source_tree::{SOURCES, expect_none, files_under, read, relative, root, sources};
 
 /// Folders and files whose words are checked.
-const TEXTS: [&str; 13] = [
+const TEXTS: [&str; 14] = [
     "crates",
     "src",
     "tests",
     "benches",
     "examples",
     "scenes",
+    "assets/templates",
     "assets/validation",
     "scripts",
     "python",

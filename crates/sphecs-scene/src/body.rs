@@ -32,6 +32,7 @@ pub struct BodyReference {
 
 /// Interval at which the forces on bodies are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ForcesEvery {
     /// In every step.
     #[default]

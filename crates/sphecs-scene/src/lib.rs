@@ -17,6 +17,7 @@
 //! * [`summary`]: figures of `sphecs check`
 //! * [`disk_estimate`]: disk space of its run
 //! * [`faults`]: faults of its text
+//! * `manual`: reference of the file from the doc lines of its types, behind the feature `schema`
 //! * [`builder`]: a scene described in Rust, written as the text of a scene file
 
 pub mod body;
@@ -31,6 +32,8 @@ pub mod geometry;
 pub mod inflow;
 pub mod lattice;
 pub mod loader;
+#[cfg(feature = "schema")]
+pub mod manual;
 pub mod model;
 pub mod notation;
 pub mod outline;

@@ -95,10 +95,11 @@ impl Scene {
 
 /// Scalar type of the pair sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Precision {
-    /// Single.
+    /// Single precision, for long or large runs once a short run in each gave the same figures.
     F32,
-    /// Double.
+    /// Double precision. Take it unless memory or time is short.
     #[default]
     F64,
 }
@@ -272,6 +273,7 @@ pub struct Reservoir {
 
 /// Action when the reservoir is empty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WhenEmpty {
     /// It grows; the ledger counts the grown particles.
     #[default]

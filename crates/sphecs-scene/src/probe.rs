@@ -6,6 +6,7 @@ use sphecs_core::particles::zone::Zone;
 
 /// Particles that a probe sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ProbeSight {
     /// Fluid particles only, none beyond the plane of an inlet or outlet.
     #[default]

@@ -19,11 +19,12 @@ use sphecs_core::particles::zone::Zone;
 
 /// Place of the first ring of a cylinder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum FirstRing {
     /// Half a spacing behind the surface.
     #[default]
     HalfSpacing,
-    /// On the surface: Negi et al. (2020).
+    /// On the surface, as in Negi et al. (2020).
     Circumference,
 }
 

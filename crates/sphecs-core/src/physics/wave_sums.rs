@@ -36,6 +36,7 @@ const LEAST_R2: f64 = 1e-30;
 
 /// Frame in which the wave equation of an outlet is integrated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Frame")]
 pub enum ReferenceFrame {
     /// As published: ∂v/∂t of a fixed point, integrated along the moving particle.
@@ -47,13 +48,14 @@ pub enum ReferenceFrame {
 
 /// Discrete form of the transverse Laplacian of Alvarado-Rodríguez et al. (2017), Eq. 29.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum TransverseOperator {
-    /// L v = 2 Σ V v_ob g / (−Σ V y_ob² g), g = e_y² F, walls included.
+    /// The sum 2 Σ V v_ob g / (−Σ V y_ob² g) with g = e_y² F, walls included.
     #[default]
     Normalised,
     /// As published, with the sign corrected.
     Printed,
-    /// Español & Revenga (2003).
+    /// The consistent second derivative of Español & Revenga (2003).
     Consistent,
 }
 

@@ -7,20 +7,24 @@ use crate::notation::typed::Spanned;
 
 /// A part of the walls whose force and torque are written into `forces.nc`.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Body", deny_unknown_fields)]
 pub struct BodyFile {
-    /// Name of a part of the walls; `walls` is the remaining surface.
+    /// Name of a part of the walls; `"walls"` is the remaining surface.
     pub part: Text,
     /// Reference point of torques, m, default the centre of the region of the part.
     #[serde(default)]
     pub about: Option<Vector>,
-    /// Velocity u∞ of the coefficients, m/s; without velocity and area there are none.
+    /// Velocity u∞ of the coefficients, m/s, default none; without velocity and area no
+    /// coefficients are written.
     #[serde(default)]
     pub velocity: Option<Number>,
-    /// Area A of the coefficients, m²; in 2D the area per metre of depth, m, such as the diameter.
+    /// Area A of the coefficients, m², default none. In 2D it is the area per metre of depth in m,
+    /// such as the diameter.
     #[serde(default)]
     pub area: Option<Number>,
-    /// Length of the Strouhal number, m, default in 2D `area`.
+    /// Length of the Strouhal number, m, default `area` in 2D, required in 3D with a velocity and
+    /// an area.
     #[serde(default)]
     pub length: Option<Number>,
     /// Interval of the time mean of the coefficients and of the lift's spectrum, s, default the

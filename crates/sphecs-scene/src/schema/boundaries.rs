@@ -12,18 +12,19 @@ use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// The walls.
 #[derive(Clone, Debug, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Walls", deny_unknown_fields)]
 pub struct WallsFile {
-    /// Treatment of walls in the sums.
+    /// Treatment of walls in the sums, default `Image()`.
     #[serde(default)]
     pub model: WallModel,
-    /// Slip condition.
+    /// Slip condition, default `NoSlip`.
     #[serde(default)]
     pub slip: Slip,
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// Parts with settings of their own.
+    /// Parts with settings of their own, default none.
     #[serde(default)]
     pub parts: Vec<WallPartFile>,
 }
@@ -37,6 +38,7 @@ impl WallsFile {
 
 /// A part of the walls: the surface inside a region.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "WallPart", deny_unknown_fields)]
 pub struct WallPartFile {
     /// Name for outputs and messages.
@@ -56,13 +58,15 @@ pub struct WallPartFile {
 
 /// Arrangement of the particles of a wall part behind its surface.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(rename = "WallFill"))]
 pub enum WallFillFile {
     /// Rings a spacing apart in a cylinder, in 2D.
     Concentric {
         /// Centre of the cylinder, m.
         center: Vector,
-        /// Its radius, m.
+        /// Radius of the cylinder, m.
         radius: Number,
         /// Place of the first ring, default half a spacing behind the surface.
         #[serde(default)]
@@ -72,21 +76,22 @@ pub enum WallFillFile {
 
 /// An inlet.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Inlet", deny_unknown_fields)]
 pub struct InletFile {
-    /// Name, default `inlet 0` and so on.
+    /// Name for outputs and messages, default `inlet 0` and so on.
     #[serde(default)]
     pub name: Option<Text>,
     /// A point of its plane inside the domain's section, m.
     pub at: Vector,
-    /// Direction of the flow, into the domain.
+    /// Direction of the flow into the domain, dimensionless.
     pub towards: Vector,
     /// Length of its zone, m, rounded up to whole spacings; default five spacings or the support.
     #[serde(default)]
     pub depth: Option<Number>,
     /// Velocity of the inflow.
     pub velocity: Spanned<InletVelocityFile>,
-    /// Pressure of the inflow.
+    /// Pressure of the inflow, default `Extrapolated`.
     #[serde(default)]
     pub pressure: InletPressure,
     /// Supply of particles behind its zone, default `Fed`; `Once` requires a `depth`.
@@ -96,18 +101,21 @@ pub struct InletFile {
 
 /// Velocity of the inflow.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(rename = "InletVelocity"))]
 pub enum InletVelocityFile {
     /// Speed along `towards`, m/s, on the plane of the inlet; all particles of a row have it.
     Normal(Formula),
     /// Components, m/s, on the plane.
     Components(Spanned<Vec<Formula>>),
-    /// Speed along `towards` in time: rows of (s, m/s), or a CSV file of two columns.
+    /// Speed along `towards` in time, from `rows` or from a CSV `file` of two columns.
     TimeTable {
-        /// Rows of time (s) and speed (m/s).
+        /// Rows of time and speed, s and m/s, default none.
         #[serde(default)]
         rows: Option<Vec<(Number, Number)>>,
-        /// CSV file in the folder of the scene: time (s), speed (m/s).
+        /// CSV file in the folder of the scene with the columns time (s) and speed (m/s), default
+        /// none.
         #[serde(default)]
         file: Option<Text>,
     },
@@ -122,16 +130,16 @@ pub enum InletVelocityFile {
     MassFlow {
         /// Rate, kg/s: a number or an expression of t.
         rate: Formula,
-        /// Profile of the speed over the plane, an expression of x, y, z in any unit; default
+        /// Profile of the speed over the plane, in any unit, an expression of x, y, z; default
         /// uniform.
         #[serde(default)]
         profile: Option<Formula>,
     },
-    /// Mass flow per area of the inlet, kg/(s m²); otherwise as `MassFlow`.
+    /// Mass flow per area of the inlet, kg/(s m²), otherwise as `MassFlow`.
     MassFlux {
         /// Flux, kg/(s m²): a number or an expression of t.
         flux: Formula,
-        /// Profile of the speed over the plane, an expression of x, y, z in any unit; default
+        /// Profile of the speed over the plane, in any unit, an expression of x, y, z; default
         /// uniform.
         #[serde(default)]
         profile: Option<Formula>,
@@ -148,14 +156,15 @@ pub enum InletVelocityFile {
 
 /// An outlet.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Outlet", deny_unknown_fields)]
 pub struct OutletFile {
-    /// Name, default `outlet 0` and so on.
+    /// Name for outputs and messages, default `outlet 0` and so on.
     #[serde(default)]
     pub name: Option<Text>,
     /// A point of its plane inside the domain's section, m.
     pub at: Vector,
-    /// Direction of the flow, out of the domain.
+    /// Direction of the flow out of the domain, dimensionless.
     pub towards: Vector,
     /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.
     #[serde(default)]

@@ -65,13 +65,30 @@ impl<'de> Deserialize<'de> for FormulaText {
     }
 }
 
+/// A number or text, marked as an expression of position and time.
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for FormulaText {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Expression".into()
+    }
+
+    fn json_schema(_generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": ["number", "string"], "x-expression": true })
+    }
+}
+
 /// A scene file.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct SceneFile {
     /// Title, one line.
     pub title: Text,
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimensions: Spanned<u64>,
     /// Scalar of the pair sums, default `F64`.
     #[serde(default)]
@@ -81,8 +98,10 @@ pub struct SceneFile {
     /// Coarser spacing for quick tests, m, default `spacing`.
     #[serde(default)]
     pub smoke: Option<Number>,
-    /// Named constants: `{"v0": 4.45e-2, "D1": "2*R"}`, read before everything else.
+    /// Named constants, in any unit, such as `{"v0": 4.45e-2, "D1": "2*R"}`, default none. They are
+    /// read before everything else, and each may use those before it.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<std::collections::BTreeMap<String, f64>>"))]
     pub constants: Option<IgnoredAny>,
     /// The fluid.
     pub fluid: FluidFile,
@@ -98,38 +117,39 @@ pub struct SceneFile {
     /// images; `None` for no wall.
     #[serde(default = "WallsFile::standard")]
     pub walls: Option<Spanned<WallsFile>>,
-    /// Parts of the walls whose force and torque are written.
+    /// Parts of the walls whose force and torque are written, default none.
     #[serde(default)]
     pub bodies: Vec<BodyFile>,
     /// Fields at t = 0, default rest.
     #[serde(default)]
     pub initial: InitialFile,
-    /// Inlets.
+    /// Openings through which fluid enters, default none.
     #[serde(default)]
     pub inlets: Vec<InletFile>,
-    /// Outlets.
+    /// Openings through which fluid leaves, default none.
     #[serde(default)]
     pub outlets: Vec<OutletFile>,
-    /// Names of periodic axes.
+    /// Names of periodic axes, `"x"`, `"y"` and `"z"`, default none.
     #[serde(default)]
     pub periodic: Vec<Text>,
     /// Force per mass, m/s², default none.
     #[serde(default)]
     pub body_force: Option<Spanned<Vec<Formula>>>,
-    /// Particles stored for the inlets.
+    /// Particles stored for the inlets, default `()`.
     #[serde(default)]
     pub reservoir: ReservoirFile,
     /// End and time step.
     pub time: TimeFile,
     /// Output of a run and its times.
     pub output: OutputFile,
-    /// Velocity and length of the Reynolds number, default estimated.
+    /// Velocity and length of the Reynolds number, default estimated from the scene.
     #[serde(default)]
     pub reference: ReferenceFile,
 }
 
 /// The fluid.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Fluid", deny_unknown_fields)]
 pub struct FluidFile {
     /// Reference density ρ0, kg/m³.
@@ -142,44 +162,50 @@ pub struct FluidFile {
 
 /// Numerical scheme.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(rename = "Scheme"))]
 pub enum SchemeFile {
-    /// Weakly compressible SPH of Alvarado-Rodríguez et al. (2017).
+    /// Weakly compressible SPH of Alvarado-Rodríguez et al. (2017). Take it for channels, ducts and
+    /// jets.
     Wcsph {
         /// Smoothing kernel, default `WendlandC2`.
         #[serde(default)]
         kernel: Option<Kernel>,
-        /// h/Δ, default by kernel and dimensions.
+        /// Smoothing length over spacing, h/Δ, dimensionless, default 1.5 in 2D and 1.7 in 3D for
+        /// `WendlandC2`, 1.2 for `QuinticSpline`.
         #[serde(default)]
         smoothing_ratio: Option<Number>,
-        /// Viscous term.
+        /// Viscous term, default `Laminar()`.
         #[serde(default)]
         viscosity: Option<Spanned<Viscosity>>,
         /// Damping of the noise of single particles, default `Off`.
         #[serde(default)]
         noise_damping: Option<Spanned<NoiseDamping>>,
-        /// Particle shifting.
+        /// Particle shifting, default `Fickian()`.
         #[serde(default)]
         shifting: Option<Spanned<Shifting>>,
-        /// p_b − p_a in place of p_a + p_b where p_a < 0, default true.
+        /// True if p_b − p_a takes the place of p_a + p_b where p_a < 0, default true.
         #[serde(default)]
         tensile_control: Option<bool>,
         /// Time integrator, default `KickDrift`.
         #[serde(default)]
         integrator: Option<Spanned<Integrator>>,
     },
-    /// Evolved pressure and transport velocity of Negi et al. (2020).
+    /// Evolved pressure and transport velocity of Negi et al. (2020). Take it for vortices and
+    /// wakes.
     EdacTvf {
         /// Smoothing kernel, default `QuinticSpline`.
         #[serde(default)]
         kernel: Option<Kernel>,
-        /// h/Δ, default by kernel and dimensions.
+        /// Smoothing length over spacing, h/Δ, dimensionless, default 1.5 in 2D and 1.7 in 3D for
+        /// `WendlandC2`, 1.2 for `QuinticSpline`.
         #[serde(default)]
         smoothing_ratio: Option<Number>,
-        /// α of the damping of the pressure, ν_edac = α h c0/8, default 0.5.
+        /// Damping α of the pressure, dimensionless, default 0.5; ν_edac = α h c0/8.
         #[serde(default)]
         alpha: Option<Number>,
-        /// Background pressure over ρ0 c0², default 1.
+        /// Background pressure over ρ0 c0², dimensionless, default 1.
         #[serde(default)]
         background: Option<Number>,
         /// True if the mean pressure of the neighbours is subtracted, default true.
@@ -188,8 +214,8 @@ pub enum SchemeFile {
         /// True if ν and ν_edac are divided by their lattice coefficient, default true.
         #[serde(default)]
         lattice_normalised: Option<bool>,
-        /// Rate at which the pressure relaxes to that of the summed density, over c0/h, default 0,
-        /// as published.
+        /// Rate at which the pressure relaxes to that of the summed density, over c0/h,
+        /// dimensionless, default 0, as published.
         #[serde(default)]
         relaxation: Option<Number>,
         /// True for the published η² = 0.01 h² in the denominator of the viscous sums, default
@@ -215,53 +241,57 @@ impl Default for SchemeFile {
 
 /// Arrangement of the particles that fill the domain.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(rename = "Fill"))]
 pub enum FillFile {
-    /// A square or cubic lattice.
+    /// A square or cubic lattice. Take it unless walls are inclined or curved.
     Lattice {
-        /// A corner at which cells of the lattice meet, m; default chosen so that walls lie between
+        /// Corner at which cells of the lattice meet, m, default chosen so that walls lie between
         /// cells.
         #[serde(default)]
         anchor: Option<Vector>,
-        /// Largest initial displacement of fluid particles from the lattice, over the spacing.
-        /// Along each axis it is a uniform random number from −jitter to jitter that depends on the
-        /// lattice point alone. Default 0, at most 0.2.
+        /// Largest initial displacement of fluid particles from the lattice over the spacing,
+        /// dimensionless, default 0; at most 0.2. Along each axis it is a uniform random number
+        /// from −jitter to jitter that depends on the lattice point alone.
         #[serde(default)]
         jitter: Option<Number>,
     },
     /// Rows that follow the inclined or curved walls of a channel along x, in 2D.
     WallFitted {
-        /// y of the lower wall as a function of x, m.
+        /// Position y of the lower wall as a function of x, m.
         lower: Formula,
-        /// y of the upper wall as a function of x, m.
+        /// Position y of the upper wall as a function of x, m.
         upper: Formula,
     },
 }
 
 /// Fields at t = 0.
 #[derive(Clone, Debug, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Initial", deny_unknown_fields)]
 pub struct InitialFile {
-    /// Velocity, m/s.
+    /// Velocity of fluid and zones, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// Pressure of the outflow particles, Pa. It does not act on the fluid, whose density is summed
-    /// before the first step and determines its pressure.
+    /// Pressure of the outflow particles, Pa, default 0. It does not act on the fluid, whose
+    /// density is summed before the first step and determines its pressure.
     #[serde(default)]
     pub pressure: Option<Formula>,
-    /// Passive tag.
+    /// Passive tag that particles carry along, dimensionless, default 0.
     #[serde(default)]
     pub tag: Option<Formula>,
 }
 
 /// Particles stored for the inlets.
 #[derive(Clone, Debug, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Reservoir", deny_unknown_fields)]
 pub struct ReservoirFile {
     /// Number of particles, default as many as the inflow zones hold.
     #[serde(default)]
     pub particles: Option<Spanned<u64>>,
-    /// Action when an inlet needs a particle and there is none.
+    /// Action when an inlet needs a particle and there is none, default `Grow`.
     #[serde(default)]
     pub when_empty: WhenEmpty,
     /// True if particles that leave are stored and injected again, default true. With false they
@@ -272,26 +302,29 @@ pub struct ReservoirFile {
 
 /// End and time step.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Time", deny_unknown_fields)]
 pub struct TimeFile {
     /// End of the run, s.
     pub end: Number,
-    /// Courant factor, default 0.5, with `Verlet` 0.3, of `EdacTvf` 0.25.
+    /// Courant factor, dimensionless, default 0.5, with `Verlet` 0.3, of `EdacTvf` 0.25.
     #[serde(default)]
     pub cfl: Option<Number>,
-    /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
+    /// Viscous factor, dimensionless, default 0.125; Δt ≤ factor h²/ν.
     #[serde(default)]
     pub viscous: Option<Number>,
 }
 
 /// Velocity and length of the Reynolds number.
 #[derive(Clone, Debug, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Reference", deny_unknown_fields)]
 pub struct ReferenceFile {
-    /// Velocity, m/s.
+    /// Velocity of the Reynolds number, m/s, default the largest given speed.
     #[serde(default)]
     pub velocity: Option<Number>,
-    /// Length, m.
+    /// Length of the Reynolds number, m, default the width of the narrowest inlet or outlet, or of
+    /// the domain.
     #[serde(default)]
     pub length: Option<Number>,
 }

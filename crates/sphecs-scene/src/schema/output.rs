@@ -8,6 +8,7 @@ use crate::notation::typed::Spanned;
 
 /// Output of a run and its times.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Output", deny_unknown_fields)]
 pub struct OutputFile {
     /// Interval between frames, s.
@@ -21,20 +22,21 @@ pub struct OutputFile {
     /// Interval between checkpoints, s of wall time, default 600.
     #[serde(default)]
     pub checkpoint_every: Option<Number>,
-    /// Probes.
+    /// Points, lines and sections at which the run measures, default none.
     #[serde(default)]
     pub probes: Vec<ProbeFile>,
 }
 
 /// A declared measurement.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Probe", deny_unknown_fields)]
 pub struct ProbeFile {
     /// Name, unique in the scene.
     pub name: Text,
     /// Place and quantities.
     pub kind: Spanned<ProbeKindFile>,
-    /// Interval of the time mean, s.
+    /// Interval of the time mean, s, default no mean.
     #[serde(default)]
     pub mean: Option<Spanned<(Number, Number)>>,
     /// Particles that it measures, default `Fluid`.
@@ -44,14 +46,16 @@ pub struct ProbeFile {
 
 /// Place and quantities of a probe.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(rename = "ProbeKind"))]
 pub enum ProbeKindFile {
-    /// At a point.
+    /// Velocity, pressure and density at a point.
     Point {
-        /// The point, m.
+        /// Position of the point, m.
         at: Vector,
     },
-    /// At points along a line, ends included.
+    /// Velocity, pressure and density at points along a line, ends included.
     Line {
         /// First point, m.
         from: Vector,
@@ -65,7 +69,7 @@ pub enum ProbeKindFile {
     Section {
         /// A point of the section, m.
         at: Vector,
-        /// Direction of positive flow.
+        /// Direction of positive flow, dimensionless.
         normal: Vector,
     },
 }

@@ -7,7 +7,9 @@ use crate::notation::typed::Spanned;
 
 /// A region of space.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(rename = "Shape"))]
 pub enum ShapeFile {
     /// Axis-aligned rectangle or box.
     Box {
@@ -18,16 +20,16 @@ pub enum ShapeFile {
     },
     /// Circle, in 2D.
     Circle {
-        /// Centre, m.
+        /// Centre of the circle, m.
         center: Vector,
-        /// Radius, m.
+        /// Radius of the circle, m.
         radius: Number,
     },
     /// Sphere, in 3D.
     Sphere {
-        /// Centre, m.
+        /// Centre of the sphere, m.
         center: Vector,
-        /// Radius, m.
+        /// Radius of the sphere, m.
         radius: Number,
     },
     /// Cylinder with flat ends, in 3D.
@@ -36,7 +38,7 @@ pub enum ShapeFile {
         from: Vector,
         /// Middle of the other end, m.
         to: Vector,
-        /// Radius, m.
+        /// Radius of the cylinder, m.
         radius: Number,
     },
     /// Polygon, in 2D.
@@ -46,44 +48,44 @@ pub enum ShapeFile {
     },
     /// Polygon in x and y extruded along z, in 3D.
     Extruded {
-        /// Corners in order, (x, y) in m.
+        /// Corners (x, y) in order, m.
         points: Spanned<Vec<Vector>>,
-        /// Lower end, z in m.
+        /// Lower end along z, m.
         from: Number,
-        /// Upper end, z in m.
+        /// Upper end along z, m.
         to: Number,
     },
     /// A section swept along an arc, in 3D.
     Bend {
         /// Centre of the section at the beginning, m.
         start: Vector,
-        /// Direction of the pipe at the beginning.
+        /// Direction of the pipe at the beginning, dimensionless.
         direction: Vector,
         /// Centre of the arc, m.
         center: Vector,
         /// Angle turned through, degrees.
         angle: Number,
-        /// Section.
+        /// Section of the pipe.
         section: BendSectionFile,
     },
-    /// Union of all of them.
+    /// Union of the shapes of a list.
     Union(Spanned<Vec<ShapeFile>>),
-    /// Intersection of all of them.
+    /// Intersection of the shapes of a list.
     Intersection(Spanned<Vec<ShapeFile>>),
     /// Difference: points in the first shape and in none of the others.
     Difference(Spanned<Vec<ShapeFile>>),
-    /// Moved by a vector.
+    /// A shape moved by a vector.
     Translated {
-        /// Displacement, m.
+        /// Displacement of the shape, m.
         by: Vector,
         /// Shape that is moved.
         shape: std::boxed::Box<ShapeFile>,
     },
-    /// Rotated about a point, in 2D, or an axis, in 3D.
+    /// A shape rotated about a point, in 2D, or an axis, in 3D.
     Rotated {
         /// Angle, degrees, anticlockwise.
         angle: Number,
-        /// Axis in 3D, default z.
+        /// Axis in 3D, dimensionless, default z.
         #[serde(default)]
         axis: Option<Vector>,
         /// Fixed point of the rotation, m, default the origin.
@@ -92,9 +94,9 @@ pub enum ShapeFile {
         /// Shape that is rotated.
         shape: std::boxed::Box<ShapeFile>,
     },
-    /// Scaled about the origin.
+    /// A shape scaled about the origin.
     Scaled {
-        /// Factor.
+        /// Factor of all lengths, dimensionless.
         factor: Number,
         /// Shape that is scaled.
         shape: std::boxed::Box<ShapeFile>,
@@ -103,14 +105,16 @@ pub enum ShapeFile {
 
 /// Section of a bend.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(rename = "BendSection"))]
 pub enum BendSectionFile {
-    /// A circle.
+    /// A pipe of circular section.
     Circular {
-        /// Radius, m.
+        /// Radius of the section, m.
         radius: Number,
     },
-    /// A rectangle.
+    /// A duct of rectangular section.
     Rectangular {
         /// Width along the radius of the arc, m.
         width: Number,

@@ -3,6 +3,8 @@
 mod builder;
 mod faults;
 mod filling;
+#[cfg(feature = "schema")]
+mod manual;
 mod mutations;
 mod schema_fields;
 mod sets;

@@ -26,6 +26,7 @@ use prescribed::Prescribed;
 
 /// Supply of an inflow zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Feed {
     /// One particle enters for each that crosses the plane, so the zone stays full.
     #[default]
@@ -37,6 +38,7 @@ pub enum Feed {
 
 /// Pressure of inflow particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum InletPressure {
     /// Extrapolated from the fluid inside, first-order consistent.

@@ -37,6 +37,7 @@ use crate::physics::parameter_fault::ParameterFault;
 /// Parameters of the condition. They have no default, since a stream of another velocity gets a
 /// pressure of ρ0 c0 times the difference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Characteristic {
     /// Reference velocity along the outlet's normal, m/s.

@@ -36,16 +36,17 @@ const AVERAGED_LAYERS: f64 = 3.0;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Hybrid {
-    /// Velocity u of the threshold, m/s: a particle's flow counts as sound while
-    /// |p − `pressure`| ≥ ½ ρ0 u². None: the mean inflow speed, averaged over `steps`.
+    /// Velocity u of the threshold, m/s, default the mean inflow speed, averaged over `steps`. A
+    /// particle's flow counts as sound while |p − `pressure`| ≥ ½ ρ0 u².
     #[serde(default)]
     pub velocity: Option<f64>,
     /// Reference pressure about which sound oscillates, Pa, default 0.
     #[serde(default)]
     pub pressure: f64,
-    /// Steps N of the time mean that is the base flow, default 6.
+    /// Number N of steps of the time mean that is the base flow, dimensionless, default 6.
     #[serde(default = "default_steps")]
     pub steps: f64,
 }

@@ -33,6 +33,7 @@ use crate::pass::pair_real::PairReal;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Mirror {
     /// Continuation of value and slope at the image.
@@ -42,13 +43,14 @@ pub struct Mirror {
 
 /// Continuation of value and slope at the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MirrorVariant {
-    /// The value.
+    /// The value of the fluid at the image.
     #[default]
     Neumann,
-    /// The value, extrapolated by the slope.
+    /// The value at the image, extrapolated by the slope.
     Linear,
-    /// The value, extrapolated by the reversed slope, as published.
+    /// The value at the image, extrapolated by the reversed slope, as published.
     Printed,
 }
 

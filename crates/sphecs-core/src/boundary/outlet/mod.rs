@@ -56,25 +56,29 @@ pub mod parameters {
 
 /// Condition at an outlet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum OutletCondition {
     /// Outgoing wave equation with transverse diffusion: Alvarado-Rodríguez et al. (2017), Eqs. 27,
-    /// 29 and 30.
+    /// 29 and 30. Take it unless a case below applies.
     WaveEquation(WaveEquation),
     /// Outgoing wave equation without diffusion: Alvarado-Rodríguez et al. (2017), Eq. 28.
     Orlanski(Orlanski),
-    /// Velocity and pressure of the crossing: Negi et al. (2020), Eqs. 14–16.
+    /// Velocity and pressure of the crossing: Negi et al. (2020), Eqs. 14–16. Take it to compare
+    /// with them.
     DoNothing,
     /// Velocity and pressure of the crossing, moved with the velocity of the fluid next to the
-    /// plane: Negi et al. (2020), Eqs. 17 and 18.
+    /// plane: Negi et al. (2020), Eqs. 17 and 18. Take it to compare with them.
     ModifiedDoNothing(ModifiedDoNothing),
-    /// Velocity and pressure of the fluid's mirror image: Negi et al. (2020), Eqs. 22–24.
+    /// Velocity and pressure of the fluid's mirror image: Negi et al. (2020), Eqs. 22–24. Take it
+    /// to compare with them.
     Mirror(Mirror),
     /// Outgoing characteristic about reference values, no wave enters: Negi et al. (2020), Eqs.
-    /// 25–27.
+    /// 25–27. Take it for plane sound on a uniform stream of known velocity.
     Characteristic(Characteristic),
     /// Frozen base flow, with acoustic waves transmitted by their outgoing characteristic: Negi et
-    /// al. (2020), Eqs. 28–31.
+    /// al. (2020), Eqs. 28–31. Take it if the flow must be right during the start and never
+    /// reverses.
     Hybrid(Hybrid),
     /// A condition that a plugin adds under this name.
     Custom(String),

@@ -32,6 +32,7 @@ use crate::pass::pair_real::PairReal;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ModifiedDoNothing {
     /// Normal velocity of the outflow particles in the sums of the fluid.
@@ -41,6 +42,7 @@ pub struct ModifiedDoNothing {
 
 /// Normal velocity of the zone in the sums of the fluid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ShownVelocity {
     /// The velocity of the crossing, as published.
     #[default]

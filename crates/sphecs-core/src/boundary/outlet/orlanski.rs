@@ -19,6 +19,7 @@ use crate::physics::wave_sums::ReferenceFrame;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Orlanski {
     /// Frame in which ∂v/∂t is integrated.

@@ -8,11 +8,12 @@ use crate::physics::parameter_fault::ParameterFault;
 
 /// Pressure of outflow particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum OutletPressure {
-    /// The pressure of the crossing.
+    /// The pressure that the particle had when it crossed the plane.
     Frozen,
-    /// A given pressure, Pa.
+    /// A given pressure, Pa. Take it for a mean flow that accelerates for good.
     Reference(f64),
     /// The pressure of the crossing, relaxed towards `target` (Pa) over `time` (s).
     Relaxed {
@@ -22,12 +23,12 @@ pub enum OutletPressure {
         time: f64,
     },
     /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) and the mean
-    /// velocity followed over `time` (s).
+    /// velocity followed over `time` (s). Take it for other flows.
     NonReflecting {
-        /// Mean pressure approached, Pa.
+        /// Mean pressure approached, Pa, default 0.
         #[serde(default)]
         target: f64,
-        /// Time constant with which the mean velocity is followed, s. None: four travel times of
+        /// Time constant with which the mean velocity is followed, s, default four travel times of
         /// sound through the domain along the outlet's normal.
         #[serde(default)]
         time: Option<f64>,
@@ -39,6 +40,7 @@ pub enum OutletPressure {
 
 /// Acoustic waves that a nonreflecting outlet transmits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Waves {
     /// Plane waves along the normal: the mean over the section.
     Plane,

@@ -48,6 +48,7 @@ const LAYERS_INSIDE: f64 = 1.0;
 
 /// Parameters of the condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WaveEquation {
     /// Frame in which ∂v/∂t is integrated.

@@ -23,10 +23,12 @@ use super::lanes::{Array, Lanes};
 
 /// Smoothing kernel W(r, h) of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Kernel {
-    /// Wendland (1995) C2, support 2h, as in Alvarado-Rodríguez et al. (2017), Eq. 15.
+    /// Wendland (1995) C2, support 2h, as in Alvarado-Rodríguez et al. (2017), Eq. 15. Take it
+    /// under either scheme.
     WendlandC2,
-    /// Quintic spline, support 3h, as in Negi et al. (2020), Eq. 5.
+    /// Quintic spline, support 3h, as in Negi et al. (2020), Eq. 5. Take it to compare with them.
     QuinticSpline,
 }
 

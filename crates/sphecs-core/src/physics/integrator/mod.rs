@@ -19,15 +19,19 @@ use crate::math::real::Real;
 
 /// Time integrator of `Wcsph`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum Integrator {
-    /// Verlet's scheme with a corrective step: Alvarado-Rodríguez et al. (2017).
+    /// Verlet's scheme with a corrective step: Alvarado-Rodríguez et al. (2017). Take it to compare
+    /// with them.
     Verlet {
-        /// Interval of the corrective (Euler) steps that replace the leapfrog, in steps, ≥ 1.
+        /// Number of steps from one corrective (Euler) step, which replaces the leapfrog, to the
+        /// next, at least 1, default 50.
         #[serde(default = "corrective_step_every")]
         corrective_step_every: u32,
     },
-    /// Kick–drift–kick with one evaluation of the rates per step.
+    /// Kick–drift–kick with one evaluation of the rates per step. Take it unless results are
+    /// compared with published ones.
     #[default]
     KickDrift,
 }

@@ -22,6 +22,7 @@ use crate::math::lanes::Lanes;
 
 /// Treatment of the part of a shift that neighbours share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum DriftCorrection {
     /// The shift keeps it, and carries fluid upstream where a flow is stretched.

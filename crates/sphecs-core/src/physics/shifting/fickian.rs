@@ -13,6 +13,7 @@ use super::{ShiftStep, ShiftingMethod, ShiftingNeeds};
 
 /// Parameters of the method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Fickian {
     /// Strength A, dimensionless.

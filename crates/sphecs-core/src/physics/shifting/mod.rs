@@ -41,14 +41,18 @@ pub mod parameters {
 
 /// Method by which fluid particles are moved towards an even distribution after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Shifting {
-    /// No shifting.
+    /// Particles are not shifted, for flows in which they stay in order.
     Off,
     /// Lind et al. (2012): down the concentration gradient, with the largest speed of the fluid.
+    /// Take it for channels, ducts and pipes.
     Fickian(Fickian),
     /// Skillen et al. (2013): the same with a particle's own speed; the velocity is carried along.
+    /// Take it for jets and shear layers.
     Local(Local),
-    /// Vacondio et al. (2013): repulsion of near neighbours.
+    /// Vacondio et al. (2013): repulsion of near neighbours. Take it to compare with
+    /// Alvarado-Rodríguez et al. (2017).
     Vacondio(Vacondio),
 }
 

@@ -16,6 +16,7 @@ use crate::math::lanes::Lanes;
 
 /// Parameter of the method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Vacondio {
     /// Strength β, dimensionless.

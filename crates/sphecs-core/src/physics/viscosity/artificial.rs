@@ -19,6 +19,7 @@ use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameter of the artificial viscosity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Artificial {
     /// Strength α, dimensionless.

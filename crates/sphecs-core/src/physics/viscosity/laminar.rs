@@ -18,12 +18,15 @@ use crate::physics::parameter_fault::ParameterFault;
 
 /// Parameters of the laminar term.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Laminar {
-    /// Divide ν by its lattice coefficient, so that the sum returns ν on the initial lattice.
+    /// True if ν is divided by its lattice coefficient, so that the sum returns ν on the initial
+    /// lattice, default true.
     #[serde(default = "yes")]
     pub lattice_normalised: bool,
-    /// Use the denominator with η² = 0.01 h² of Alvarado-Rodríguez et al. (2017), Eq. 10.
+    /// True for the denominator with η² = 0.01 h² of Alvarado-Rodríguez et al. (2017), Eq. 10,
+    /// default false.
     #[serde(default)]
     pub as_published: bool,
 }

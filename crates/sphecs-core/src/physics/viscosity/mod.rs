@@ -35,12 +35,14 @@ pub mod parameters {
 
 /// Viscous term of the momentum equation; the kinematic viscosity ν is the fluid's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Viscosity {
-    /// Laminar viscosity of Lo & Shao (2002).
+    /// Laminar viscosity of Lo & Shao (2002). Take it for resolved flows.
     Laminar(Laminar),
     /// Artificial viscosity of Monaghan (1992) in place of the laminar term.
     Artificial(Artificial),
     /// The laminar term plus the sub-particle-scale stress of Alvarado-Rodríguez et al. (2017).
+    /// Take it for turbulent flows.
     Sps(Sps),
 }
 

@@ -28,12 +28,13 @@ use crate::physics::parameter_fault::ParameterFault;
 
 /// Damping of the velocities that single particles have in addition to the flow's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum NoiseDamping {
-    /// None: for flows whose own viscosity dominates at the size of a particle.
+    /// No damping, for flows whose own viscosity dominates at the size of a particle.
     #[default]
     Off,
-    /// Artificial viscosity between linearly reconstructed velocities.
+    /// Artificial viscosity between linearly reconstructed velocities, for jets and shear layers.
     Reconstructed {
         /// Strength α, dimensionless, from 0 to 0.5.
         #[serde(default = "usual_strength")]

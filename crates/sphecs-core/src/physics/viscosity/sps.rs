@@ -21,6 +21,7 @@ use crate::physics::parameter_fault::ParameterFault;
 
 /// Constants of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Sps {
     /// Smagorinsky constant C_s, dimensionless.
@@ -29,7 +30,8 @@ pub struct Sps {
     /// Constant C_I of the isotropic part, dimensionless.
     #[serde(default = "usual_isotropic")]
     pub isotropic: f64,
-    /// Divide ν by its lattice coefficient, so that the sum returns ν on the initial lattice.
+    /// True if ν is divided by its lattice coefficient, so that the sum returns ν on the initial
+    /// lattice, default true.
     #[serde(default = "yes")]
     pub lattice_normalised: bool,
 }

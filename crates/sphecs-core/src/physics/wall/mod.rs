@@ -23,11 +23,13 @@ use image::Image;
 
 /// Model of a wall in the sums of a fluid particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum WallModel {
-    /// Image particles, Morris et al. (1997).
+    /// Image particles, Morris et al. (1997). Take it wherever a boundary layer matters.
     Image {
-        /// Largest factor 1 + d_w/d_a of the image velocity; Morris et al. take 1.5. None: no cap.
+        /// Largest factor 1 + d_w/d_a of the image velocity, dimensionless, default no cap; Morris
+        /// et al. take 1.5.
         #[serde(default)]
         velocity_cap: Option<f64>,
         /// Source of the pressure of a wall particle.
@@ -35,10 +37,11 @@ pub enum WallModel {
         pressure: WallPressure,
     },
     /// Dummy particles, Adami et al. (2012): velocity and pressure continue the kernel mean of the
-    /// fluid.
+    /// fluid. Take it for sharp corners and few particles across.
     Dummy,
     /// Ghost particles of Simcenter STAR-CCM+: for each fluid particle its own velocity reversed
-    /// relative to the wall, and its own pressure with the weight of the fluid between both.
+    /// relative to the wall, and its own pressure with the weight of the fluid between both. Take
+    /// it to compare with codes that have it.
     Ghost,
 }
 
@@ -147,21 +150,23 @@ impl WallModel {
 
 /// Source of the pressure of a wall particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WallPressure {
     /// Adami et al. (2012): kernel mean of the pressure of the fluid, with its hydrostatic part.
     #[default]
     Extrapolated,
-    /// Per pair: p_a + ρ_a g·(x_w − x_a).
+    /// The pressure of each fluid particle with its hydrostatic part, p_a + ρ_a g·(x_w − x_a).
     Mirrored,
 }
 
 /// Slip condition of a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Slip {
-    /// The fluid has the velocity of the wall at its surface.
+    /// The fluid has the velocity of the wall at its surface. Take it for resolved boundary layers.
     #[default]
     NoSlip,
-    /// The wall takes no tangential stress.
+    /// The wall takes no tangential stress. Take it for symmetry planes and distant side walls.
     FreeSlip,
     /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing
     /// away; pairs with it exert none. For boundary layers that the spacing does not resolve.
