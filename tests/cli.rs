@@ -334,7 +334,7 @@ fn signal_ends_a_run_with_complete_files() {
         let output = child.wait_with_output().expect("ended");
         let said = text(&output.stdout);
         assert_eq!(output.status.code(), Some(code), "{said}{}", text(&output.stderr));
-        assert!(said.contains(status) && said.contains("steps in"), "{said}");
+        assert!(said.contains(status) && said.contains(" step"), "{said}");
         let figures = summary(&run);
         assert_eq!(figures["status"], status);
         assert!(figures["frames"].as_u64() >= Some(1));
