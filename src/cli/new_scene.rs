@@ -27,7 +27,11 @@ pub fn new(arguments: &NewArguments) -> Result<u8, Failure> {
         }
         Err(cause) => return Err(io("create the file", cause).into()),
     };
-    file.write_all(arguments.template.named(&name).as_bytes()).map_err(|cause| io("write", cause))?;
+    if let Err(cause) = file.write_all(arguments.template.named(&name).as_bytes()) {
+        // Half a scene would be refused as faulty later, and its name as taken.
+        let _not_removed = std::fs::remove_file(&path);
+        return Err(io("write", cause).into());
+    }
     Console::Normal.print(&format!("{path}, run it by: sphecs run {path}", path = path.display()));
     Ok(DONE)
 }

@@ -25,6 +25,8 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use super::fused::{FluidRow, FusedInputs, FusedScheme};
 use super::pack::{NeighbourMask, Only, Pack, PackPool, Source};
+use super::settings::PairSettings;
+use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised};
@@ -76,12 +78,25 @@ impl Body {
         Self { part, about, ..Self::default() }
     }
 
-    /// Finds the cells around the body, unless they are known.
-    pub(super) fn find_cells<R: Real, const D: usize>(
+    /// Prepares the columns and the cells for the sums on the body; returns false without walls.
+    pub(super) fn prepare<R: Real, const D: usize>(
         &mut self,
+        pair: &PairSettings,
         grid: &CellGrid<D>,
         particles: &ParticleArrays<R, D>,
-    ) {
+        sums: &mut PairSums<R, D>,
+    ) -> bool {
+        sums.packs.prepare();
+        if !sums.columns.find_images(pair, particles) {
+            return false;
+        }
+        sums.columns.find_body(self.part, particles);
+        self.find_cells(grid, particles);
+        true
+    }
+
+    /// Finds the cells around the body, unless they are known.
+    fn find_cells<R: Real, const D: usize>(&mut self, grid: &CellGrid<D>, particles: &ParticleArrays<R, D>) {
         if !self.cells.is_empty() {
             return;
         }

@@ -87,12 +87,9 @@ pub fn sum_body_force<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
     body: &mut Body,
 ) -> BodySum {
-    sums.packs.prepare();
-    if !sums.columns.find_images(pair, particles) {
+    if !body.prepare(pair, grid, particles, sums) {
         return BodySum::default();
     }
-    sums.columns.find_body(body.part, particles);
-    body.find_cells(grid, particles);
     let (places, list) = columns(pair, particles, sums, true);
     let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());
     let scheme = EdacTvf { edac, columns: places };

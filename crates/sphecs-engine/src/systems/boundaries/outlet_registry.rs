@@ -102,7 +102,10 @@ mod tests {
     fn a_condition_starts_in_every_precision_and_dimension() {
         let mut added = AddedOutlets::default();
         added.add("Frozen", DoNothing);
-        assert!(added.start::<f64, 2>("Frozen").is_ok() && added.start::<f32, 3>("Frozen").is_ok());
+        assert_eq!(added.start::<f32, 2>("Frozen").err(), None);
+        assert_eq!(added.start::<f32, 3>("Frozen").err(), None);
+        assert_eq!(added.start::<f64, 2>("Frozen").err(), None);
+        assert_eq!(added.start::<f64, 3>("Frozen").err(), None);
     }
 
     #[test]
