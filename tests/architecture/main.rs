@@ -1,5 +1,6 @@
 //! Structure, language and citations of the repository, read from its files.
 
+mod citation;
 mod language;
 mod links;
 mod references;

@@ -34,9 +34,9 @@ pub struct BodyReference {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ForcesEvery {
-    /// In every step.
+    /// In every step. Take it for spectra and mean forces.
     #[default]
     Step,
-    /// In the steps that begin with a row of the monitor.
+    /// In the steps that begin with a row of the monitor. Take it for smaller files.
     Row,
 }

@@ -97,7 +97,8 @@ impl Scene {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Precision {
-    /// Single precision, for long or large runs once a short run in each gave the same figures.
+    /// Single precision. Take it for long or large runs once a short run in each gave the same
+    /// figures.
     F32,
     /// Double precision. Take it unless memory or time is short.
     #[default]
@@ -275,10 +276,11 @@ pub struct Reservoir {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WhenEmpty {
-    /// It grows; the ledger counts the grown particles.
+    /// It grows; the ledger counts the grown particles. Take it unless the number of particles must
+    /// stay the same.
     #[default]
     Grow,
-    /// The run stops with an error.
+    /// The run stops with an error. Take it if the number of particles must stay the same.
     Stop,
 }
 

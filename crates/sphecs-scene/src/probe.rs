@@ -8,10 +8,12 @@ use sphecs_core::particles::zone::Zone;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ProbeSight {
-    /// Fluid particles only, none beyond the plane of an inlet or outlet.
+    /// Fluid particles only, none beyond the plane of an inlet or outlet. Take it for measurements
+    /// of the flow.
     #[default]
     Fluid,
-    /// Fluid and the particles of the zones behind inlets and outlets.
+    /// Fluid and the particles of the zones behind inlets and outlets. Take it for points next to
+    /// the plane of an inlet or outlet.
     Flow,
 }
 

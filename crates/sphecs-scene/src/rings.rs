@@ -21,10 +21,10 @@ use sphecs_core::particles::zone::Zone;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum FirstRing {
-    /// Half a spacing behind the surface.
+    /// Half a spacing behind the surface. Take it unless results are compared with theirs.
     #[default]
     HalfSpacing,
-    /// On the surface, as in Negi et al. (2020).
+    /// On the surface, as in Negi et al. (2020). Take it to compare with them.
     Circumference,
 }
 

@@ -39,9 +39,11 @@ const LEAST_R2: f64 = 1e-30;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Frame")]
 pub enum ReferenceFrame {
-    /// As published: ∂v/∂t of a fixed point, integrated along the moving particle.
+    /// As published: ∂v/∂t of a fixed point, integrated along the moving particle. Take it to
+    /// compare with published results.
     Fixed,
-    /// Carried by the particle; the convective term drops out.
+    /// Carried by the particle; the convective term drops out. Take it unless results are compared
+    /// with published ones.
     #[default]
     Moving,
 }
@@ -50,12 +52,14 @@ pub enum ReferenceFrame {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum TransverseOperator {
-    /// The sum 2 Σ V v_ob g / (−Σ V y_ob² g) with g = e_y² F, walls included.
+    /// The sum 2 Σ V v_ob g / (−Σ V y_ob² g) with g = e_y² F, walls included. Take it unless
+    /// operators are compared.
     #[default]
     Normalised,
-    /// As published, with the sign corrected.
+    /// As published, with the sign corrected. Take it to compare with published results.
     Printed,
-    /// The consistent second derivative of Español & Revenga (2003).
+    /// The consistent second derivative of Español & Revenga (2003). Take it
+    /// to compare operators only: it diverges.
     Consistent,
 }
 

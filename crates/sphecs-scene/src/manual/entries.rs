@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::doc_line::DocLine;
 use super::json_schema::derived;
+use super::since::since;
 
 /// Reference of the scene file.
 #[derive(Clone, Debug)]
@@ -45,6 +46,8 @@ pub struct Field {
     pub default: Option<String>,
     /// Kind of the value.
     pub value: ValueKind,
+    /// First version that has it.
+    pub since: &'static str,
 }
 
 /// A choice.
@@ -58,6 +61,8 @@ pub struct Choice {
     pub unit: Option<String>,
     /// Content of its brackets.
     pub argument: Argument,
+    /// First version that has it.
+    pub since: &'static str,
 }
 
 /// Content of the brackets of a choice.
@@ -154,8 +159,8 @@ impl Choice {
 
 fn page(name: &str, schema: &Value, root: &Value) -> Page {
     let content = match schema["oneOf"].as_array() {
-        Some(choices) => Content::Choices(choices.iter().map(|one| choice(one, root)).collect()),
-        None => Content::Fields(fields(schema)),
+        Some(choices) => Content::Choices(choices.iter().map(|one| choice(name, one, root)).collect()),
+        None => Content::Fields(fields(name, schema)),
     };
     Page { name: name.to_owned(), meaning: doc_line(schema).meaning, content }
 }
@@ -164,7 +169,8 @@ fn doc_line(schema: &Value) -> DocLine {
     DocLine::read(schema["description"].as_str().unwrap_or_default())
 }
 
-fn fields(schema: &Value) -> Vec<Field> {
+/// Returns the fields of `owner`, a page or a choice such as `Shifting.Local`.
+fn fields(owner: &str, schema: &Value) -> Vec<Field> {
     let Some(properties) = schema["properties"].as_object() else { return Vec::new() };
     let is_required = |name: &str| {
         schema["required"].as_array().is_some_and(|names| names.iter().any(|required| required == name))
@@ -181,12 +187,13 @@ fn fields(schema: &Value) -> Vec<Field> {
                 // A field without a default in words and data would be a gap that a test finds.
                 default: if is_required(name) { None } else { Some(default.unwrap_or_default()) },
                 value: value_kind(schema),
+                since: since(&format!("{owner}.{name}")),
             }
         })
         .collect()
 }
 
-fn choice(schema: &Value, root: &Value) -> Choice {
+fn choice(page: &str, schema: &Value, root: &Value) -> Choice {
     let line = doc_line(schema);
     let (name, argument) = match schema["properties"].as_object().and_then(|one| one.iter().next()) {
         None => (schema["const"].as_str().unwrap_or_default(), Argument::None),
@@ -194,14 +201,15 @@ fn choice(schema: &Value, root: &Value) -> Choice {
             let target = value["$ref"].as_str().and_then(definition).map(|name| &root["$defs"][name]);
             let inner = target.unwrap_or(value);
             let argument = if inner["properties"].is_object() {
-                Argument::Fields(fields(inner))
+                Argument::Fields(fields(&format!("{page}.{name}"), inner))
             } else {
                 Argument::Value(value_kind(value))
             };
             (name.as_str(), argument)
         }
     };
-    Choice { name: name.to_owned(), meaning: line.meaning, unit: line.unit, argument }
+    let since = since(&format!("{page}.{name}"));
+    Choice { name: name.to_owned(), meaning: line.meaning, unit: line.unit, argument, since }
 }
 
 /// Name behind a reference such as `#/$defs/Outlet`.

@@ -41,9 +41,11 @@ impl Manual {
                 push_facts(&mut text, &field.value, field.unit.as_deref());
                 let default = field.default.as_deref().unwrap_or("none, the field is required");
                 push_fact(&mut text, "default", default);
+                push_fact(&mut text, "since", field.since);
             }
             Item::Choice(choice) => {
                 push_fact(&mut text, "choice of", &entry.owner.name);
+                push_fact(&mut text, "since", choice.since);
                 if let Argument::Value(value) = &choice.argument {
                     push_facts(&mut text, value, choice.unit.as_deref());
                 }

@@ -1,22 +1,52 @@
 //! JSON Schema of the scene file, for editors that complete its JSON or YAML twin.
 //!
-//! A field has its unit and its default in words as `x-unit` and `x-default`.
+//! A field has its unit, its default in words and its first version as `x-unit`, `x-default` and
+//! `x-since`, a choice its first version.
 
 use serde_json::{Map, Value};
 
 use super::doc_line::DocLine;
+use super::since::since;
 use crate::schema::SceneFile;
 
 /// Returns the JSON Schema of a scene file.
 pub fn json_schema() -> Value {
     let mut schema = derived();
     complete(&mut schema);
+    date_page("Scene", &mut schema);
+    if let Some(pages) = schema["$defs"].as_object_mut() {
+        pages.iter_mut().for_each(|(name, page)| date_page(name, page));
+    }
     schema
 }
 
 /// Returns the schema as the types give it.
 pub(super) fn derived() -> Value {
     schemars::schema_for!(SceneFile).to_value()
+}
+
+/// Adds the first versions of the fields or choices of a page.
+fn date_page(page: &str, schema: &mut Value) {
+    date_fields(page, schema);
+    for choice in schema.get_mut("oneOf").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(name) = choice["const"].as_str() {
+            choice["x-since"] = since(&format!("{page}.{name}")).into();
+        }
+        date_fields(page, choice);
+        for (name, value) in choice.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten()
+        {
+            date_fields(&format!("{page}.{name}"), value);
+        }
+    }
+}
+
+/// Adds the first versions of the properties of a schema.
+fn date_fields(owner: &str, schema: &mut Value) {
+    for (name, field) in schema.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten() {
+        if field.is_object() {
+            field["x-since"] = since(&format!("{owner}.{name}")).into();
+        }
+    }
 }
 
 /// Adds units and defaults, and text to what a number may be.

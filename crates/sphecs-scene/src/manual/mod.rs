@@ -11,6 +11,7 @@
 //! * `explain`: text of an entry for a terminal
 //! * `scene_page`: page of the manual
 //! * `examples`: passages of scenes
+//! * `since`: versions that added a field or choice
 
 mod doc_line;
 mod entries;
@@ -19,8 +20,11 @@ mod explain;
 mod json_schema;
 mod lookup;
 mod scene_page;
+mod since;
 
 pub use entries::{Argument, Choice, Content, Field, Manual, Page, ValueKind};
 pub use examples::{example, examples};
 pub use json_schema::json_schema;
 pub use lookup::{Entry, Item, UnknownPath};
+#[cfg(test)]
+pub(crate) use since::newer_names;

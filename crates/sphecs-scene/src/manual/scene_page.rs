@@ -28,6 +28,7 @@ this page, such as `sphecs explain outlets.condition`. `sphecs schema` prints th
 
 All values are in SI units; `dimensionless` numbers have none. A default in words is computed. A
 field of a choice with fields in brackets may be left out if it has a default: `WaveEquation()`.
+`since` is the first version of sphecs that has a field or choice under its present name.
 ";
 
 impl Manual {
@@ -63,31 +64,32 @@ fn passage(text: &mut String, example: Option<&str>) {
 }
 
 fn field_table(text: &mut String, fields: &[Field]) {
-    text.push_str("| field | type | unit | default | meaning |\n|---|---|---|---|---|\n");
+    text.push_str("| field | type | unit | default | since | meaning |\n|---|---|---|---|---|---|\n");
     for field in fields {
         let _infallible = writeln!(
             text,
-            "| `{}` | {} | {} | {} | {} |",
+            "| `{}` | {} | {} | {} | {} | {} |",
             field.name,
             link(&field.value),
             unit(field.unit.as_deref()),
             field.default.as_deref().map_or("**required**".to_owned(), cell),
+            field.since,
             cell(&field.meaning),
         );
     }
 }
 
 fn choice_table(text: &mut String, choices: &[Choice]) {
-    text.push_str("| choice | in brackets | unit | meaning |\n|---|---|---|---|\n");
+    text.push_str("| choice | in brackets | unit | since | meaning |\n|---|---|---|---|---|\n");
     for choice in choices {
         let argument = match &choice.argument {
             Argument::None => "no brackets".to_owned(),
             Argument::Value(value) => link(value),
             Argument::Fields(_) => "fields, below".to_owned(),
         };
-        let (name, meaning) = (&choice.name, cell(&choice.meaning));
+        let (name, since, meaning) = (&choice.name, choice.since, cell(&choice.meaning));
         let unit = unit(choice.unit.as_deref());
-        let _infallible = writeln!(text, "| `{name}` | {argument} | {unit} | {meaning} |");
+        let _infallible = writeln!(text, "| `{name}` | {argument} | {unit} | {since} | {meaning} |");
     }
 }
 

@@ -62,7 +62,8 @@ pub struct WallPartFile {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", schemars(rename = "WallFill"))]
 pub enum WallFillFile {
-    /// Rings a spacing apart in a cylinder, in 2D.
+    /// Rings a spacing apart in a cylinder, in 2D. Take it for a circular cylinder whose surface
+    /// the lattice would roughen.
     Concentric {
         /// Centre of the cylinder, m.
         center: Vector,
@@ -105,11 +106,13 @@ pub struct InletFile {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", schemars(rename = "InletVelocity"))]
 pub enum InletVelocityFile {
-    /// Speed along `towards`, m/s, on the plane of the inlet; all particles of a row have it.
+    /// Speed along `towards`, m/s, on the plane of the inlet; all particles of a row have it. Take
+    /// it for a profile given as a formula.
     Normal(Formula),
-    /// Components, m/s, on the plane.
+    /// Components, m/s, on the plane. Take it for an inflow that is not along the normal.
     Components(Spanned<Vec<Formula>>),
-    /// Speed along `towards` in time, from `rows` or from a CSV `file` of two columns.
+    /// Speed along `towards` in time, from `rows` or from a CSV `file` of two columns. Take it for
+    /// a measured speed that is uniform over the section.
     TimeTable {
         /// Rows of time and speed, s and m/s, default none.
         #[serde(default)]
@@ -121,12 +124,13 @@ pub enum InletVelocityFile {
     },
     /// Speed along `towards`, m/s, over time and the position across, from a CSV file. Its first
     /// row holds the positions from the centre of the section (m), its first column the times (s).
+    /// Take it for a measured profile.
     ProfileTable {
         /// CSV file in the folder of the scene.
         file: Text,
     },
     /// Mass flow, kg/s, in 2D per metre of depth. The speed along `towards` is the profile, scaled
-    /// so that all rows of particles together carry it.
+    /// so that all rows of particles together carry it. Take it if the mass flow is known.
     MassFlow {
         /// Rate, kg/s: a number or an expression of t.
         rate: Formula,
@@ -135,7 +139,8 @@ pub enum InletVelocityFile {
         #[serde(default)]
         profile: Option<Formula>,
     },
-    /// Mass flow per area of the inlet, kg/(s m²), otherwise as `MassFlow`.
+    /// Mass flow per area of the inlet, kg/(s m²), otherwise as `MassFlow`. Take it if the mass
+    /// flow per area is known.
     MassFlux {
         /// Flux, kg/(s m²): a number or an expression of t.
         flux: Formula,
@@ -144,7 +149,8 @@ pub enum InletVelocityFile {
         #[serde(default)]
         profile: Option<Formula>,
     },
-    /// Exact start-up of plane Poiseuille flow from rest.
+    /// Exact start-up of plane Poiseuille flow from rest. Take it to compare a starting channel
+    /// flow with its exact solution.
     PoiseuilleStartup {
         /// Half the gap, m, default half the section.
         #[serde(default)]

@@ -257,7 +257,8 @@ pub enum FillFile {
         #[serde(default)]
         jitter: Option<Number>,
     },
-    /// Rows that follow the inclined or curved walls of a channel along x, in 2D.
+    /// Rows that follow the inclined or curved walls of a channel along x, in 2D. Take it for
+    /// channels with such walls.
     WallFitted {
         /// Position y of the lower wall as a function of x, m.
         lower: Formula,

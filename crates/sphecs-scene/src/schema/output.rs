@@ -50,12 +50,12 @@ pub struct ProbeFile {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", schemars(rename = "ProbeKind"))]
 pub enum ProbeKindFile {
-    /// Velocity, pressure and density at a point.
+    /// Velocity, pressure and density at a point. Take it for a signal in time.
     Point {
         /// Position of the point, m.
         at: Vector,
     },
-    /// Velocity, pressure and density at points along a line, ends included.
+    /// Velocity, pressure and density at points along a line, ends included. Take it for profiles.
     Line {
         /// First point, m.
         from: Vector,
@@ -65,7 +65,7 @@ pub enum ProbeKindFile {
         count: Spanned<u64>,
     },
     /// Mass flow and mean pressure through a plane section of the domain; the mass flow is that of
-    /// the particles, the pressure is interpolated.
+    /// the particles, the pressure is interpolated. Take it for mass balances and pressure losses.
     Section {
         /// A point of the section, m.
         at: Vector,

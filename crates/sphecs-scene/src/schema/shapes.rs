@@ -11,28 +11,28 @@ use crate::notation::typed::Spanned;
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", schemars(rename = "Shape"))]
 pub enum ShapeFile {
-    /// Axis-aligned rectangle or box.
+    /// Axis-aligned rectangle or box. Take it for straight channels and ducts along an axis.
     Box {
         /// Lower corner, m.
         min: Vector,
         /// Upper corner, m.
         max: Vector,
     },
-    /// Circle, in 2D.
+    /// Circle, in 2D. Take it for cylinders across a plane flow.
     Circle {
         /// Centre of the circle, m.
         center: Vector,
         /// Radius of the circle, m.
         radius: Number,
     },
-    /// Sphere, in 3D.
+    /// Sphere, in 3D. Take it for round obstacles and chambers.
     Sphere {
         /// Centre of the sphere, m.
         center: Vector,
         /// Radius of the sphere, m.
         radius: Number,
     },
-    /// Cylinder with flat ends, in 3D.
+    /// Cylinder with flat ends, in 3D. Take it for straight pipes.
     Cylinder {
         /// Middle of one end, m.
         from: Vector,
@@ -41,12 +41,12 @@ pub enum ShapeFile {
         /// Radius of the cylinder, m.
         radius: Number,
     },
-    /// Polygon, in 2D.
+    /// Polygon, in 2D. Take it for plane channels with inclined walls.
     Polygon {
         /// Corners in order, m.
         points: Spanned<Vec<Vector>>,
     },
-    /// Polygon in x and y extruded along z, in 3D.
+    /// Polygon in x and y extruded along z, in 3D. Take it for ducts with a polygonal section.
     Extruded {
         /// Corners (x, y) in order, m.
         points: Spanned<Vec<Vector>>,
@@ -55,7 +55,7 @@ pub enum ShapeFile {
         /// Upper end along z, m.
         to: Number,
     },
-    /// A section swept along an arc, in 3D.
+    /// A section swept along an arc, in 3D. Take it for pipe and duct bends.
     Bend {
         /// Centre of the section at the beginning, m.
         start: Vector,
@@ -68,20 +68,22 @@ pub enum ShapeFile {
         /// Section of the pipe.
         section: BendSectionFile,
     },
-    /// Union of the shapes of a list.
+    /// Union of the shapes of a list. Take it to join parts such as a pipe and its bend.
     Union(Spanned<Vec<ShapeFile>>),
-    /// Intersection of the shapes of a list.
+    /// Intersection of the shapes of a list. Take it to cut a shape down to a region.
     Intersection(Spanned<Vec<ShapeFile>>),
-    /// Difference: points in the first shape and in none of the others.
+    /// Difference: points in the first shape and in none of the others. Take it to cut an obstacle
+    /// out of a channel.
     Difference(Spanned<Vec<ShapeFile>>),
-    /// A shape moved by a vector.
+    /// A shape moved by a vector. Take it to place a shape elsewhere.
     Translated {
         /// Displacement of the shape, m.
         by: Vector,
         /// Shape that is moved.
         shape: std::boxed::Box<ShapeFile>,
     },
-    /// A shape rotated about a point, in 2D, or an axis, in 3D.
+    /// A shape rotated about a point, in 2D, or an axis, in 3D. Take it for a shape at an angle to
+    /// the axes.
     Rotated {
         /// Angle, degrees, anticlockwise.
         angle: Number,
@@ -94,7 +96,8 @@ pub enum ShapeFile {
         /// Shape that is rotated.
         shape: std::boxed::Box<ShapeFile>,
     },
-    /// A shape scaled about the origin.
+    /// A shape scaled about the origin. Take it to change the size of a shape without changing its
+    /// numbers.
     Scaled {
         /// Factor of all lengths, dimensionless.
         factor: Number,
@@ -109,12 +112,12 @@ pub enum ShapeFile {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", schemars(rename = "BendSection"))]
 pub enum BendSectionFile {
-    /// A pipe of circular section.
+    /// A pipe of circular section. Take it for pipes.
     Circular {
         /// Radius of the section, m.
         radius: Number,
     },
-    /// A duct of rectangular section.
+    /// A duct of rectangular section. Take it for ducts.
     Rectangular {
         /// Width along the radius of the arc, m.
         width: Number,

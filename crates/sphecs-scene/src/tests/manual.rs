@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::schema_fields;
-use crate::manual::{Argument, Content, Field, Manual, ValueKind, examples, json_schema};
+use crate::manual::{Argument, Content, Field, Manual, ValueKind, examples, json_schema, newer_names};
 use crate::model::Scene;
 use crate::schema::SceneFile;
 
@@ -81,6 +81,45 @@ fn every_choice_has_a_sentence_and_a_unit() {
         }
     }
     expect_none(&faults);
+}
+
+#[test]
+fn every_choice_says_when_to_take_it() {
+    let manual = Manual::read();
+    let mut faults = Vec::new();
+    for page in &manual.pages {
+        let Content::Choices(choices) = &page.content else { continue };
+        for choice in choices {
+            let count = format!(" {}", choice.meaning).matches(". Take it ").count();
+            if count != 1 {
+                faults.push(format!(
+                    "{}.{}: has {count} sentences that begin with `Take it`, must have one: say when to take it",
+                    page.name, choice.name
+                ));
+            }
+        }
+    }
+    expect_none(&faults);
+}
+
+#[test]
+fn versions_are_those_of_names_that_exist() {
+    let manual = Manual::read();
+    let mut known: BTreeSet<String> = manual.pages.iter().map(|page| page.name.clone()).collect();
+    for page in &manual.pages {
+        if let Content::Choices(choices) = &page.content {
+            known.extend(choices.iter().map(|choice| format!("{}.{}", page.name, choice.name)));
+        }
+    }
+    known.extend(fields(&manual).into_iter().map(|(owner, field)| format!("{owner}.{}", field.name)));
+    let unknown = newer_names().filter(|name| !known.contains(*name));
+    expect_none(
+        &unknown.map(|name| format!("since.rs: names {name}, which no scene has")).collect::<Vec<_>>(),
+    );
+    let explained = manual.explain("outlets.condition.Hybrid").expect("a choice");
+    assert!(explained.contains("since     0.2.0\n"), "{explained}");
+    assert_eq!(json_schema()["properties"]["bodies"]["x-since"], "0.2.0");
+    assert_eq!(json_schema()["properties"]["spacing"]["x-since"], "0.1.0");
 }
 
 /// Returns true for two words or more with a stop behind them.

@@ -28,11 +28,13 @@ use prescribed::Prescribed;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Feed {
-    /// One particle enters for each that crosses the plane, so the zone stays full.
+    /// One particle enters for each that crosses the plane, so the zone stays full. Take it for an
+    /// inflow that lasts.
     #[default]
     Fed,
     /// The zone is filled once and drained, like a cylinder by a piston. The run stops when the
-    /// zone behind a particle that crosses is shorter than the kernel's support.
+    /// zone behind a particle that crosses is shorter than the kernel's support. Take it for a
+    /// limited supply of fluid.
     Once,
 }
 
@@ -41,10 +43,11 @@ pub enum Feed {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum InletPressure {
-    /// Extrapolated from the fluid inside, first-order consistent.
+    /// Extrapolated from the fluid inside, first-order consistent. Take it unless the pressure at
+    /// the inlet is known.
     #[default]
     Extrapolated,
-    /// A given pressure, Pa.
+    /// A given pressure, Pa. Take it if the pressure at the inlet is known.
     Prescribed(f64),
 }
 

@@ -45,12 +45,13 @@ pub struct Mirror {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MirrorVariant {
-    /// The value of the fluid at the image.
+    /// The value of the fluid at the image. Take it unless variants are compared.
     #[default]
     Neumann,
-    /// The value at the image, extrapolated by the slope.
+    /// The value at the image, extrapolated by the slope. Take it to compare variants.
     Linear,
-    /// The value at the image, extrapolated by the reversed slope, as published.
+    /// The value at the image, extrapolated by the reversed slope, as published. Take it to compare
+    /// with published results.
     Printed,
 }
 

@@ -62,7 +62,8 @@ pub enum OutletCondition {
     /// Outgoing wave equation with transverse diffusion: Alvarado-Rodríguez et al. (2017), Eqs. 27,
     /// 29 and 30. Take it unless a case below applies.
     WaveEquation(WaveEquation),
-    /// Outgoing wave equation without diffusion: Alvarado-Rodríguez et al. (2017), Eq. 28.
+    /// Outgoing wave equation without diffusion: Alvarado-Rodríguez et al. (2017), Eq. 28. Take it
+    /// to compare with them.
     Orlanski(Orlanski),
     /// Velocity and pressure of the crossing: Negi et al. (2020), Eqs. 14–16. Take it to compare
     /// with them.
@@ -80,7 +81,7 @@ pub enum OutletCondition {
     /// al. (2020), Eqs. 28–31. Take it if the flow must be right during the start and never
     /// reverses.
     Hybrid(Hybrid),
-    /// A condition that a plugin adds under this name.
+    /// A condition that a plugin adds under this name. Take it for a condition of your own.
     Custom(String),
 }
 

@@ -44,10 +44,10 @@ pub struct ModifiedDoNothing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ShownVelocity {
-    /// The velocity of the crossing, as published.
+    /// The velocity of the crossing, as published. Take it to compare with published results.
     #[default]
     Frozen,
-    /// The velocity with which the zone moves.
+    /// The velocity with which the zone moves. Take it to compare the two readings.
     Carried,
 }
 

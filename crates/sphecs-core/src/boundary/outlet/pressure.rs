@@ -11,11 +11,13 @@ use crate::physics::parameter_fault::ParameterFault;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum OutletPressure {
-    /// The pressure that the particle had when it crossed the plane.
+    /// The pressure that the particle had when it crossed the plane. Take it to compare with
+    /// conditions that keep it.
     Frozen,
     /// A given pressure, Pa. Take it for a mean flow that accelerates for good.
     Reference(f64),
-    /// The pressure of the crossing, relaxed towards `target` (Pa) over `time` (s).
+    /// The pressure of the crossing, relaxed towards `target` (Pa) over `time` (s). Take it to
+    /// compare with the nonreflecting pressure.
     Relaxed {
         /// Pressure approached, Pa.
         target: f64,
@@ -42,9 +44,10 @@ pub enum OutletPressure {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Waves {
-    /// Plane waves along the normal: the mean over the section.
+    /// Plane waves along the normal: the mean over the section. Take it to compare with outlets
+    /// that transmit these alone.
     Plane,
-    /// Oblique waves as well.
+    /// Oblique waves as well. Take it unless outlets are compared.
     #[default]
     All,
 }

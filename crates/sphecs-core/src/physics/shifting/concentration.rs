@@ -26,9 +26,11 @@ use crate::math::lanes::Lanes;
 #[serde(deny_unknown_fields)]
 pub enum DriftCorrection {
     /// The shift keeps it, and carries fluid upstream where a flow is stretched.
+    /// Take it for flows that contract, which the correction weakens.
     #[default]
     Off,
     /// The mean of the neighbours' shifting vectors, weighted with V_b W_ab, is subtracted.
+    /// Take it if mass must be conserved within 0.2 % downstream of a sharp edge.
     On,
 }
 

@@ -43,7 +43,7 @@ pub mod parameters {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Shifting {
-    /// Particles are not shifted, for flows in which they stay in order.
+    /// Particles are not shifted. Take it for flows in which they stay in order.
     Off,
     /// Lind et al. (2012): down the concentration gradient, with the largest speed of the fluid.
     /// Take it for channels, ducts and pipes.

@@ -39,7 +39,8 @@ pub mod parameters {
 pub enum Viscosity {
     /// Laminar viscosity of Lo & Shao (2002). Take it for resolved flows.
     Laminar(Laminar),
-    /// Artificial viscosity of Monaghan (1992) in place of the laminar term.
+    /// Artificial viscosity of Monaghan (1992) in place of the laminar term. Take it to compare
+    /// with results that used it.
     Artificial(Artificial),
     /// The laminar term plus the sub-particle-scale stress of Alvarado-Rodríguez et al. (2017).
     /// Take it for turbulent flows.

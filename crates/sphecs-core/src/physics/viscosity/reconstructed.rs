@@ -31,10 +31,11 @@ use crate::physics::parameter_fault::ParameterFault;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub enum NoiseDamping {
-    /// No damping, for flows whose own viscosity dominates at the size of a particle.
+    /// No damping. Take it for flows whose own viscosity dominates at the size of a particle.
     #[default]
     Off,
-    /// Artificial viscosity between linearly reconstructed velocities, for jets and shear layers.
+    /// Artificial viscosity between linearly reconstructed velocities. Take it for jets and shear
+    /// layers.
     Reconstructed {
         /// Strength α, dimensionless, from 0 to 0.5.
         #[serde(default = "usual_strength")]

@@ -153,9 +153,11 @@ impl WallModel {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WallPressure {
     /// Adami et al. (2012): kernel mean of the pressure of the fluid, with its hydrostatic part.
+    /// Take it unless results are compared with those of the mirrored pressure.
     #[default]
     Extrapolated,
-    /// The pressure of each fluid particle with its hydrostatic part, p_a + ρ_a g·(x_w − x_a).
+    /// The pressure of each fluid particle with its hydrostatic part, p_a + ρ_a g·(x_w − x_a). Take
+    /// it to compare with programs that use it.
     Mirrored,
 }
 
@@ -169,7 +171,8 @@ pub enum Slip {
     /// The wall takes no tangential stress. Take it for symmetry planes and distant side walls.
     FreeSlip,
     /// The wall takes the stress of the law of the wall, Spalding (1961), from the flow a spacing
-    /// away; pairs with it exert none. For boundary layers that the spacing does not resolve.
+    /// away; pairs with it exert none. Take it for boundary layers that the spacing does not
+    /// resolve.
     WallFunction,
 }
 
