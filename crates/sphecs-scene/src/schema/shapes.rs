@@ -82,7 +82,7 @@ pub enum ShapeFile {
         /// Shape that is moved.
         shape: std::boxed::Box<ShapeFile>,
     },
-    /// A shape rotated about a point, in 2D, or an axis, in 3D. Take it for a shape at an angle to
+    /// A shape rotated about a point, in 2D, or an axis, in 3D. Take it for a shape oblique to
     /// the axes.
     Rotated {
         /// Angle, degrees, anticlockwise.
