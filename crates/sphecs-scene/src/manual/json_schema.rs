@@ -6,6 +6,7 @@
 use serde_json::{Map, Value};
 
 use super::doc_line::DocLine;
+use super::entries::Manual;
 use super::since::since;
 use crate::schema::SceneFile;
 
@@ -15,7 +16,10 @@ pub fn json_schema() -> Value {
     complete(&mut schema);
     date_page("Scene", &mut schema);
     if let Some(pages) = schema["$defs"].as_object_mut() {
-        pages.iter_mut().for_each(|(name, page)| date_page(name, page));
+        // A definition that is no page holds the parameters of a choice, which is dated itself.
+        let manual = Manual::read();
+        let is_page = |name: &str| manual.page(name).is_some();
+        pages.iter_mut().filter(|(name, _)| is_page(name)).for_each(|(name, page)| date_page(name, page));
     }
     schema
 }

@@ -54,8 +54,8 @@ const NEWER: [(&str, &[&str]); 1] = [(
 pub(super) fn since(name: &str) -> &'static str {
     let covers =
         |newer: &&str| name.strip_prefix(*newer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-    let added = NEWER.iter().find(|(_, names)| names.iter().any(|newer| covers(&newer)));
-    added.map_or(FIRST, |(version, _)| version)
+    let added = NEWER.iter().find(|(_, names)| names.iter().any(|newer| covers(newer)));
+    added.map_or(FIRST, |(version, _)| *version)
 }
 
 /// Returns the names of the table.
