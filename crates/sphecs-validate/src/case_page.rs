@@ -105,7 +105,7 @@ pub fn page(case: &Case, result: &CaseResult, command: &str) -> String {
     }
     text += &not_measured_line(file, result);
     if !further.is_empty() {
-        text += &format!("\n## Further plots{}", drawings(further));
+        text += &format!("\n## Further plots\n{}", drawings(further));
     }
     text += &runs_section(&result.runs, command);
     if let Some(remarks) = &file.remarks {
