@@ -137,6 +137,9 @@ pub struct CheckArguments {
     /// Exit with code 1 if there are notes
     #[arg(long)]
     pub strict: bool,
+    /// End of the run, s [default: end of the scene]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    pub until: Option<f64>,
     /// Number of threads of the timed steps [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,

@@ -17,6 +17,7 @@ use sphecs_output::error::OutputError;
 use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
 use sphecs_output::{info as run_info, pack as packing, vtk};
+use sphecs_run::check::{self as scene_check, CheckOptions};
 use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
 use sphecs_run::memory;
@@ -115,8 +116,9 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
             RenderOptions { slice: arguments.slice.unwrap_or_default(), ..RenderOptions::default() };
         picture::render_plan(&scene, &seeds, &options, path)?;
     }
-    let report = on_threads(threads, || sphecs_run::check::check(&scene, seeds, !arguments.no_timing))
-        .map_err(RunError::Threads)?;
+    let options = CheckOptions { until: arguments.until, timed: !arguments.no_timing };
+    let report =
+        on_threads(threads, || scene_check::check(&scene, seeds, &options)).map_err(RunError::Threads)?;
     Console::Normal.print(&report.text);
     if let Some(path) = &arguments.picture {
         Console::Normal.print(&format!("\nthe picture is {}", path.display()));

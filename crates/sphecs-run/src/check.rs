@@ -17,7 +17,7 @@ use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
 use sphecs_scene::model::{ParticleSeed, Scene};
 use sphecs_scene::passage::{Passage, narrowest_passage};
-use sphecs_scene::summary::summary;
+use sphecs_scene::summary::{steps_to, summary};
 
 /// Wanted number of particles across a passage.
 const WANTED_ACROSS: f64 = 10.0;
@@ -43,25 +43,34 @@ pub struct CheckReport {
     pub notes: usize,
 }
 
-/// Checks a scene with its initial particles on the current thread pool; `timed` is false to leave
-/// out the timed steps.
-pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, timed: bool) -> CheckReport {
+/// Options of a check.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheckOptions {
+    /// End of the run, s; None: that of the scene.
+    pub until: Option<f64>,
+    /// Build the flow and time its first steps.
+    pub timed: bool,
+}
+
+/// Checks a scene with its initial particles on the current thread pool.
+pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) -> CheckReport {
+    let until = options.until.unwrap_or(scene.time.end);
     let mut figures = summary(scene, &seeds);
     let passage = narrowest_passage(scene, &seeds);
     let path = flow_path(scene, &seeds);
     let by_zone = figures.by_zone.map(|count| count as u64);
-    let disk = disk_estimate(scene, by_zone);
-    let mut rows = scene_rows(scene, &figures, by_zone, scene.time.end, None);
+    let disk = disk_estimate(scene, by_zone, until);
+    let mut rows = scene_rows(scene, &figures, by_zone, until, None);
     rows.extend(passage.map(|passage| ("passage", passage_text(scene, &passage))));
     rows.extend(path.map(|path| ("fastest", fastest_text(scene, &path))));
     rows.push(("time scales", scales_text(scene, path.as_ref())));
-    figures.notes.extend(notes(scene, passage.as_ref(), path.as_ref()));
+    figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
     let mut needed = figures.memory as u64;
-    if timed {
+    if options.timed {
         match time_steps(scene, seeds) {
             Ok(timing) => {
                 needed = timing.memory.unwrap_or(needed);
-                rows.push(("run time", timing.text(figures.steps)));
+                rows.push(("run time", timing.text(steps_to(scene, until))));
             }
             Err(stop) => figures.notes.push(format!("the flow stops within its first steps: {stop}")),
         }
@@ -71,10 +80,10 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, timed: bool) -> CheckRepor
     CheckReport { text: scene_table(scene, &figures, &rows), notes: figures.notes.len() }
 }
 
-fn disk_estimate(scene: &Scene, by_zone: [u64; 5]) -> DiskEstimate {
+fn disk_estimate(scene: &Scene, by_zone: [u64; 5], until: f64) -> DiskEstimate {
     let all: u64 = by_zone.iter().sum();
     let moving = all - by_zone[Zone::Wall as usize];
-    DiskEstimate::of_particles(scene, moving as f64, all as f64, None, None)
+    DiskEstimate::of_particles(scene, moving as f64, all as f64, Some(until), None)
 }
 
 fn point_text(scene: &Scene, point: DVec3) -> String {
@@ -143,7 +152,7 @@ fn scales_text(scene: &Scene, path: Option<&FlowPath>) -> String {
 }
 
 /// Returns the notes on passage, speed and duration.
-fn notes(scene: &Scene, passage: Option<&Passage>, path: Option<&FlowPath>) -> Vec<String> {
+fn notes(scene: &Scene, until: f64, passage: Option<&Passage>, path: Option<&FlowPath>) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(passage) = passage.filter(|passage| passage.width() < (WANTED_ACROSS - 0.01) * scene.spacing)
     {
@@ -164,10 +173,10 @@ fn notes(scene: &Scene, passage: Option<&Passage>, path: Option<&FlowPath>) -> V
             significant(path.mean_speed() / LARGEST_MACH)
         ));
     }
-    if scene.time.end < path.passage_time() {
+    if until < path.passage_time() {
         notes.push(format!(
             "the run ends at {} s, before the flow has passed once, in {} s: the start still determines the result",
-            significant(scene.time.end),
+            significant(until),
             significant_two(path.passage_time())
         ));
     }

@@ -69,7 +69,7 @@ fn frame_of(seeds: &[ParticleSeed]) -> Frame {
 struct Plan<'a, 'b> {
     canvas: Canvas,
     painter: &'b Painter<'a>,
-    /// Text, place and height of its line.
+    /// Text, and the point that it names, pixels.
     labels: Vec<(String, [f64; 2])>,
 }
 
@@ -103,7 +103,9 @@ impl Plan<'_, '_> {
             let along = direction.map(|part| part / length * ARROW * f64::from(self.painter.sheet.text));
             self.arrow(middle, along);
         }
-        self.labels.push((patch.name.clone(), middle));
+        // Above the arrow.
+        self.labels
+            .push((patch.name.clone(), [middle[0], middle[1] - 1.4 * f64::from(self.painter.sheet.text)]));
     }
 
     /// Returns the ends of the line in which an opening meets the plane of the picture, pixels.
