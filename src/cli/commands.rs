@@ -102,7 +102,7 @@ fn code_of(ending: Ending) -> u8 {
     }
 }
 
-/// Prints figures and cost of the run of a scene, and draws the scene if asked for.
+/// Prints figures and cost of the run of a scene, and draws the scene on request.
 ///
 /// # Errors
 /// [`Failure::Scene`] with every fault of the scene; [`Failure::Output`] for the picture.

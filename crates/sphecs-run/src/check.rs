@@ -1,5 +1,5 @@
-//! Check of a scene before a long run: particles, passages, speeds, time scales, and the cost of the
-//! run on this machine.
+//! Check of a scene before a long run: particles, passages, speeds, time scales, and the cost of
+//! the run on this machine.
 //!
 //! The time of a step and the memory are measured by the first steps of the scene itself, without
 //! output.

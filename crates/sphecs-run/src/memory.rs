@@ -18,7 +18,7 @@ pub fn available() -> Option<f64> {
     Some(group_memory(Path::new("/sys/fs/cgroup")).map_or(free, |left| left.min(free)))
 }
 
-/// Starts [`peak`] anew and returns true where the system allows it.
+/// Resets [`peak`] and returns true where the system allows it.
 pub fn reset_peak() -> bool {
     fs::write("/proc/self/clear_refs", RESET).is_ok()
 }

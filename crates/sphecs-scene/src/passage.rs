@@ -1,7 +1,7 @@
 //! Narrowest passage: shortest distance between walls that face each other.
 //!
-//! From the surface in front of wall particles a line goes along the normal through the fluid to the
-//! opposite surface. It counts as the width of a passage if the surface there faces the line.
+//! From the surface in front of wall particles a line goes along the normal through the fluid to
+//! the opposite surface. It counts as the width of a passage if the surface there faces the line.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -16,8 +16,8 @@ use sphecs_core::particles::zone::Zone;
 /// Largest number of lines; more walls than that are sampled evenly.
 const MOST_LINES: usize = 20_000;
 
-/// Least cosine between a line and the normal of the surface that it ends at. Lines from the corners
-/// of a rectangle end below it, at 45°.
+/// Least cosine between a line and the normal of the surface that it ends at. Lines from the
+/// corners of a rectangle end below it, at 45°.
 const LEAST_FACING: f64 = FRAC_1_SQRT_2 + 0.05;
 
 /// Step along a line in spacings: walls that are thinner hold no particles.
