@@ -32,6 +32,17 @@ fn strict_check_has_an_exit_code_for_notes() {
 }
 
 #[test]
+fn overlapping_wall_parts_are_noted() {
+    let parts = r#"walls=(parts: [
+        (name: "upper", region: Box(min: (-1.0, 0.0), max: (1.0, 1.0))),
+        (name: "blocks", region: Box(min: (0.05, -1.0), max: (0.11, 1.0))),
+    ])"#;
+    let words = ["check", "scenes/quickstart.ron", "--smoke", "--no-timing", "--set", parts];
+    let text = ends(0, sphecs(words));
+    assert!(text.contains("`upper` and `blocks` overlap"), "{text}");
+}
+
+#[test]
 fn check_draws_the_scene_and_writes_nothing_else() {
     let folder = tempfile::tempdir().expect("a folder");
     let picture = folder.path().join("plan.png");

@@ -18,6 +18,7 @@ use sphecs_scene::flow_path::{FlowPath, flow_path};
 use sphecs_scene::model::{ParticleSeed, Scene};
 use sphecs_scene::passage::{Passage, narrowest_passage};
 use sphecs_scene::summary::{steps_to, summary};
+use sphecs_scene::wall_particles::overlapping_parts;
 
 /// Wanted number of particles across a passage.
 const WANTED_ACROSS: f64 = 10.0;
@@ -58,6 +59,7 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     let mut figures = summary(scene, &seeds);
     let passage = narrowest_passage(scene, &seeds);
     let path = flow_path(scene, &seeds);
+    figures.notes.extend(overlap_notes(scene, &seeds));
     let by_zone = figures.by_zone.map(|count| count as u64);
     let disk = disk_estimate(scene, by_zone, until);
     let mut rows = scene_rows(scene, &figures, by_zone, until, None);
@@ -149,6 +151,21 @@ fn scales_text(scene: &Scene, path: Option<&FlowPath>) -> String {
         ));
     }
     parts.join(", ")
+}
+
+/// Returns a note for each pair of wall parts whose regions share surface.
+fn overlap_notes(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
+    let name = |part: u16| &scene.walls.parts[usize::from(part)].name;
+    let note = |([first, second], count): ([u16; 2], usize)| {
+        format!(
+            "the regions of the wall parts `{}` and `{}` overlap: {} wall particles lie in both and count for the \
+             first, with its slip and its forces",
+            name(first),
+            name(second),
+            grouped(count as u64)
+        )
+    };
+    overlapping_parts(scene, seeds).into_iter().map(note).collect()
 }
 
 /// Returns the notes on passage, speed and duration.
