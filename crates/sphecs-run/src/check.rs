@@ -26,6 +26,10 @@ const WANTED_ACROSS: f64 = 10.0;
 /// Largest Mach number at which the density varies by about 1 %, as Monaghan (1994) recommends.
 const LARGEST_MACH: f64 = 0.1;
 
+/// Memory of buffers and libraries of the output: 25 and 37 MB in `scenes/quickstart.ron` and
+/// `scenes/duct3d.ron`.
+const OUTPUT_MEMORY: &str = "25 to 40 MB";
+
 /// Wall time for the timed steps, s.
 const TIMED_SECONDS: f64 = 1.0;
 
@@ -77,7 +81,7 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
             Err(stop) => figures.notes.push(format!("the flow stops within its first steps: {stop}")),
         }
     }
-    rows.push(("memory", format!("about {}", bytes(needed))));
+    rows.push(("memory", format!("about {} for the flow, {OUTPUT_MEMORY} more with output", bytes(needed))));
     rows.push(("disk", disk_text(&disk)));
     CheckReport { text: scene_table(scene, &figures, &rows), notes: figures.notes.len() }
 }

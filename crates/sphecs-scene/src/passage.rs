@@ -9,6 +9,7 @@ use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::fill::{beyond, confined_distance};
+use super::geometry::measure::exit_distance;
 use super::model::{ParticleSeed, Patch, Scene};
 use super::wall_particles::surface_at;
 use sphecs_core::particles::zone::Zone;
@@ -51,11 +52,10 @@ pub fn narrowest_passage(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Passag
         .into_par_iter()
         .filter_map(|index| across(scene, first_layer[index * stride]))
         .collect();
-    // The first of equal ones, so that the place does not depend on rounding.
+    // Widths of a channel are equal up to rounding: the one in the middle of its walls is taken.
     let tolerance = 1e-6 * scene.spacing;
     let least = passages.iter().map(Passage::width).fold(f64::INFINITY, f64::min);
     passages.retain(|passage| passage.width() <= least + tolerance);
-    // Of a channel of constant width the passage in its middle.
     (!passages.is_empty()).then(|| passages[passages.len() / 2])
 }
 
@@ -82,24 +82,13 @@ fn ends_in(patch: &Patch, is_inlet: bool, end: DVec3, direction: DVec3, spacing:
 /// Returns the length of fluid along a line from the surface, m; None if there is none, or no end.
 fn exit(scene: &Scene, from: DVec3, direction: DVec3) -> Option<f64> {
     let (low, high) = scene.container.bounds();
-    let size = (high - low).to_array().into_iter().filter(|length| length.is_finite()).sum::<f64>();
+    let longest = (high - low).to_array().into_iter().filter(|length| length.is_finite()).sum();
     let inside = |length: f64| confined_distance(scene, from + length * direction) <= 0.0;
     let step = STEP * scene.spacing;
-    let steps = (size / step).ceil() as usize;
     if direction == DVec3::ZERO || !inside(step) {
         return None;
     }
-    let last = (1..steps).find(|&index| !inside((index + 1) as f64 * step))?;
-    let (mut near, mut far) = (last as f64 * step, (last + 1) as f64 * step);
-    for _ in 0..40 {
-        let middle = 0.5 * (near + far);
-        if inside(middle) {
-            near = middle;
-        } else {
-            far = middle;
-        }
-    }
-    Some(near)
+    exit_distance(inside, step, longest)
 }
 
 #[cfg(test)]

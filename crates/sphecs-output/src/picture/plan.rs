@@ -11,6 +11,7 @@ use crate::frame::Frame;
 use crate::header::Header;
 use sphecs_core::boundary::patch::Patch;
 use sphecs_core::particles::zone::Zone;
+use sphecs_scene::geometry::measure::exit_distance;
 use sphecs_scene::model::{ParticleSeed, ProbeKind, Scene};
 
 /// Colour of openings.
@@ -186,15 +187,12 @@ impl Plan<'_, '_> {
         if !scene.domain.contains(start, 0.0) {
             return None;
         }
-        let step = 0.25 * scene.spacing;
-        let most = (view.extent()[0].hypot(view.extent()[1]) / step) as usize;
-        let end = |sign: f64| {
-            let inside =
-                |index: &usize| scene.domain.contains(start + sign * step * (*index as f64) * direction, 0.0);
-            let count = (1..most).take_while(inside).count();
-            start + sign * step * count as f64 * direction
+        let (step, longest) = (0.25 * scene.spacing, view.extent()[0].hypot(view.extent()[1]));
+        let end = |along: DVec3| {
+            let inside = |distance: f64| scene.domain.contains(start + distance * along, 0.0);
+            start + exit_distance(inside, step, longest).unwrap_or(longest) * along
         };
-        let ends = [self.pixel(end(-1.0)).0, self.pixel(end(1.0)).0];
+        let ends = [self.pixel(end(-direction)).0, self.pixel(end(direction)).0];
         self.canvas.line(ends[0], ends[1], self.thickness(), PROBE);
         Some(ends[1])
     }

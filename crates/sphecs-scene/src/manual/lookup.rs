@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::entries::{Argument, Choice, Content, Field, Manual, Page};
-use crate::faults::{advice, nearest};
+use crate::faults::{advice, is_misspelt, nearest};
 
 /// Largest number of paths named for a word that is no field or choice.
 const MOST_MENTIONS: usize = 3;
@@ -187,8 +187,9 @@ impl Manual {
             self.children(&self.top()).iter().map(|child| child.item.name().to_owned()).collect();
         let fields = || top.iter().map(String::as_str);
         let entries: Vec<&Entry<'_>> = entries.collect();
+        let is_misspelling = entries.iter().any(|entry| is_misspelt(name, entry.item.name()));
         let mentions = mentions(name, &entries);
-        if !mentions.is_empty() {
+        if !is_misspelling && !mentions.is_empty() {
             let advice = format!(
                 "it is mentioned by {}: see `sphecs explain {}`",
                 mentions.join(", "),
