@@ -36,7 +36,7 @@ fn fault_of_order(page: &str) -> Option<String> {
 
 #[test]
 fn front_page_has_the_verdict_of_every_case() {
-    let front = read(&format!("{PAGES}README.md"));
+    let front = read(format!("{PAGES}README.md"));
     let mut faults = Vec::new();
     let mut cases = Vec::new();
     files_under(&root().join("assets/validation"), &["ron"], &mut cases);
@@ -53,7 +53,7 @@ fn front_page_has_the_verdict_of_every_case() {
         if !has_page {
             continue;
         }
-        let text = read(&relative(&page));
+        let text = read(relative(&page));
         match verdict(&text) {
             Some(verdict) if row.contains(&format!("| {verdict} |")) => {}
             Some(verdict) => faults

@@ -19,7 +19,8 @@ pub fn frame_bytes(dimensions: usize) -> f64 {
 /// The figures of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSummary {
-    /// Particles by zone, in the order of [`Zone::ALL`].
+    /// Particles by zone, in the order of
+    /// [`Zone::ALL`](sphecs_core::particles::zone::Zone::ALL).
     pub by_zone: [usize; 5],
     /// Reynolds number of the reference velocity and length.
     pub reynolds: f64,
