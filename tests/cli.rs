@@ -144,7 +144,7 @@ fn wrong_path_of_a_set_suggests_the_nearest_one() {
 #[test]
 fn check_prints_the_size_of_a_run_without_running() {
     let report = done(&answer(["check", "scenes/quickstart.ron", "--smoke"]));
-    for word in ["fluid", "wall", "Re", "Mach", "steps"] {
+    for word in ["fluid", "wall", "Re", "Mach", "steps", "across", "run time", "memory", "disk"] {
         assert!(report.contains(word), "no `{word}` in:\n{report}");
     }
 }

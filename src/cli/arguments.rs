@@ -1,6 +1,7 @@
 //! Commands and their arguments.
 
 use std::ffi::{OsStr, OsString};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -27,7 +28,7 @@ use sphecs_output::picture::{Colours, Field, Slice};
         sphecs scenes/constricted_r2.ron --set fluid.sound_speed=1.0 --until 2 --out runs/slow_sound\n  \
         sphecs resume runs/quickstart\n  \
         sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
-        Exit codes: 0 done, 1 a required band was missed, 2 bad input, 3 the flow diverged, 4 input or output failed, \
+        Exit codes: 0 done, 1 a required band was missed or a strict check has notes, 2 bad input, 3 the flow diverged, 4 input or output failed, \
         75 wall-time limit reached, 130 interrupted, 143 terminated",
     subcommand_required = true,
     arg_required_else_help = true
@@ -71,7 +72,7 @@ pub enum Command {
     Run(RunArguments),
     /// Resume a run that was stopped or killed, with bitwise identical results
     Resume(ResumeArguments),
-    /// Check a scene and print the size of its run, without running
+    /// Check a scene before its run: resolution, speeds, time scales, run time, memory and disk
     Check(CheckArguments),
     /// Draw a field of a run
     Render(RenderArguments),
@@ -116,7 +117,10 @@ pub struct SceneArguments {
 
 /// `sphecs check`.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  sphecs check scenes/constricted_r2.ron --set spacing=1.9e-3")]
+#[command(after_help = "Examples:\n  \
+    sphecs check scenes/constricted_r2.ron --set spacing=1.9e-3\n  \
+    sphecs check scenes/quickstart.ron --picture quickstart.png --strict\n\n\
+    Time and memory are measured by the first steps of the flow, which take about a second; nothing but the picture is written.")]
 pub struct CheckArguments {
     #[command(flatten)]
     #[expect(
@@ -124,6 +128,24 @@ pub struct CheckArguments {
         reason = "a doc comment on a flattened group would become the help of the command"
     )]
     pub input: SceneArguments,
+    /// Draw walls, zones, openings and probes with their names into this PNG file
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Plane of the picture of a 3D scene, as `z` or `y=0.01` (m) [default: z in the middle]
+    #[arg(long, value_name = "AXIS[=AT]", value_parser = slice, requires = "picture")]
+    pub slice: Option<Slice>,
+    /// Exit with code 1 if there are notes
+    #[arg(long)]
+    pub strict: bool,
+    /// End of the run, s [default: end of the scene]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    pub until: Option<f64>,
+    /// Number of threads of the timed steps [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Leave out the timed steps
+    #[arg(long)]
+    pub no_timing: bool,
 }
 
 /// `sphecs render`.

@@ -12,18 +12,19 @@ use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
 use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
 use sphecs_bench::BenchOptions;
 use sphecs_bench::cases::BenchCase;
-use sphecs_core::format::bytes;
 use sphecs_core::format::{grouped, significant};
 use sphecs_output::error::OutputError;
 use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
 use sphecs_output::{info as run_info, pack as packing, vtk};
+use sphecs_run::check::{self as scene_check, CheckOptions};
 use sphecs_run::console::Console;
+use sphecs_run::error::RunError;
 use sphecs_run::memory;
 use sphecs_run::resume::{self, ResumeOptions};
+use sphecs_run::threads::on_threads;
 use sphecs_run::{Ending, RunOptions, report};
 use sphecs_scene::model::Scene;
-use sphecs_scene::summary;
 use sphecs_validate::schema::Tier;
 use sphecs_validate::{Conclusion, ValidateError, ValidateOptions, case};
 
@@ -101,25 +102,28 @@ fn code_of(ending: Ending) -> u8 {
     }
 }
 
-/// Prints the size of the run of a scene.
+/// Prints figures and cost of the run of a scene, and draws the scene on request.
 ///
 /// # Errors
-/// [`Failure::Scene`] with every fault of the scene.
+/// [`Failure::Scene`] with every fault of the scene; [`Failure::Output`] for the picture.
 pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let scene = load(&arguments.input)?;
-    let seeds = sphecs_scene::seeds(&scene);
-    let summary = summary::summary(&scene, &seeds);
-    let by_zone = summary.by_zone.map(|count| count as u64);
-    let mut rows = report::scene_rows(&scene, &summary, by_zone, scene.time.end, None);
-    rows.extend([
-        ("memory", format!("about {}", bytes(summary.memory as u64))),
-        (
-            "output",
-            format!("{} frames, at most {}", grouped(summary.frames as u64), bytes(summary.output as u64)),
-        ),
-    ]);
-    Console::Normal.print(&report::scene_table(&scene, &summary, &rows));
-    Ok(DONE)
+    let threads = arguments.threads.map(usize::from);
+    let seeds = on_threads(threads, || sphecs_scene::seeds(&scene)).map_err(RunError::Threads)?;
+    if let Some(path) = &arguments.picture {
+        make_parent(path)?;
+        let options =
+            RenderOptions { slice: arguments.slice.unwrap_or_default(), ..RenderOptions::default() };
+        picture::render_plan(&scene, &seeds, &options, path)?;
+    }
+    let options = CheckOptions { until: arguments.until, timed: !arguments.no_timing };
+    let report =
+        on_threads(threads, || scene_check::check(&scene, seeds, &options)).map_err(RunError::Threads)?;
+    Console::Normal.print(&report.text);
+    if let Some(path) = &arguments.picture {
+        Console::Normal.print(&format!("\nthe picture is {}", path.display()));
+    }
+    Ok(if arguments.strict && report.notes > 0 { MISSED } else { DONE })
 }
 
 /// Draws frames of a run.

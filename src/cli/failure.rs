@@ -14,7 +14,7 @@ use sphecs_validate::ValidateError;
 
 /// Exit code of a completed command.
 pub const DONE: u8 = 0;
-/// Exit code of a validation that missed a required band.
+/// Exit code of a validation that missed a required band, and of a strict check with notes.
 pub const MISSED: u8 = 1;
 /// Exit code of a faulty command line or scene, before anything is written; also that of clap.
 pub const BAD_INPUT: u8 = 2;

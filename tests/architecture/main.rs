@@ -6,3 +6,4 @@ mod links;
 mod references;
 mod source_tree;
 mod structure;
+mod validation_pages;

@@ -5,14 +5,11 @@
 //! flow is reused, so flows are ordered by size; memory that it cannot reuse is counted too. A flow
 //! measured alone gives the most accurate value.
 
-use std::fs;
-
-/// Value that resets the high-water mark of the resident memory, see proc(5).
-const RESET: &str = "5";
+use sphecs_run::memory;
 
 /// Returns the resident memory of the process, B; None if unknown.
 pub fn at_rest() -> Option<u64> {
-    resident("VmRSS:")
+    memory::resident()
 }
 
 /// Growth of the process by a flow.
@@ -28,24 +25,16 @@ impl Growth {
     ///
     /// None if it is unknown or the mark cannot be reset.
     pub fn begin(at_rest: Option<u64>) -> Option<Self> {
-        fs::write("/proc/self/clear_refs", RESET).ok()?;
-        Some(Self { at_rest: at_rest?, before: resident("VmRSS:")? })
+        memory::reset_peak().then_some(())?;
+        Some(Self { at_rest: at_rest?, before: memory::resident()? })
     }
 
     /// Returns the largest resident memory since the start minus that at rest, B; None without
     /// growth.
     pub fn bytes(self) -> Option<u64> {
-        let most = resident("VmHWM:").filter(|&most| most > self.before)?;
+        let most = memory::peak().filter(|&most| most > self.before)?;
         most.checked_sub(self.at_rest)
     }
-}
-
-/// Returns the value of a line of `/proc/self/status`, B.
-fn resident(name: &str) -> Option<u64> {
-    let text = fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find(|line| line.starts_with(name))?;
-    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kilobytes * 1024)
 }
 
 #[cfg(test)]

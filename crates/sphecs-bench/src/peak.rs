@@ -27,6 +27,7 @@ pub struct Chains;
 
 impl<R: Real> Vectorised<R> for Chains {
     type Output = usize;
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> usize {

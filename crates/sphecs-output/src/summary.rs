@@ -1,5 +1,7 @@
 //! Contents of `summary.json`: state of a run or how it ended.
 
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -118,9 +120,24 @@ pub struct StageTime {
 pub fn this_build() -> &'static str {
     static BUILD: OnceLock<String> = OnceLock::new();
     BUILD.get_or_init(|| {
-        let bytes = std::env::current_exe().and_then(std::fs::read);
-        bytes.map_or_else(|_| String::new(), |bytes| format!("{:08x}", crc32fast::hash(&bytes)))
+        std::env::current_exe()
+            .and_then(|path| checksum(&path))
+            .map_or_else(|_| String::new(), |checksum| format!("{checksum:08x}"))
     })
+}
+
+/// Returns the CRC-32 of a file, read in pieces: with line tables the executable has 150 MB, more
+/// than most flows.
+fn checksum(path: &Path) -> io::Result<u32> {
+    let mut file = File::open(path)?;
+    let mut hasher = crc32fast::Hasher::new();
+    let mut piece = vec![0; 1 << 18];
+    loop {
+        match file.read(&mut piece)? {
+            0 => return Ok(hasher.finalize()),
+            count => hasher.update(&piece[..count]),
+        }
+    }
 }
 
 /// Contents of `summary.json`.

@@ -6,11 +6,13 @@
 //! - [`run_state`]: state of the loop that a checkpoint saves
 //! - [`report`]: summaries at the start and at the end, and the report on a flow that stopped
 //! - [`progress`]: speed, time left and their display
+//! - [`check`]: figures and cost of a run before it starts
 //! - [`disk_check`]: free disk space before the start
 //! - [`memory`]: memory of the machine
 //! - [`console`], [`signals`], [`threads`], [`error`]: terminal, signals, threads and errors of the
 //!   process
 
+pub mod check;
 pub mod console;
 pub mod disk_check;
 pub mod error;

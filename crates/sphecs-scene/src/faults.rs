@@ -141,6 +141,11 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(candidate, _)| candidate)
 }
 
+/// Returns true if `name` differs from a candidate by few letters, as a misspelling does.
+pub fn is_misspelt(name: &str, candidate: &str) -> bool {
+    strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase()) > 0.6
+}
+
 /// Returns advice such as "did you mean `near`? allowed: a, b, c".
 pub fn advice<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let allowed = candidates.clone().into_iter().map(|c| format!("`{c}`")).collect::<Vec<_>>().join(", ");

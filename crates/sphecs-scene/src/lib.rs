@@ -15,6 +15,7 @@
 //! * [`inflow`]: velocities of its inlets
 //! * [`body`], [`probe`]: bodies and probes, which are measured
 //! * [`summary`]: figures of `sphecs check`
+//! * [`passage`], [`flow_path`]: its narrowest passage, and the flow from its inlets
 //! * [`disk_estimate`]: disk space of its run
 //! * [`faults`]: faults of its text
 //! * `manual`: reference of the file from the doc lines of its types, behind the feature `schema`
@@ -28,6 +29,7 @@ pub mod disk_estimate;
 pub mod expression;
 pub mod faults;
 pub mod fill;
+pub mod flow_path;
 pub mod geometry;
 pub mod inflow;
 pub mod lattice;
@@ -37,6 +39,7 @@ pub mod manual;
 pub mod model;
 pub mod notation;
 pub mod outline;
+pub mod passage;
 pub mod probe;
 pub mod rings;
 pub mod rows;

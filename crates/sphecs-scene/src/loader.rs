@@ -220,6 +220,10 @@ fn read(shown: &str, source: SceneSource<'_>, sets: &[(String, String)]) -> Resu
         let in_scene = fault.span.filter(|_| fault.source.is_none());
         if let Some(path) = in_scene.and_then(|span| edited.path_of(span)) {
             fault.title = format!("--set {path}: {}", fault.title);
+            if fault.label.ends_with("must be text in quotes") && fault.help.is_none() {
+                // The shell has taken the quotes away.
+                fault.help = Some(format!("in single quotes, too: --set '{path}=\"…\"'"));
+            }
         }
     }
     match scene {

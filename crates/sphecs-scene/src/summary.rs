@@ -5,7 +5,6 @@ use glam::DVec3;
 use super::geometry::Shape;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use sphecs_core::boundary::inlet::Feed;
-use sphecs_core::particles::zone::Zone;
 
 /// Memory of a particle in components, arrays, cell list and output, B, rounded up
 /// (docs/book/src/guides/speed.md).
@@ -20,7 +19,8 @@ pub fn frame_bytes(dimensions: usize) -> f64 {
 /// The figures of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSummary {
-    /// Particles by zone, in the order of [`Zone::ALL`].
+    /// Particles by zone, in the order of
+    /// [`Zone::ALL`](sphecs_core::particles::zone::Zone::ALL).
     pub by_zone: [usize; 5],
     /// Reynolds number of the reference velocity and length.
     pub reynolds: f64,
@@ -32,16 +32,12 @@ pub struct SceneSummary {
     pub viscous_step: f64,
     /// Steps to the end.
     pub steps: f64,
-    /// Frames written.
-    pub frames: f64,
     /// Memory, B.
     pub memory: f64,
-    /// Output before compression, B.
-    pub output: f64,
     /// Straight wall with the worst fit to the lattice: axis, coordinate (m) and misfit in
     /// spacings.
     pub worst_fit: Option<(char, f64, f64)>,
-    /// Remarks for the user: low sound speed, misfit, no free surface.
+    /// Remarks for the user: low sound speed, misfit, an inlet that drains.
     pub notes: Vec<String>,
 }
 
@@ -56,8 +52,6 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> SceneSummary {
     let courant_step = courant_step(scene);
     let viscous_step = viscous_step(scene);
     let steps = steps_to(scene, scene.time.end);
-    let frames = (scene.time.end / scene.output.every).floor().min(steps) + 1.0;
-    let moving = (seeds.len() - by_zone[Zone::Wall as usize]) as f64;
     let worst_fit = worst_fit(scene);
     SceneSummary {
         by_zone,
@@ -66,9 +60,7 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> SceneSummary {
         courant_step,
         viscous_step,
         steps,
-        frames,
         memory: seeds.len() as f64 * BYTES_PER_PARTICLE,
-        output: frames * moving * frame_bytes(scene.dimensions),
         worst_fit,
         notes: notes(scene, worst_fit),
     }
@@ -137,7 +129,6 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
             ));
         }
     }
-    notes.push("there is no free surface: every side of the domain is wall, opening or periodic".to_owned());
     notes
 }
 

@@ -1,9 +1,12 @@
 //! Distance, normal and wall part of the surface in front of a wall particle.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::fill::confined_distance;
-use super::model::{Scene, WallPart};
+use super::model::{ParticleSeed, Scene, WallPart};
+use sphecs_core::particles::zone::Zone;
 
 impl WallPart {
     /// Returns true if the surface moves at any time.
@@ -99,13 +102,30 @@ fn snapped(normal: DVec3) -> DVec3 {
 
 /// Returns the index of the first part whose region contains the surface point, or 0.
 fn part(scene: &Scene, surface: DVec3) -> u16 {
+    parts_at(scene, surface).next().unwrap_or(0)
+}
+
+/// Returns the indices of all parts whose regions contain the surface point.
+fn parts_at(scene: &Scene, surface: DVec3) -> impl Iterator<Item = u16> + '_ {
     let tolerance = 1e-3 * scene.spacing;
-    scene
-        .layout
-        .wall_regions
-        .iter()
-        .position(|region| region.contains(surface, tolerance))
-        .map_or(0, |index| index as u16 + 1)
+    let regions = scene.layout.wall_regions.iter().enumerate();
+    let within = regions.filter(move |(_, region)| region.contains(surface, tolerance));
+    within.map(|(index, _)| index as u16 + 1)
+}
+
+/// Returns pairs of parts whose regions share surface, with the number of wall particles there, in
+/// the order of the parts. These particles belong to the first part of a pair.
+pub fn overlapping_parts(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<([u16; 2], usize)> {
+    let mut pairs = BTreeMap::new();
+    if scene.layout.wall_regions.len() > 1 {
+        for seed in seeds.iter().filter(|seed| seed.zone == Zone::Wall) {
+            let mut parts = parts_at(scene, seed.position + seed.wall_distance * seed.wall_normal);
+            if let (Some(first), Some(second)) = (parts.next(), parts.next()) {
+                *pairs.entry([first, second]).or_insert(0) += 1;
+            }
+        }
+    }
+    pairs.into_iter().collect()
 }
 
 #[cfg(test)]

@@ -84,7 +84,11 @@ impl Case {
         Self::read(name, text, None)
     }
 
-    fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, CaseFaults> {
+    /// Returns the case of a text; `folder` has its scenes and tables.
+    ///
+    /// # Errors
+    /// All faults of the case and of its scenes.
+    pub(crate) fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, CaseFaults> {
         let reader::Parsed { root, mut faults, unbalanced } = reader::read(text);
         let shown = format!("{name}.ron");
         if unbalanced {

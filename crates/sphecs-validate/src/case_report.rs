@@ -1,12 +1,12 @@
-//! Results of a case as a page in Markdown and as JSON.
+//! Results of a case on the console and as JSON.
 
 use serde::Serialize;
 
 use super::case::Case;
 use super::measures::measurement::Measurement;
-use super::schema::{CaseFile, FigureFile};
+use super::schema::FigureFile;
 use super::verdict::{Verdict, band_text};
-use sphecs_core::format::{duration, grouped, significant, with_digits};
+use sphecs_core::format::{significant, with_digits};
 
 /// Value and verdict of a figure.
 #[derive(Clone, Debug)]
@@ -70,7 +70,8 @@ impl CaseResult {
     }
 }
 
-fn value_text(measured: &FigureResult) -> String {
+/// Returns the value of a figure with its error, or the reason why there is none.
+pub(crate) fn value_text(measured: &FigureResult) -> String {
     match &measured.value {
         Ok(measurement) => {
             let bound = if measurement.at_least { "≥ " } else { "" };
@@ -100,76 +101,6 @@ pub fn console_line(figure: &FigureFile, measured: &FigureResult) -> String {
 /// Returns the head of the table on the console.
 pub fn console_head() -> String {
     format!("  {:<44}  {:>11}  {:>18}  {:>14}  verdict", "figure", "measured", "required", "goal")
-}
-
-/// Returns the page of a case; `command` reproduces it.
-pub fn page(case: &Case, result: &CaseResult, command: &str) -> String {
-    let file = &case.file;
-    let mut text = format!("# {}\n\n{}\n\nSource: {}.\n", file.title, file.setting.trim(), file.source);
-    text +=
-        "\n## Figures\n| figure | measured | required | goal | published | |\n|---|---|---|---|---|---|\n";
-    for measured in &result.figures {
-        let figure = &file.figures[measured.index];
-        let band = |band: &Option<_>| band.as_ref().map_or(String::new(), band_text);
-        let printed = figure.printed.map_or(String::new(), |printed| significant(printed.value));
-        // A vertical bar would end the cell.
-        text += &format!(
-            "| {} | {} | {} | {} | {printed} | {} |\n",
-            figure.what.replace('|', "\\|"),
-            value_text(measured),
-            band(&figure.must),
-            band(&figure.goal),
-            measured.verdict.word()
-        );
-    }
-    text += &not_measured_line(file, result);
-    for (path, title) in &result.plots {
-        text += &format!("\n![{title}]({path})\n");
-    }
-    text += "\n## Runs\n| run | scene | particles | steps | wall time |\n|---|---|---|---|---|\n";
-    for run in &result.runs {
-        let sets: Vec<String> = run.set.iter().map(|(path, value)| format!("`{path}={value}`")).collect();
-        let with = if sets.is_empty() { String::new() } else { format!(" with {}", sets.join(", ")) };
-        let took = match &run.failure {
-            Some(failure) => format!("failed: {failure}"),
-            None => duration(run.wall_time),
-        };
-        let (particles, steps) = (grouped(run.particles), grouped(run.steps));
-        text += &format!("| {} | `{}`{with} | {particles} | {steps} | {took} |\n", run.name, run.scene);
-    }
-    let earlier: Vec<&str> =
-        result.runs.iter().filter(|run| run.of_another_build).map(|run| run.name.as_str()).collect();
-    if !earlier.is_empty() {
-        text += &format!("\nReused from another build of this version: {}.\n", earlier.join(", "));
-    }
-    for run in result.runs.iter().filter(|run| !run.notes.is_empty()) {
-        text += &format!("\nNotes of `{}`: {}.\n", run.name, run.notes.join("; "));
-    }
-    if let Some(run) = result.runs.first() {
-        let threads = match run.threads {
-            1 => "1 thread".to_owned(),
-            count => format!("{count} threads with as many concurrent runs"),
-        };
-        text += &format!("\n{threads}, {} lanes. To reproduce:\n", run.lanes);
-    }
-    text += &format!("```sh\n{command}\n```\n");
-    if let Some(remarks) = &file.remarks {
-        text += &format!("\n## Remarks\n{}\n", remarks.trim());
-    }
-    text
-}
-
-/// Returns a line on required figures that were not measured.
-fn not_measured_line(file: &CaseFile, result: &CaseResult) -> String {
-    if result.not_measured.is_empty() {
-        return String::new();
-    }
-    let what: Vec<&str> =
-        result.not_measured.iter().map(|&index| file.figures[index].what.as_str()).collect();
-    format!(
-        "\nRequired but not measured, because the runs belong to another tier or have no results: {}.\n",
-        what.join("; ").replace('|', "\\|")
-    )
 }
 
 /// Figure in `report.json`.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::case::Case;
+use super::case_page;
 use super::case_report::{self, CaseResult, FigureResult};
 use super::measures::measurement::{Measurement, error_of, names};
 use super::measures::{Context, RunResults, evaluate, runs_of};
@@ -68,7 +69,7 @@ impl<'a> Evaluator<'a> {
                 continue;
             }
             let result = self.evaluate_case(case, &of_case);
-            let page = case_report::page(case, &result, &command(self.options, case));
+            let page = case_page::page(case, &result, &command(self.options, case));
             write(&self.options.folder.join(format!("{}.md", case.name)), &page)?;
             self.results.push((case, result));
             write(&self.options.folder.join(REPORT), &case_report::json(&self.results))?;

@@ -13,13 +13,14 @@
 //! - [`exact`]: exact solutions
 //! - [`verdict`]: bands and verdicts
 //! - `evaluation`: measurement of the cases, pages and plots
-//! - [`case_report`], [`plot`], `picture`: files that a validation leaves
+//! - [`case_page`], [`case_report`], [`plot`], `picture`: files that a validation leaves
 //!
 //! To add a case, add `assets/validation/NAME.ron`. Its runs are scenes of `scenes/`; its
 //! references are formulas, exact solutions, tables in the folder of the case or other runs. No
 //! code is needed.
 
 pub mod case;
+pub mod case_page;
 pub mod case_report;
 mod check;
 mod evaluation;

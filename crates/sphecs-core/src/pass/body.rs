@@ -161,6 +161,7 @@ impl<K: KernelShape, S: FusedScheme<R, D>, R: Real, const D: usize> Vectorised<R
     for BodyCell<'_, K, S, R, D>
 {
     type Output = BodySum;
+    type Module = S;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> BodySum {

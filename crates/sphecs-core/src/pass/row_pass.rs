@@ -71,6 +71,8 @@ pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     type Outputs: SplittableColumns;
     /// Result of a block besides its columns.
     type Summary: Send;
+    /// Type in whose module the loops are compiled: see [`Vectorised::Module`].
+    type Module;
 
     /// Sums for the particles of a block and stores the results.
     fn block<K: KernelShape, L: Lanes<Real = R>>(
@@ -129,6 +131,7 @@ struct EachRow<'a, P>(&'a P);
 impl<R: Real, const D: usize, P: RowPass<R, D>> BlockPass<R, D> for EachRow<'_, P> {
     type Outputs = P::Outputs;
     type Summary = ();
+    type Module = P;
 
     #[inline(always)]
     fn block<K: KernelShape, L: Lanes<Real = R>>(&self, block: Block<'_, R, D>, mut outputs: P::Outputs) {
@@ -247,6 +250,7 @@ impl<K: KernelShape, R: Real, const D: usize, P: BlockPass<R, D>> Vectorised<R>
     for VectorBlock<'_, K, R, D, P>
 {
     type Output = P::Summary;
+    type Module = P::Module;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> P::Summary {
@@ -291,6 +295,7 @@ impl<K: KernelShape, R: Real, const D: usize, P: PointPass<R, D>> Vectorised<R>
     for VectorPoints<'_, K, R, D, P>
 {
     type Output = ();
+    type Module = P;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) {

@@ -114,6 +114,7 @@ const MAXIMA: usize = 16;
 
 impl<R: PairReal<D>, const D: usize> Vectorised<R> for LargestSquare<'_, R, D> {
     type Output = f64;
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> f64 {

@@ -187,6 +187,7 @@ struct DriftPart<'a, R, const D: usize> {
 
 impl<R: PairReal<D>, const D: usize> Vectorised<R> for DriftPart<'_, R, D> {
     type Output = ();
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(mut self) {

@@ -91,6 +91,19 @@ impl Canvas {
         self.fill([x + width, y - thick], [thick, high], INK);
     }
 
+    /// Draws a straight line, `thick` pixels wide.
+    pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], thick: f64, colour: [u8; 3]) {
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let side = thick.round().max(1.0) as i64;
+        let steps = length.ceil().max(1.0);
+        for step in 0..=steps as i64 {
+            let share = step as f64 / steps;
+            let place = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+            let corner = place.map(|coordinate| (coordinate - 0.5 * thick).round() as i64);
+            self.fill(corner, [side, side], colour);
+        }
+    }
+
     /// Returns the width of a text, pixels.
     pub(super) fn text_width(text: &str, size: f32, weight: Weight) -> f32 {
         layout(text, size, weight).map_or(0.0, |(_, width)| width)

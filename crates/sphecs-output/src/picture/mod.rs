@@ -5,11 +5,13 @@
 //! - `view`: plane of a 2D flow or slice of a 3D flow
 //! - `raster`: particles to pixels
 //! - `scale`: ticks and colour maps
+//! - `plan`: a scene before it runs
 //! - `sheet`: title, axes and legend around the field
 //! - `canvas`: pixels and text
 
 mod canvas;
 mod field;
+mod plan;
 mod raster;
 mod scale;
 mod sheet;
@@ -19,6 +21,7 @@ mod vorticity;
 use std::path::{Path, PathBuf};
 
 pub use field::Field;
+pub use plan::render_plan;
 pub use scale::Colours;
 pub use view::Slice;
 

@@ -51,7 +51,7 @@ pub(super) struct Sheet {
     /// Width and height of the field.
     pub(super) size: [i64; 2],
     /// Height of the small text.
-    text: f32,
+    pub(super) text: f32,
     /// True if the colour scale is upright at the right instead of horizontal below.
     upright: bool,
 }

@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::patches::Site;
 use crate::geometry::Shape;
+use crate::geometry::measure::exit_distance;
 use crate::model::Patch;
 
 /// Returns the unit vectors that span the plane, y and z for a flow along x; the second is zero in
@@ -29,24 +30,7 @@ pub fn exit(domain: &Shape, from: DVec3, direction: DVec3, spacing: f64) -> Opti
     let height = high.z - low.z;
     let size = (high - low).truncate().length() + if height.is_finite() { height } else { 0.0 };
     let step = (0.25 * spacing).max(1e-5 * size);
-    let inside = |distance: f64| domain.contains(from + distance * direction, 0.0);
-    let mut distance = 0.0;
-    while inside(distance + step) {
-        distance += step;
-        if distance > 2.0 * size {
-            return None;
-        }
-    }
-    let (mut near, mut far) = (distance, distance + step);
-    for _ in 0..60 {
-        let middle = 0.5 * (near + far);
-        if inside(middle) {
-            near = middle;
-        } else {
-            far = middle;
-        }
-    }
-    Some(0.5 * (near + far))
+    exit_distance(|distance| domain.contains(from + distance * direction, 0.0), step, 2.0 * size)
 }
 
 /// Centres the patch on its section and measures it, on a plane just inside the domain.

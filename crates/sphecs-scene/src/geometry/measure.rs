@@ -4,6 +4,30 @@ use glam::DVec3;
 
 use super::Shape;
 
+/// Returns the distance along a line at which it leaves the inside, m, by steps and bisection; None
+/// beyond `longest`, m.
+///
+/// `inside` takes the distance along the line. Walls thinner than a step may be passed.
+pub fn exit_distance(inside: impl Fn(f64) -> bool, step: f64, longest: f64) -> Option<f64> {
+    let mut distance = 0.0;
+    while inside(distance + step) {
+        distance += step;
+        if distance > longest {
+            return None;
+        }
+    }
+    let (mut near, mut far) = (distance, distance + step);
+    for _ in 0..60 {
+        let middle = 0.5 * (near + far);
+        if inside(middle) {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    Some(0.5 * (near + far))
+}
+
 impl Shape {
     /// Returns the corners of a bounding box, m; z from −∞ to ∞ in 2D.
     pub fn bounds(&self) -> (DVec3, DVec3) {

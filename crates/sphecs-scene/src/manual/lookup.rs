@@ -3,7 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::entries::{Argument, Choice, Content, Field, Manual, Page};
-use crate::faults::{advice, nearest};
+use crate::faults::{advice, is_misspelt, nearest};
+
+/// Largest number of paths named for a word that is no field or choice.
+const MOST_MENTIONS: usize = 3;
 
 /// An entry with its path.
 #[derive(Clone, Debug)]
@@ -183,7 +186,18 @@ impl Manual {
         let top: Vec<String> =
             self.children(&self.top()).iter().map(|child| child.item.name().to_owned()).collect();
         let fields = || top.iter().map(String::as_str);
-        let advice = match nearest(name, entries.map(|entry| entry.item.name())) {
+        let entries: Vec<&Entry<'_>> = entries.collect();
+        let is_misspelling = entries.iter().any(|entry| is_misspelt(name, entry.item.name()));
+        let mentions = mentions(name, &entries);
+        if !is_misspelling && !mentions.is_empty() {
+            let advice = format!(
+                "it is mentioned by {}: see `sphecs explain {}`",
+                mentions.join(", "),
+                mentions[0].trim_matches('`')
+            );
+            return UnknownPath { title, advice };
+        }
+        let advice = match nearest(name, entries.iter().map(|entry| entry.item.name())) {
             Some(near) if fields().all(|field| field != near) => {
                 format!("did you mean `{near}`? (`sphecs explain` lists the fields of a scene)")
             }
@@ -191,6 +205,26 @@ impl Manual {
         };
         UnknownPath { title, advice }
     }
+}
+
+/// Returns the first paths whose meaning contains a word that no field has as its name, such as
+/// `drag`.
+fn mentions(word: &str, entries: &[&Entry<'_>]) -> Vec<String> {
+    let word = word.to_lowercase();
+    let meaning = |entry: &Entry<'_>| match entry.item {
+        Item::Page(page) => page.meaning.to_lowercase(),
+        Item::Field(field) => field.meaning.to_lowercase(),
+        Item::Choice(choice) => choice.meaning.to_lowercase(),
+    };
+    let contains = |text: &str| text.split(|letter: char| !letter.is_alphanumeric()).any(|part| part == word);
+    let mut paths: Vec<String> = Vec::new();
+    for entry in entries.iter().filter(|entry| contains(&meaning(entry))) {
+        let path = format!("`{}`", entry.path);
+        if !entry.path.is_empty() && !paths.contains(&path) && paths.len() < MOST_MENTIONS {
+            paths.push(path);
+        }
+    }
+    paths
 }
 
 fn unknown_child(path: &str, parent: &Entry<'_>, name: &str, children: &[Entry<'_>]) -> UnknownPath {

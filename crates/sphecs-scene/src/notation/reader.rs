@@ -137,7 +137,7 @@ impl Reader<'_> {
         let place = Span::new(start, self.cursor.trimmed());
         self.fault(
             Fault::new("an expression has no quotes", place, "must be text in quotes")
-                .help("write it like \"2*h0\""),
+                .help("write it like \"2*h0\"; for `--set` in single quotes, too: --set 'spacing=\"2*h0\"'"),
         );
         Value::Broken
     }

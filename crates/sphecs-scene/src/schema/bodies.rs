@@ -15,8 +15,8 @@ pub struct BodyFile {
     /// Reference point of torques, m, default the centre of the region of the part.
     #[serde(default)]
     pub about: Option<Vector>,
-    /// Velocity u∞ of the coefficients, m/s, default none; without velocity and area no
-    /// coefficients are written.
+    /// Velocity u∞ of the coefficients of drag and lift, m/s, default none; without velocity and
+    /// area no coefficients are written.
     #[serde(default)]
     pub velocity: Option<Number>,
     /// Area A of the coefficients, m², default none. In 2D it is the area per metre of depth in m,

@@ -189,6 +189,9 @@ fn a_misspelt_path_names_the_nearest() {
         ("scheme.Wcsph.shiftin", "`shifting`"),
         ("WaveEqation", "`WaveEquation`"),
         ("fluid.denstiy", "`density`"),
+        // No field has these names, but the meaning of one mentions them.
+        ("drag", "`bodies.velocity`"),
+        ("lift", "`bodies.velocity`"),
     ] {
         let fault = manual.explain(path).expect_err(path);
         assert!(fault.title.contains(path) && fault.advice.contains(near), "{fault:?}");

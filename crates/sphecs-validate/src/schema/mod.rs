@@ -27,6 +27,9 @@ pub struct CaseFile {
     pub title: String,
     /// Source of the case and of its reference.
     pub source: String,
+    /// Reference in a few words, for the first sentence of the page.
+    #[serde(default)]
+    pub compared_with: Option<String>,
     /// Flow that is computed, Markdown.
     pub setting: String,
     /// Values in the source and reasons of missed bands, Markdown.
@@ -142,6 +145,9 @@ pub struct FigureFile {
     /// Value in the source.
     #[serde(default)]
     pub printed: Option<Number>,
+    /// True for a figure without a band that the summary of the page lists. Default false.
+    #[serde(default)]
+    pub in_summary: bool,
 }
 
 /// Band of a figure.

@@ -168,6 +168,7 @@ struct FindPlaces<'a, const D: usize> {
 
 impl<const D: usize> Vectorised<f64> for FindPlaces<'_, D> {
     type Output = ();
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = f64>>(self) {

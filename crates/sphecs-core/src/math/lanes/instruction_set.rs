@@ -2,8 +2,9 @@
 
 use std::sync::OnceLock;
 
-use super::Vectorised;
 use super::portable::Array;
+use super::{Lanes, Vectorised};
+use crate::math::real::Real;
 
 /// Instruction set that this machine supports. A value for an unsupported set cannot be
 /// constructed.
@@ -77,52 +78,68 @@ impl InstructionSet {
 /// Runs a task with the f64 vectors of a set.
 pub(super) fn run_f64<T: Vectorised<f64>>(set: InstructionSet, task: T) -> T::Output {
     match set.0 {
-        Kind::Portable => task.run::<Array<f64, 2>>(),
+        Kind::Portable => T::Module::portable::<Array<f64, 2>>(task),
         // SAFETY: an `InstructionSet` exists only for sets that were detected.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx2 => unsafe { with_avx2::<super::x86::F64x4, T>(task) },
+        Kind::Avx2 => unsafe { T::Module::with_avx2::<super::x86::F64x4>(task) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx512 => unsafe { with_avx512::<super::x86::F64x8, T>(task) },
+        Kind::Avx512 => unsafe { T::Module::with_avx512::<super::x86::F64x8>(task) },
     }
 }
 
 /// Runs a task with the f32 vectors of a set.
 pub(super) fn run_f32<T: Vectorised<f32>>(set: InstructionSet, task: T) -> T::Output {
     match set.0 {
-        Kind::Portable => task.run::<Array<f32, 4>>(),
+        Kind::Portable => T::Module::portable::<Array<f32, 4>>(task),
         // SAFETY: an `InstructionSet` exists only for sets that were detected.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx2 => unsafe { with_avx2::<super::x86::F32x8, T>(task) },
+        Kind::Avx2 => unsafe { T::Module::with_avx2::<super::x86::F32x8>(task) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx512 => unsafe { with_avx512::<super::x86::F32x16, T>(task) },
+        Kind::Avx512 => unsafe { T::Module::with_avx512::<super::x86::F32x16>(task) },
     }
 }
 
-/// Runs a task compiled for AVX2.
+/// Task compiled for each instruction set, in the module of `Self`.
 ///
-/// # Safety
-/// The machine must support AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn with_avx2<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
-    let line = CacheLine::default();
-    std::hint::black_box(&line);
-    task.run::<L>()
+/// The functions are default methods, since the compiler translates a default method together with
+/// the module of `Self`, and each module by a thread of its own. As functions of this module, all
+/// pair loops of the engine would be translated by one thread, which takes minutes.
+trait Compiled<R: Real, T: Vectorised<R>> {
+    /// Runs a task without instructions beyond those of every machine.
+    #[inline(never)]
+    fn portable<L: Lanes<Real = R>>(task: T) -> T::Output {
+        task.run::<L>()
+    }
+
+    /// Runs a task compiled for AVX2.
+    ///
+    /// # Safety
+    /// The machine must support AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    unsafe fn with_avx2<L: Lanes<Real = R>>(task: T) -> T::Output {
+        let line = CacheLine::default();
+        std::hint::black_box(&line);
+        task.run::<L>()
+    }
+
+    /// Runs a task compiled for AVX-512.
+    ///
+    /// # Safety
+    /// The machine must support AVX-512 F, DQ, BW and VL and everything that [`Self::with_avx2`]
+    /// needs.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    unsafe fn with_avx512<L: Lanes<Real = R>>(task: T) -> T::Output {
+        let line = CacheLine::default();
+        std::hint::black_box(&line);
+        task.run::<L>()
+    }
 }
 
-/// Runs a task compiled for AVX-512.
-///
-/// # Safety
-/// The machine must support AVX-512 F, DQ, BW and VL and everything that [`with_avx2`] needs.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn with_avx512<L: super::Lanes, T: Vectorised<L::Real>>(task: T) -> T::Output {
-    let line = CacheLine::default();
-    std::hint::black_box(&line);
-    task.run::<L>()
-}
+impl<R: Real, T: Vectorised<R>, M> Compiled<R, T> for M {}
 
 /// Local variable that aligns the stack frame of its function to a cache line.
 ///

@@ -196,6 +196,11 @@ pub trait Lanes:
 pub trait Vectorised<R: Real> {
     /// Result of the task.
     type Output;
+    /// Type in whose module the task is compiled: `Self`, or the method that a driver of several
+    /// methods runs.
+    ///
+    /// Without it the tasks of all passes would be compiled by one thread, for minutes.
+    type Module;
     /// Runs the task with vectors of type `L`.
     fn run<L: Lanes<Real = R>>(self) -> Self::Output;
 }
@@ -292,6 +297,7 @@ mod tests {
 
     impl<R: Real> Vectorised<R> for Arithmetic {
         type Output = ();
+        type Module = Self;
         #[inline(always)]
         fn run<L: Lanes<Real = R>>(self) {
             let epsilon = if std::mem::size_of::<R>() == 8 { 1e-15 } else { 4e-7 };

@@ -316,6 +316,7 @@ impl<K: KernelShape, S: FusedScheme<R, D>, R: Real, const D: usize> Vectorised<R
     for FusedBlock<'_, K, S, R, D>
 {
     type Output = S::Summary;
+    type Module = S;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) -> S::Summary {

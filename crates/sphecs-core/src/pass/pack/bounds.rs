@@ -66,6 +66,7 @@ mod tests {
 
     impl<R: Real> Vectorised<R> for Line {
         type Output = Bounds<2>;
+        type Module = Self;
 
         #[inline(always)]
         fn run<L: Lanes<Real = R>>(self) -> Bounds<2> {

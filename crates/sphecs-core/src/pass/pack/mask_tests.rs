@@ -11,6 +11,7 @@ struct Line(usize);
 
 impl Vectorised<f64> for Line {
     type Output = ();
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = f64>>(self) {
@@ -83,6 +84,7 @@ struct Cover;
 
 impl Vectorised<f64> for Cover {
     type Output = ();
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = f64>>(self) {

@@ -134,6 +134,7 @@ type Outputs<'a, R, const D: usize> =
 impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
     type Outputs = Outputs<'a, R, D>;
     type Summary = ();
+    type Module = Self;
 
     #[inline(always)]
     fn block<K: KernelShape, L: Lanes<Real = R>>(

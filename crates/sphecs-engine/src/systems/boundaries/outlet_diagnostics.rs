@@ -34,6 +34,9 @@ const PRESSURE: f64 = 0.05;
 /// backflow.
 const BACKFLOW: f64 = 0.02;
 
+/// Condition whose pressure is anchored.
+const ANCHORED: &str = "WaveEquation";
+
 /// Diagnostics of the outlets of a scene.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -112,23 +115,45 @@ impl Finding {
     /// Returns the note: where it is, what is, what to do.
     fn text(self, outlet: &Outlet, number: usize, time: f64) -> String {
         let condition = outlet.condition.parameters().name();
+        let better = if condition == ANCHORED {
+            "its default pressure, `NonReflecting()`"
+        } else {
+            "`WaveEquation()`"
+        };
         let place = format!("outlet {number}, `{condition}`, at t = {time:.3e} s:");
         match self {
             Finding::Backflow { velocity } => format!(
                 "{place} backflow of mean normal velocity {velocity:.3e} m/s would enter with frozen or prescribed \
-                 values; move the outlet downstream or take `WaveEquation()`"
+                 values; move the outlet downstream or take {better}"
             ),
             Finding::Sound { pressure } => format!(
-                "{place} sound of {pressure:.3e} Pa, more than {:.0} % of ρ0 c0², does not leave; take \
-                 `WaveEquation()`",
+                "{place} sound of {pressure:.3e} Pa, more than {:.0} % of ρ0 c0², does not leave; take {better}",
                 100.0 * PRESSURE
             ),
             Finding::Level { pressure, before } => format!(
                 "{place} the mean pressure has drifted from {before:.3e} to {pressure:.3e} Pa, the condition anchors \
-                 none; take `WaveEquation()` or a slower start"
+                 none; take {better} or a slower start"
             ),
         }
     }
+}
+
+/// Returns the advice on a content that changes: another condition, or patience if all outlets
+/// have the one that anchors the pressure.
+fn content_advice(scene: &Scene) -> String {
+    let is_anchored = |outlet: &Outlet| outlet.condition.parameters().name() == ANCHORED;
+    if !scene.outlets.iter().all(is_anchored) {
+        return "take `WaveEquation()`, which anchors the pressure".to_owned();
+    }
+    let settling = scene
+        .outlets
+        .iter()
+        .map(|outlet| settling_time(scene.extent_along(outlet.patch.towards), scene.fluid.sound_speed))
+        .fold(0.0, f64::max);
+    format!(
+        "the pressure of a start leaves within some {settling:.3e} s; begin means later, or start more slowly \
+         or with `initial.velocity`"
+    )
 }
 
 /// Returns the approximate number of particles in a layer of the inlets.
@@ -159,9 +184,9 @@ pub fn diagnose_outlets<R: PairReal<D>, const D: usize>(
         *content_noted = true;
         let change = if now < before { "outflow exceeds inflow" } else { "inflow exceeds outflow" };
         notes.push(format!(
-            "outlets, at t = {:.3e} s: the number of fluid particles has changed from {before} to {now}, {change}; \
-             take `WaveEquation()`, which anchors the pressure",
-            clock.time
+            "outlets, at t = {:.3e} s: the number of fluid particles has changed from {before} to {now}, {change}; {}",
+            clock.time,
+            content_advice(scene)
         ));
     }
     outlets.resize_with(scene.outlets.len(), OutletMeans::default);

@@ -138,6 +138,7 @@ struct KickPart<'a, A, R, const D: usize> {
 
 impl<A: Advance, R: PairReal<D>, const D: usize> Vectorised<R> for KickPart<'_, A, R, D> {
     type Output = ();
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(self) {

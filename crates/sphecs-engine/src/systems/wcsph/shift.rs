@@ -75,6 +75,7 @@ struct ShiftPart<'a, R: PairReal<D>, const D: usize> {
 
 impl<R: PairReal<D>, const D: usize> Vectorised<R> for ShiftPart<'_, R, D> {
     type Output = ();
+    type Module = Self;
 
     #[inline(always)]
     fn run<L: Lanes<Real = R>>(mut self) {

@@ -1,0 +1,273 @@
+//! Check of a scene before a long run: particles, passages, speeds, time scales, and the cost of
+//! the run on this machine.
+//!
+//! The time of a step and the memory are measured by the first steps of the scene itself, without
+//! output.
+
+use std::time::Instant;
+
+use glam::DVec3;
+
+use super::memory;
+use super::report::{scene_rows, scene_table};
+use sphecs_core::format::{bytes, duration, grouped, significant};
+use sphecs_core::particles::zone::Zone;
+use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_scene::disk_estimate::DiskEstimate;
+use sphecs_scene::flow_path::{FlowPath, flow_path};
+use sphecs_scene::model::{ParticleSeed, Scene};
+use sphecs_scene::passage::{Passage, narrowest_passage};
+use sphecs_scene::summary::{steps_to, summary};
+use sphecs_scene::wall_particles::overlapping_parts;
+
+/// Wanted number of particles across a passage.
+const WANTED_ACROSS: f64 = 10.0;
+
+/// Largest Mach number at which the density varies by about 1 %, as Monaghan (1994) recommends.
+const LARGEST_MACH: f64 = 0.1;
+
+/// Memory of buffers and libraries of the output: 25 and 37 MB in `scenes/quickstart.ron` and
+/// `scenes/duct3d.ron`.
+const OUTPUT_MEMORY: &str = "25 to 40 MB";
+
+/// Wall time for the timed steps, s.
+const TIMED_SECONDS: f64 = 1.0;
+
+/// Steps before the timed ones: they allocate the buffers.
+const WARM_UP: u32 = 2;
+
+/// Least and largest number of timed steps.
+const TIMED_STEPS: [u32; 2] = [3, 200];
+
+/// Report on a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckReport {
+    /// Title, table and notes.
+    pub text: String,
+    /// Number of notes.
+    pub notes: usize,
+}
+
+/// Options of a check.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheckOptions {
+    /// End of the run, s; None: that of the scene.
+    pub until: Option<f64>,
+    /// Build the flow and time its first steps.
+    pub timed: bool,
+}
+
+/// Checks a scene with its initial particles on the current thread pool.
+pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) -> CheckReport {
+    let until = options.until.unwrap_or(scene.time.end);
+    let mut figures = summary(scene, &seeds);
+    let passage = narrowest_passage(scene, &seeds);
+    let path = flow_path(scene, &seeds);
+    figures.notes.extend(overlap_notes(scene, &seeds));
+    let by_zone = figures.by_zone.map(|count| count as u64);
+    let disk = disk_estimate(scene, by_zone, until);
+    let mut rows = scene_rows(scene, &figures, by_zone, until, None);
+    rows.extend(passage.map(|passage| ("passage", passage_text(scene, &passage))));
+    rows.extend(path.map(|path| ("fastest", fastest_text(scene, &path))));
+    rows.push(("time scales", scales_text(scene, path.as_ref())));
+    figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
+    let mut needed = figures.memory as u64;
+    if options.timed {
+        match time_steps(scene, seeds) {
+            Ok(timing) => {
+                needed = timing.memory.unwrap_or(needed);
+                rows.push(("run time", timing.text(steps_to(scene, until))));
+            }
+            Err(stop) => figures.notes.push(format!("the flow stops within its first steps: {stop}")),
+        }
+    }
+    rows.push(("memory", format!("about {} for the flow, {OUTPUT_MEMORY} more with output", bytes(needed))));
+    rows.push(("disk", disk_text(&disk)));
+    CheckReport { text: scene_table(scene, &figures, &rows), notes: figures.notes.len() }
+}
+
+fn disk_estimate(scene: &Scene, by_zone: [u64; 5], until: f64) -> DiskEstimate {
+    let all: u64 = by_zone.iter().sum();
+    let moving = all - by_zone[Zone::Wall as usize];
+    DiskEstimate::of_particles(scene, moving as f64, all as f64, Some(until), None)
+}
+
+fn point_text(scene: &Scene, point: DVec3) -> String {
+    // Rounded to a thousandth of a spacing; adding 0 turns −0 into 0.
+    let rounded = |x: f64| (x / scene.spacing * 1e3).round() * 1e-3 * scene.spacing + 0.0;
+    let parts: Vec<String> =
+        point.to_array().into_iter().take(scene.dimensions).map(|x| significant(rounded(x))).collect();
+    format!("({}) m", parts.join(", "))
+}
+
+/// Returns the particles across the narrowest passage and its place.
+fn passage_text(scene: &Scene, passage: &Passage) -> String {
+    format!(
+        "narrowest {} m at {}: {:.1} particles across",
+        significant(passage.width()),
+        point_text(scene, passage.middle()),
+        passage.width() / scene.spacing
+    )
+}
+
+/// Returns the largest mean speed, and the largest of a developed laminar profile with that mean.
+fn fastest_text(scene: &Scene, path: &FlowPath) -> String {
+    let speed = path.mean_speed();
+    let peak = peak_of_mean(scene.dimensions) * speed;
+    let mach = |speed: f64| significant_two(speed / scene.fluid.sound_speed);
+    format!(
+        "about {} m/s on average over the section at {}, at t = {} s: Mach = {}, {} in a developed laminar profile",
+        significant_two(speed),
+        point_text(scene, path.at),
+        significant(path.time),
+        mach(speed),
+        mach(peak)
+    )
+}
+
+/// Returns a number with two significant digits, for estimates.
+fn significant_two(value: f64) -> String {
+    sphecs_core::format::with_digits(value, 2)
+}
+
+/// Returns the ratio of the largest to the mean speed of a developed laminar flow: 3/2 between
+/// plates, 2 in a round pipe.
+fn peak_of_mean(dimensions: usize) -> f64 {
+    if dimensions == 2 { 1.5 } else { 2.0 }
+}
+
+/// Returns the times that sound, flow and viscosity need through the domain, s.
+fn scales_text(scene: &Scene, path: Option<&FlowPath>) -> String {
+    let (low, high) = scene.domain.bounds();
+    let diagonal =
+        (high - low).to_array().into_iter().take(scene.dimensions).map(|x| x * x).sum::<f64>().sqrt();
+    let length = path.map_or(diagonal, |path| path.length);
+    let speed = scene.reference_velocity;
+    let passes = path.map(FlowPath::passage_time).or((speed > 0.0).then(|| length / speed));
+    let mut parts = vec![format!("sound passes in {} s", significant_two(length / scene.fluid.sound_speed))];
+    parts.extend(passes.map(|time| format!("the flow in {} s", significant_two(time))));
+    if scene.fluid.viscosity > 0.0 {
+        let time = scene.reference_length.powi(2) / scene.fluid.viscosity;
+        parts.push(format!(
+            "viscosity crosses {} m in {} s",
+            significant(scene.reference_length),
+            significant_two(time)
+        ));
+    }
+    parts.join(", ")
+}
+
+/// Returns a note for each pair of wall parts whose regions share surface.
+fn overlap_notes(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
+    let name = |part: u16| &scene.walls.parts[usize::from(part)].name;
+    let note = |([first, second], count): ([u16; 2], usize)| {
+        format!(
+            "the regions of the wall parts `{}` and `{}` overlap: {} wall particles lie in both and count for the \
+             first, with its slip and its forces",
+            name(first),
+            name(second),
+            grouped(count as u64)
+        )
+    };
+    overlapping_parts(scene, seeds).into_iter().map(note).collect()
+}
+
+/// Returns the notes on passage, speed and duration.
+fn notes(scene: &Scene, until: f64, passage: Option<&Passage>, path: Option<&FlowPath>) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(passage) = passage.filter(|passage| passage.width() < (WANTED_ACROSS - 0.01) * scene.spacing)
+    {
+        notes.push(format!(
+            "the narrowest passage has {:.1} particles across, {WANTED_ACROSS} or more are wanted: `spacing` of at most {} m",
+            passage.width() / scene.spacing,
+            significant(passage.width() / WANTED_ACROSS)
+        ));
+    }
+    let Some(path) = path else { return notes };
+    let mach = path.mean_speed() / scene.fluid.sound_speed;
+    // The reference velocity has a note of its own.
+    if mach > LARGEST_MACH && scene.reference_velocity <= LARGEST_MACH * scene.fluid.sound_speed {
+        notes.push(format!(
+            "the mean speed reaches Mach {} at {}, {LARGEST_MACH} or less is wanted: `fluid.sound_speed` of at least {} m/s",
+            significant_two(mach),
+            point_text(scene, path.at),
+            significant(path.mean_speed() / LARGEST_MACH)
+        ));
+    }
+    if until < path.passage_time() {
+        notes.push(format!(
+            "the run ends at {} s, before the flow has passed once, in {} s: the start still determines the result",
+            significant(until),
+            significant_two(path.passage_time())
+        ));
+    }
+    notes
+}
+
+/// Returns the size of the results by kind.
+fn disk_text(disk: &DiskEstimate) -> String {
+    let size = |size: f64| bytes(size as u64);
+    let mut parts = vec![format!("{} frames {}", grouped(disk.frames as u64), size(disk.frame_bytes))];
+    let mut add = |name: &str, bytes: f64| {
+        if bytes > 0.0 {
+            parts.push(format!("{name} {}", size(bytes)));
+        }
+    };
+    add("probes", disk.probe_bytes);
+    add("forces", disk.force_bytes);
+    add("monitor", disk.monitor_bytes);
+    add("checkpoints", disk.checkpoint_bytes);
+    format!(
+        "at most {}: {}; up to {} while results are packed",
+        size(disk.total()),
+        parts.join(", "),
+        size(disk.bytes())
+    )
+}
+
+/// Time of a step and memory, measured.
+#[derive(Clone, Copy, Debug)]
+struct Timing {
+    /// Wall time of a step, s.
+    step: f64,
+    /// Number of timed steps.
+    count: u32,
+    /// Largest resident memory of the process, B; None where the system does not say.
+    memory: Option<u64>,
+}
+
+impl Timing {
+    /// Returns the run time of a number of steps.
+    fn text(&self, steps: f64) -> String {
+        let threads = rayon::current_num_threads();
+        format!(
+            "about {} on {threads} thread{}, without output: {} ms a step, measured over {}",
+            duration(steps * self.step),
+            if threads == 1 { "" } else { "s" },
+            significant(1e3 * self.step),
+            self.count
+        )
+    }
+}
+
+/// Builds the flow and times its first steps.
+///
+/// # Errors
+/// [`Stop`] when the flow stops in these steps.
+fn time_steps(scene: &Scene, seeds: Vec<ParticleSeed>) -> Result<Timing, Stop> {
+    memory::reset_peak();
+    let built = Simulation::builder(scene.clone()).particles(seeds).build();
+    let mut simulation = built.expect("a scene without plugins and saved states can be built");
+    for _ in 0..WARM_UP {
+        simulation.step()?;
+    }
+    let started = Instant::now();
+    let mut count = 0;
+    while count < TIMED_STEPS[0] || count < TIMED_STEPS[1] && started.elapsed().as_secs_f64() < TIMED_SECONDS
+    {
+        simulation.step()?;
+        count += 1;
+    }
+    let step = started.elapsed().as_secs_f64() / f64::from(count);
+    Ok(Timing { step, count, memory: memory::peak() })
+}
