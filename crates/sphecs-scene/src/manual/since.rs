@@ -54,7 +54,7 @@ const NEWER: [(&str, &[&str]); 1] = [(
 pub(super) fn since(name: &str) -> &'static str {
     let covers =
         |newer: &&str| name.strip_prefix(*newer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-    let added = NEWER.iter().find(|(_, names)| names.iter().any(|newer| covers(newer)));
+    let added = NEWER.iter().find(|(_, names)| names.iter().any(covers));
     added.map_or(FIRST, |(version, _)| *version)
 }
 
