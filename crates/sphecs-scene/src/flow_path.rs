@@ -124,7 +124,7 @@ fn largest_flow(scene: &Scene) -> Option<(f64, f64)> {
 }
 
 /// Returns the points of a grid over an inlet that lie in its section, m.
-fn section_points(inlet: &Inlet, scene: &Scene) -> Vec<DVec3> {
+pub(crate) fn section_points(inlet: &Inlet, scene: &Scene) -> Vec<DVec3> {
     let patch = &inlet.patch;
     let inwards = 1e-3 * scene.spacing * patch.towards;
     let offset = |index: i32| (f64::from(index) + 0.5) / f64::from(POINTS) * 2.0 - 1.0;
@@ -136,12 +136,12 @@ fn section_points(inlet: &Inlet, scene: &Scene) -> Vec<DVec3> {
     };
     second
         .flat_map(|j| (0..POINTS).map(move |i| point(i, j)))
-        .filter(|point| scene.domain.contains(*point + inwards, 0.0))
+        .filter(|point| patch.covers(*point, 0.0) && scene.domain.contains(*point + inwards, 0.0))
         .collect()
 }
 
 /// Returns the volume flow of an inlet at a time, from its velocity at points of its section.
-fn volume_flow(inlet: &Inlet, points: &[DVec3], scene: &Scene, time: f64) -> f64 {
+pub(crate) fn volume_flow(inlet: &Inlet, points: &[DVec3], scene: &Scene, time: f64) -> f64 {
     let normal_speed =
         |point: &DVec3| inlet.velocity_at(scene.fluid.viscosity, *point, time).dot(inlet.patch.towards);
     let sum: f64 = points.iter().map(normal_speed).sum();

@@ -101,6 +101,8 @@ mod tests {
                 half_extent: [1.0, 0.0],
                 depth: 0.5,
                 area: 2.0,
+                perimeter: 2.0,
+                raster: None,
             },
             velocity,
             pressure: InletPressure::Extrapolated,

@@ -5,6 +5,7 @@
 //! - [`outlet`]: outflow particles
 //! - [`patch`]: plane openings of the domain
 //! - [`section_points`]: points that represent the section of an opening
+//! - [`section_raster`]: sections that are no rectangle
 //!
 //! One condition is one file: equation, parameters, memory between steps, requirements, checks,
 //! application and tests. Wall models are in [`physics::wall`](crate::physics::wall), because the
@@ -15,3 +16,4 @@ pub mod inlet;
 pub mod outlet;
 pub mod patch;
 pub mod section_points;
+pub mod section_raster;

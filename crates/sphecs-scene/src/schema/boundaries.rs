@@ -75,6 +75,18 @@ pub enum WallFillFile {
     },
 }
 
+/// Parts of the domain's end that belong to an opening.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Extent {
+    /// The connected part that contains `at`. Take it unless one opening has several parts.
+    #[default]
+    Connected,
+    /// All parts of the end in the plane. Take it where a plate, a body or a wall divides the
+    /// opening.
+    Whole,
+}
+
 /// An inlet.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -85,6 +97,12 @@ pub struct InletFile {
     pub name: Option<Text>,
     /// A point of its plane inside the domain's section, m.
     pub at: Vector,
+    /// Parts of the domain's end in this plane that belong to it, default `Connected`.
+    #[serde(default)]
+    pub extent: Extent,
+    /// True if the other parts of the end are deliberately walls, default false: a note names them.
+    #[serde(default)]
+    pub closed: bool,
     /// Direction of the flow into the domain, dimensionless.
     pub towards: Vector,
     /// Length of its zone, m, rounded up to whole spacings; default five spacings or the support.
@@ -170,6 +188,12 @@ pub struct OutletFile {
     pub name: Option<Text>,
     /// A point of its plane inside the domain's section, m.
     pub at: Vector,
+    /// Parts of the domain's end in this plane that belong to it, default `Connected`.
+    #[serde(default)]
+    pub extent: Extent,
+    /// True if the other parts of the end are deliberately walls, default false: a note names them.
+    #[serde(default)]
+    pub closed: bool,
     /// Direction of the flow out of the domain, dimensionless.
     pub towards: Vector,
     /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.

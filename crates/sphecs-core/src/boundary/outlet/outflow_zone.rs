@@ -32,6 +32,10 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     pub patch: &'a Patch,
     /// Extent of the domain along the outlet's normal, m.
     pub extent: f64,
+    /// Volume flow that all inlets prescribe in this step, m³/s (m²/s in 2D); None without inlets.
+    pub inflow_rate: Option<f64>,
+    /// Area of the outlet over that of all outlets.
+    pub area_share: f64,
     /// Rows of the outflow particles in the arrays.
     pub rows: &'a [u32],
     /// Rows of the fluid upstream that the condition requested in its

@@ -1,6 +1,7 @@
 //! Boundary particles: inflow, outflow and wall.
 //!
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
+//! - [`outlet_balance`]: balance of a body force at an outlet
 //! - [`outlet_diagnostics`]: signs that an outlet condition does not suit the flow
 //! - [`outlet_registry`]: outlet conditions that plugins add
 //! - [`outlets`]: state, pressure, rates and motion of outflow particles
@@ -12,6 +13,7 @@
 //! The conditions are in `sphecs_core::boundary`; the systems here call them.
 
 pub mod inlets;
+pub mod outlet_balance;
 pub mod outlet_diagnostics;
 pub mod outlet_registry;
 pub mod outlets;
