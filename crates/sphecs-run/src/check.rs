@@ -14,9 +14,9 @@ use sphecs_core::format::{bytes, duration, grouped, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::disk_estimate::DiskEstimate;
-use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
 use sphecs_scene::flow_path::{FlowPath, flow_path};
 use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
+use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
 use sphecs_scene::passage::{Passage, narrowest_passage};
 use sphecs_scene::summary::{steps_to, summary};
 use sphecs_scene::wall_particles::overlapping_parts;
@@ -254,7 +254,8 @@ const LARGEST_COMPRESSION: f64 = 0.01;
 /// Returns a note on a fluid that its weight compresses by more than a percent.
 fn weight_note(scene: &Scene) -> Option<String> {
     let (low, high) = scene.domain.bounds();
-    let middle = (0.5 * (low + high)).with_z(if scene.dimensions == 2 { 0.0 } else { 0.5 * (low.z + high.z) });
+    let middle =
+        (0.5 * (low + high)).with_z(if scene.dimensions == 2 { 0.0 } else { 0.5 * (low.z + high.z) });
     let force = match &scene.body_force {
         BodyForce::Constant(force) => *force,
         BodyForce::Expression(components) => {

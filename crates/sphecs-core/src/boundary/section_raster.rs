@@ -92,7 +92,7 @@ mod tests {
         let mut state = 1_u32;
         let mut random = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state) / f64::from(u32::MAX) * 6.0 - 3.0
+            f64::from(state) / f64::from(u32::MAX) * 4.0 - 2.0
         };
         for _ in 0..2000 {
             let (x, y) = (random(), random());

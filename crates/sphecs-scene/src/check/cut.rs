@@ -44,10 +44,7 @@ pub struct CutPlane {
 impl CutPlane {
     /// Returns the sampled point at offsets along both directions, m.
     pub fn point(&self, offset: [f64; 2]) -> DVec3 {
-        self.at
-            + self.aside * self.inwards
-            + offset[0] * self.across[0]
-            + offset[1] * self.across[1]
+        self.at + self.aside * self.inwards + offset[0] * self.across[0] + offset[1] * self.across[1]
     }
 }
 
@@ -73,12 +70,12 @@ impl<'a> Cut<'a> {
         let (low, high) = bounds(&plane, site);
         let longest = (0..axes).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let cell = (CELL[axes - 1] * site.spacing).max(longest / MOST_CELLS[axes - 1]);
-        let counts: [usize; 2] =
-            std::array::from_fn(|axis| if axis < axes { ((high[axis] - low[axis]) / cell).ceil() as usize + 2 } else { 1 });
-        // The point of the plane is in the middle of a cell.
-        let first: [f64; 2] = std::array::from_fn(|axis| {
-            if axis < axes { (low[axis] / cell).floor() * cell } else { 0.0 }
+        let counts: [usize; 2] = std::array::from_fn(|axis| {
+            if axis < axes { ((high[axis] - low[axis]) / cell).ceil() as usize + 2 } else { 1 }
         });
+        // The point of the plane is in the middle of a cell.
+        let first: [f64; 2] =
+            std::array::from_fn(|axis| if axis < axes { (low[axis] / cell).floor() * cell } else { 0.0 });
         let mut cut = Self { site, plane, cell, first, counts, labels: Vec::new(), parts: Vec::new() };
         cut.labels = cut.inside();
         cut.find_parts();
@@ -196,7 +193,17 @@ impl<'a> Cut<'a> {
     /// Returns the number of the part at an offset, m, or next to it; 0 without any.
     fn number_at(&self, offset: [f64; 2]) -> usize {
         let mut found = 0;
-        for (along, aside) in [(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+        for (along, aside) in [
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (-1.0, 0.0),
+            (0.0, 1.0),
+            (0.0, -1.0),
+            (1.0, 1.0),
+            (-1.0, 1.0),
+            (1.0, -1.0),
+            (-1.0, -1.0),
+        ] {
             let near = [offset[0] + along * self.cell, offset[1] + aside * self.cell];
             let label = self.cell_at(near).map_or(0, |cell| usize::from(self.labels[cell]));
             if label > 0 && found == 0 {
@@ -212,12 +219,6 @@ impl<'a> Cut<'a> {
         number > 0
             && self.parts[number - 1].is_open
             && self.site.domain.contains(self.plane.point(offset), 0.0)
-    }
-
-    /// Returns true if an offset, m, is in an open part or within a cell of it.
-    pub fn is_near_open(&self, offset: [f64; 2]) -> bool {
-        let number = self.number_at(offset);
-        number > 0 && self.parts[number - 1].is_open
     }
 
     /// Returns lower and upper corner of the bounding rectangle of the open parts, to a cell, m.

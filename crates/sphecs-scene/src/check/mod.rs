@@ -155,9 +155,9 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
 
 /// Returns true if an opening covers a part of the domain's end.
 fn is_covered(part: &UnopenedPart, patches: &[&Patch], spacing: f64) -> bool {
-    patches.iter().any(|patch| {
-        patch.along(part.at).abs() < 0.01 * spacing && patch.covers(part.at, 0.25 * spacing)
-    })
+    patches
+        .iter()
+        .any(|patch| patch.along(part.at).abs() < 0.01 * spacing && patch.covers(part.at, 0.25 * spacing))
 }
 
 /// Checks the fluid, the body force and the initial state.

@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::cut::{Cut, CutPart, CutPlane};
 use super::patches::Site;
-use crate::geometry::{Clip, Shape};
 use crate::geometry::measure::exit_distance;
+use crate::geometry::{Clip, Shape};
 use crate::model::Patch;
 use crate::schema::Extent;
 use sphecs_core::boundary::section_raster::SectionRaster;
@@ -168,10 +169,8 @@ fn covered(patch: &Patch, plane: CutPlane, cut: &Cut<'_>, site: &Site<'_>) -> f6
     for i in 0..count {
         for j in 0..count {
             let place = |index: i32| (f64::from(index) + 0.5) / f64::from(count) * 2.0 - 1.0;
-            let offset = [
-                centre[0] + place(i) * patch.half_extent[0],
-                centre[1] + place(j) * patch.half_extent[1],
-            ];
+            let offset =
+                [centre[0] + place(i) * patch.half_extent[0], centre[1] + place(j) * patch.half_extent[1]];
             inside += i32::from(cut.is_open(offset));
         }
     }
@@ -204,19 +203,20 @@ const RASTER_CELL: [f64; 2] = [1.0 / 64.0, 0.125];
 /// Largest number of cells of a raster along a direction, in 2D and 3D.
 const MOST_RASTER_CELLS: [f64; 2] = [1e6, 2000.0];
 
+/// Number of samples along a direction of a cell at the edge of a section.
+const EDGE_SAMPLES: usize = 8;
+
 /// Returns the raster of the open parts of a cut, about the centre of the patch.
 ///
-/// With the signed distance d of a cell's middle in the plane and the width w of a cell, the cell
-/// contributes the share ½ − d/w of its area, limited to 0 to 1, and the share (1 − |d|/2w)/2w of
-/// its area to the perimeter (a smoothed delta function of d).
+/// The area is the sum of the shares φ of the cells in the section, which are sampled for cells at
+/// its edge. The perimeter is the total variation of φ, Σ |∇φ| w² with the width w of a cell.
 fn raster(patch: &Patch, plane: CutPlane, cut: &Cut<'_>, site: &Site<'_>) -> MeasuredRaster {
     let axes = site.dimensions - 1;
     let longest = patch.half_extent[0].max(patch.half_extent[1]);
     let cell = (RASTER_CELL[axes - 1] * site.spacing).max(2.0 * longest / MOST_RASTER_CELLS[axes - 1]);
-    // Room for the edge and the smoothed perimeter.
-    let counts = [0, 1].map(|axis| {
-        if axis < axes { (2.0 * patch.half_extent[axis] / cell).ceil() as usize + 8 } else { 1 }
-    });
+    // Room for the edge.
+    let counts = [0, 1]
+        .map(|axis| if axis < axes { (2.0 * patch.half_extent[axis] / cell).ceil() as usize + 4 } else { 1 });
     let centre = [0, 1].map(|axis| (patch.at - plane.at).dot(patch.across[axis]));
     let offset = |index: usize| -> [f64; 2] {
         let place = [index % counts[0], index / counts[0]];
@@ -224,38 +224,40 @@ fn raster(patch: &Patch, plane: CutPlane, cut: &Cut<'_>, site: &Site<'_>) -> Mea
             centre[axis] + (place[axis] as f64 - 0.5 * (counts[axis] as f64 - 1.0)) * cell
         })
     };
+    let cells: Vec<bool> =
+        (0..counts[0] * counts[1]).into_par_iter().map(|at| cut.is_open(offset(at))).collect();
+    // Cells are their own neighbours at the edge of the raster, outside the section.
+    let next = |at: usize, axis: usize| {
+        let (stride, place) = if axis == 0 { (1, at % counts[0]) } else { (counts[0], at / counts[0]) };
+        [if place > 0 { at - stride } else { at }, if place + 1 < counts[axis] { at + stride } else { at }]
+    };
+    let is_edge = |at: usize| {
+        let rows = next(at, 1);
+        let around = [rows[0], at, rows[1]].map(|row| next(row, 0));
+        let differs = |other: usize| cells[other] != cells[at];
+        rows.into_iter().any(differs) || around.into_iter().flatten().any(differs)
+    };
+    let share = |at: usize| {
+        if !is_edge(at) {
+            return f64::from(u8::from(cells[at]));
+        }
+        let middle = offset(at);
+        let count = if axes == 2 { EDGE_SAMPLES * EDGE_SAMPLES } else { EDGE_SAMPLES };
+        let sample = |index: usize| {
+            let place = [index % EDGE_SAMPLES, index / EDGE_SAMPLES];
+            let aside = |axis: usize| ((place[axis] as f64 + 0.5) / EDGE_SAMPLES as f64 - 0.5) * cell;
+            [middle[0] + aside(0), middle[1] + if axes == 2 { aside(1) } else { 0.0 }]
+        };
+        (0..count).filter(|&index| cut.is_open(sample(index))).count() as f64 / count as f64
+    };
+    let shares: Vec<f64> = (0..cells.len()).into_par_iter().map(share).collect();
     let size = cell.powi(axes as i32);
-    let (mut area, mut perimeter) = (0.0, 0.0);
-    let mut cells = vec![false; counts[0] * counts[1]];
-    let mut index = 0;
-    while index < cells.len() {
-        let row_end = (index / counts[0] + 1) * counts[0];
-        let point = plane.point(offset(index));
-        let distance = site.domain.signed_distance(point);
-        if distance.abs() > 3.0 * cell {
-            // The domain has no edge up to this distance, along which one part remains itself.
-            let next = row_end.min(index + ((distance.abs() / cell) as usize - 2).max(1));
-            if distance < 0.0 && cut.is_open(offset(index)) {
-                cells[index..next].fill(true);
-                area += size * (next - index) as f64;
-            }
-            index = next;
-            continue;
-        }
-        cells[index] = distance <= 0.0 && cut.is_open(offset(index));
-        // A cell at the edge belongs to the part that it touches.
-        if cut.is_near_open(offset(index)) {
-            let slope = |axis: usize| {
-                let step = 0.5 * cell * patch.across[axis];
-                (site.domain.signed_distance(point + step) - site.domain.signed_distance(point - step)) / cell
-            };
-            let steepness = if axes == 2 { slope(0).hypot(slope(1)) } else { slope(0).abs() };
-            let distance = distance / steepness.max(0.1);
-            area += size * (0.5 - distance / cell).clamp(0.0, 1.0);
-            perimeter += size * (1.0 - 0.5 * distance.abs() / cell).max(0.0) / (2.0 * cell);
-        }
-        index += 1;
-    }
+    let slope = |at: usize, axis: usize| {
+        let [before, behind] = next(at, axis);
+        (shares[behind] - shares[before]) / (2.0 * cell)
+    };
+    let area = shares.iter().sum::<f64>() * size;
+    let perimeter = (0..cells.len()).map(|at| slope(at, 0).hypot(slope(at, 1))).sum::<f64>() * size;
     MeasuredRaster { raster: SectionRaster::new(cell, counts, &cells), area, perimeter }
 }
 

@@ -6,8 +6,8 @@ use super::checker::Checker;
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill;
-use crate::model::{Patch,
-    BodyForce, OutputSettings, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
+use crate::model::{
+    BodyForce, OutputSettings, Patch, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
 };
 use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
 use crate::summary;

@@ -56,7 +56,12 @@ impl<'a> OutletForce<'a> {
     /// Returns the force at an outlet at a time, s; None in a scene without a body force.
     pub fn new(scene: &'a Scene, patch: &'a Patch, balance: &OutletBalance, time: f64) -> Option<Self> {
         let is_absent = matches!(scene.body_force, BodyForce::Constant(DVec3::ZERO));
-        (!is_absent).then_some(Self { scene, patch, time, gradient: balance.gradient })
+        (!is_absent).then_some(Self {
+            scene,
+            patch,
+            time,
+            gradient: balance.gradient,
+        })
     }
 
     fn at(&self, point: DVec3) -> DVec3 {
@@ -69,9 +74,10 @@ impl<'a> OutletForce<'a> {
         let path = point - self.patch.at - self.patch.towards * along;
         let across = match &self.scene.body_force {
             BodyForce::Constant(force) => force.dot(path),
-            BodyForce::Expression(_) => {
-                GAUSS.iter().map(|(node, weight)| weight * self.at(self.patch.at + path * *node).dot(path)).sum()
-            }
+            BodyForce::Expression(_) => GAUSS
+                .iter()
+                .map(|(node, weight)| weight * self.at(self.patch.at + path * *node).dot(path))
+                .sum(),
         };
         self.scene.fluid.density * across + self.gradient * along
     }

@@ -26,7 +26,7 @@ use crate::pass::fits::PointFlow;
 use crate::pass::pair_real::PairReal;
 use oblique_waves::{ObliqueSetting, ObliqueWaves};
 use plane_waves::{PlaneSetting, PlaneWaves};
-use prescribed_flow::{InflowStep, PrescribedFlow};
+use prescribed_flow::{InflowStep, Prescribed, PrescribedFlow};
 use propagation::Propagation;
 
 /// Travel times of sound along the section over which the velocity at its points is followed. A
@@ -64,6 +64,10 @@ pub struct NonReflecting {
     deviation: [Vec<f64>; 2],
 }
 
+/// Distance inside the plane of the mean of the fluid, in spacings: one layer, and less than a third
+/// of one since a kernel that the plane cuts sees further inwards.
+const SAMPLED_LAYERS: f64 = 1.3;
+
 impl NonReflecting {
     /// Returns the points at which the fluid must be known.
     pub fn section(&mut self, flow: &FlowProperties<'_>, patch: &Patch) -> &SectionPoints {
@@ -97,9 +101,13 @@ impl NonReflecting {
                 passage: zone.extent / sound_speed,
                 time_step,
             }),
-            None => 0.0,
+            None => Prescribed::default(),
         };
-        let plane = self.plane.advance(&setting, mean.pressure, mean.velocity - prescribed, time_step);
+        // The mean is that of the fluid inside the plane; the pressure falls towards the plane while
+        // the flow accelerates.
+        let fall = density * prescribed.acceleration * SAMPLED_LAYERS * flow.spacing;
+        let velocity = mean.velocity - prescribed.velocity;
+        let plane = self.plane.advance(&setting, mean.pressure - fall, velocity, time_step);
         self.pressure.clear();
         self.pressure.resize(fitted.len(), plane);
         if waves == Waves::All {
