@@ -3,11 +3,24 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::section_raster::SectionRaster;
 
 /// Largest 1 − |n·e| at which the normal n of a patch counts as parallel to an axis e.
 const PARALLEL_TO_AXIS: f64 = 1e-9;
+
+/// Parts of the domain's end that belong to an opening.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Extent {
+    /// The connected part that contains `at`. Take it unless one opening has several parts.
+    #[default]
+    Connected,
+    /// All parts of the end in the plane. Take it where a plate, a body or a wall divides the
+    /// opening.
+    Whole,
+}
 
 /// A plane opening of the domain with its zone of inflow or outflow particles.
 #[derive(Clone, Debug)]

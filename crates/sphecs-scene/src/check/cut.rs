@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::patches::Site;
-use crate::schema::Extent;
+use sphecs_core::boundary::patch::Extent;
 
 /// Width of a cell, in spacings, in 2D and 3D: particles do not resolve what is smaller.
 const CELL: [f64; 2] = [1.0 / 32.0, 0.25];

@@ -7,7 +7,8 @@ use super::section::{across, exit, measure};
 use crate::faults::Fault;
 use crate::geometry::Shape;
 use crate::model::{Patch, UnopenedPart};
-use crate::schema::{Extent, Number, Text, Vector};
+use crate::schema::{Number, Text, Vector};
+use sphecs_core::boundary::patch::Extent;
 
 /// Largest number of layers of a zone, more than any flow needs; it bounds the number of particles.
 const MOST_LAYERS: f64 = 1e4;

@@ -11,7 +11,7 @@ use super::patches::Site;
 use crate::geometry::measure::exit_distance;
 use crate::geometry::{Clip, Shape};
 use crate::model::Patch;
-use crate::schema::Extent;
+use sphecs_core::boundary::patch::Extent;
 use sphecs_core::boundary::section_raster::SectionRaster;
 
 /// Returns the unit vectors that span the plane, y and z for a flow along x; the second is zero in

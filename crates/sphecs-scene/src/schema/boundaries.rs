@@ -8,6 +8,7 @@ use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
 use sphecs_core::boundary::inlet::{Feed, InletPressure};
 use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::boundary::patch::Extent;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// The walls.
@@ -73,18 +74,6 @@ pub enum WallFillFile {
         #[serde(default)]
         first: FirstRing,
     },
-}
-
-/// Parts of the domain's end that belong to an opening.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum Extent {
-    /// The connected part that contains `at`. Take it unless one opening has several parts.
-    #[default]
-    Connected,
-    /// All parts of the end in the plane. Take it where a plate, a body or a wall divides the
-    /// opening.
-    Whole,
 }
 
 /// An inlet.

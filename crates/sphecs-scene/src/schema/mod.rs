@@ -20,9 +20,7 @@ mod output;
 mod shapes;
 
 pub use bodies::BodyFile;
-pub use boundaries::{
-    Extent, InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile,
-};
+pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile};
 pub use output::{OutputFile, ProbeFile, ProbeKindFile};
 pub use shapes::{BendSectionFile, ShapeFile};
 
