@@ -3,30 +3,34 @@
 //! ```text
 //! U(t) = s Q(t)/A                    Q volume flow of all inlets, A area of the outlet
 //! s = ⟨q Q⟩/⟨Q²⟩                     share of the outlet, q its measured volume flow
-//! ũ = D w,   w = 2 U − D ũ           D delays a slow signal by T = L/c0
-//! D: 15 y + 15 T dy/dt + 6 T² d²y/dt² + T³ d³y/dt³ = 15 x
+//! ũ = 2 e − f,   de/dt = (U − e)/τ,  df/dt = (e − f)/τ,  τ = T/√2
 //! ```
 //!
 //! A nearly incompressible flow leaves as it enters, so that U is known before sound has brought
 //! the message. With it the outlet tells the acceleration of the flow from sound. Let plane sound
-//! travel through a duct of length L with the velocity U(t) at its inlet, and let the incoming wave
-//! at its outlet be −½ ρ0 c0 ũ. Then the pressures are, for the frequency ω,
+//! travel through a duct of length L with the velocity U(t) at its inlet in T = L/c0, and let the
+//! incoming wave at its outlet be −½ ρ0 c0 ũ. Then the pressures are, for the frequency ω,
 //!
 //! ```text
 //! p(outlet) = ρ0 c0 e^(−iωT) (U − ũ cos ωT)      0 for ũ = U/cos ωT
 //! p(inlet)  = ρ0 c0 (U − ũ e^(−iωT))             then i ρ0 c0 U tan ωT = ρ0 L dU/dt + …
 //! ```
 //!
-//! That is the response of a duct that ends at a given pressure. With an exact delay, ũ = D w would
-//! be U/cos ωT, and resonate at a quarter wavelength. A Bessel filter of third order (Thomson 1949)
-//! in its place is exact up to the terms with (ωT)², damps the resonance and suppresses what is
-//! shorter than T: a pulse of the inlet is sound, which must pass. Without U the outlet answers with
-//! the impedance of a long pipe, ρ0 c0, and the error is of the order of ρ0 L dU/dt.
+//! That is the response of a duct that ends at a given pressure. The filter has ũ = U/cos ωT up to
+//! terms of the order of (ωT)³, with which p(outlet) is 0.7 (ωT)³ ρ0 c0 U. Without U the outlet
+//! answers with the impedance of a long pipe, ρ0 c0, and the error is of the order of ρ0 L dU/dt.
+//!
+//! A pulse of the inlet that is shorter than T is sound, which must pass: the filter suppresses it.
+//! It has no resonance. A filter that follows 1/cos ωT further towards its pole at a quarter
+//! wavelength rings there after every start (docs/notebook/2026-11-26-openings.md).
 //!
 //! Of several outlets each has the share s that it has had, a regression whose means ⟨⟩ fade over
 //! [`SHARE_PASSAGES`] of T. It begins with the share of the area.
 
 use serde::{Deserialize, Serialize};
+
+/// Time constant τ of the filter, in T.
+const FILTER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Time over which the share of an outlet is followed, in travel times of sound T.
 const SHARE_PASSAGES: f64 = 40.0;
@@ -35,9 +39,8 @@ const SHARE_PASSAGES: f64 = 40.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrescribedFlow {
-    /// Delayed signals ũ = D w and D ũ, each with its first two derivatives, in m/s and units of T;
-    /// None before the first step.
-    pub delayed: Option<[[f64; 3]; 2]>,
+    /// Stages e and f of the filter, m/s; None before the first step.
+    pub stages: Option<[f64; 2]>,
     /// Means ⟨q Q⟩ and ⟨Q²⟩, m⁶/s² (m⁴/s² in 2D); None before the first flow.
     pub means: Option<[f64; 2]>,
 }
@@ -73,16 +76,13 @@ impl PrescribedFlow {
     pub fn advance(&mut self, step: &InflowStep) -> Prescribed {
         let velocity = self.share(step) * step.inflow / step.area;
         // A flow already in motion is not a pulse.
-        let delayed = self.delayed.get_or_insert([[velocity, 0.0, 0.0]; 2]);
-        // The midpoint rule in time over T, in parts that are short against the filter.
-        let time = step.time_step / step.passage;
-        let parts = (time / LONGEST_PART).ceil().max(1.0);
-        let part = time / parts;
-        for _ in 0..parts as usize {
-            let middle = moved(delayed, &rates(delayed, velocity), 0.5 * part);
-            *delayed = moved(delayed, &rates(&middle, velocity), part);
-        }
-        Prescribed { velocity: delayed[0][0], acceleration: delayed[0][1] / step.passage }
+        let [first, second] = self.stages.get_or_insert([velocity; 2]);
+        let time = FILTER * step.passage;
+        let share = -(-step.time_step / time).exp_m1();
+        *first += share * (velocity - *first);
+        *second += share * (*first - *second);
+        let acceleration = (2.0 * (velocity - *first) - (*first - *second)) / time;
+        Prescribed { velocity: 2.0 * *first - *second, acceleration }
     }
 
     /// Follows and returns the share of the outlet in the inflow.
@@ -104,22 +104,6 @@ impl PrescribedFlow {
     }
 }
 
-/// Longest part of a step, in T: the fastest rate of the filters is about 3/T.
-const LONGEST_PART: f64 = 0.1;
-
-/// Returns the rates of the delayed signals for a velocity U, m/s, in units of T.
-fn rates([own, fed_back]: &[[f64; 3]; 2], velocity: f64) -> [[f64; 3]; 2] {
-    let filter = |[y, first, second]: &[f64; 3], input: f64| {
-        [*first, *second, 15.0 * (input - y) - 15.0 * first - 6.0 * second]
-    };
-    [filter(own, 2.0 * velocity - fed_back[0]), filter(fed_back, own[0])]
-}
-
-/// Returns signals moved by their rates over a time in T.
-fn moved(signals: &[[f64; 3]; 2], rates: &[[f64; 3]; 2], time: f64) -> [[f64; 3]; 2] {
-    std::array::from_fn(|filter| std::array::from_fn(|at| signals[filter][at] + time * rates[filter][at]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,7 +117,7 @@ mod tests {
         let mut flow = PrescribedFlow::default();
         let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
         for step in 0..20_000 {
-            // A period of 10 passages.
+            // A period of 10 passages: 0.7 (ωT)³ is 0.17.
             let phase = TAU * f64::from(step) * 1e-3;
             let velocity = 0.3 + 0.1 * phase.sin();
             let found = flow.advance(&InflowStep { inflow: velocity * 0.5, ..STEP }).velocity;
@@ -143,8 +127,8 @@ mod tests {
                 largest = largest.max(found);
             }
         }
-        assert!(worst < 0.006, "{worst} m/s off");
-        assert!((largest - 0.4236).abs() < 0.005, "{largest} m/s");
+        assert!(worst < 0.02, "{worst} m/s off");
+        assert!((largest - 0.4236).abs() < 0.015, "{largest} m/s");
     }
 
     #[test]
