@@ -19,14 +19,17 @@ pub struct OpeningFigures {
     pub velocities: Vec<(f64, f64)>,
 }
 
-/// Returns the figures of the inlets, then of the outlets, at the beginning, in the middle and at
-/// the end of a run to `until`, s.
+/// Number of intervals in which times of a run are sampled.
+const INTERVALS: u32 = 1000;
+
+/// Returns the figures of the inlets, then of the outlets, at the beginning of a run to `until`, s,
+/// and when all inlets together bring in least and most.
 ///
 /// What all inlets bring in leaves by a single outlet, as the fluid is nearly incompressible.
 pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
     let points: Vec<_> = scene.inlets.iter().map(|inlet| section_points(inlet, scene)).collect();
     let inflow = |number: usize, time: f64| volume_flow(&scene.inlets[number], &points[number], scene, time);
-    let times = [0.0, 0.5 * until, until];
+    let times = extreme_times(until, |time| (0..points.len()).map(|number| inflow(number, time)).sum());
     let figures = |patch: &Patch, flow: &dyn Fn(f64) -> Option<f64>| OpeningFigures {
         name: patch.name.clone(),
         area: patch.area,
@@ -43,4 +46,23 @@ pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
     let total = |time: f64| is_only.then(|| (0..scene.inlets.len()).map(|number| inflow(number, time)).sum());
     let outlets = scene.outlets.iter().map(|outlet| figures(&outlet.patch, &total));
     inlets.chain(outlets).collect()
+}
+
+/// Returns the times, s, of the beginning, of the smallest and of the largest value.
+fn extreme_times(until: f64, value: impl Fn(f64) -> f64) -> [f64; 3] {
+    let until = if until.is_finite() { until } else { 0.0 };
+    let times = (0..=INTERVALS).map(|index| until * f64::from(index) / f64::from(INTERVALS));
+    let mut found = [(0.0, value(0.0)); 2];
+    for time in times {
+        let value = value(time);
+        // Rounding must not move the time of a steady flow.
+        let slack = 1e-9 * value.abs();
+        if value < found[0].1 - slack {
+            found[0] = (time, value);
+        }
+        if value > found[1].1 + slack {
+            found[1] = (time, value);
+        }
+    }
+    [0.0, found[0].0, found[1].0]
 }
