@@ -13,7 +13,10 @@ mod sample_fields;
 #[path = "../examples/sweep.rs"]
 mod sweep;
 
-use sphecs::{Scene, SceneLoader, Simulation, SimulationBuilder};
+use sphecs::glam::DVec3;
+use sphecs::{
+    AddedForces, ParticleState, Plugin, PluginContext, Scene, SceneLoader, Simulation, SimulationBuilder,
+};
 
 fn quickstart() -> SceneLoader {
     Scene::from_file("scenes/quickstart.ron").smoke()
@@ -24,6 +27,41 @@ fn own_force_records_a_growing_inflow() {
     let record = own_force::run(quickstart().load().expect("a scene"), 0.4).expect("a run");
     assert!(record.is_sorted_by(|a, b| a.0 < b.0 && a.1 <= b.1), "{record:?}");
     assert!(record.last().is_some_and(|(time, entered)| *time >= 0.4 && *entered > 0), "{record:?}");
+}
+
+/// Porous plug of the tutorial on own forces.
+struct PorousPlug {
+    /// Rate of the drag, 1/s.
+    rate: f64,
+}
+
+impl Plugin for PorousPlug {
+    fn build(&self, context: &mut PluginContext<'_>) {
+        let rate = self.rate;
+        // The markers name the lines that the tutorial shows.
+        #[rustfmt::skip]
+        // ANCHOR: drag
+let force = move |particle: &ParticleState| {
+    let inside = particle.position.x > 0.12 && particle.position.x < 0.16;
+    if inside { -rate * particle.velocity } else { DVec3::ZERO }
+};
+        // ANCHOR_END: drag
+        context.world.get_resource_or_init::<AddedForces>().add(force);
+    }
+}
+
+#[test]
+fn porous_plug_raises_the_pressure_upstream() {
+    let pressure = |rate: f64| {
+        let scene = quickstart().load().expect("a scene");
+        let mut simulation =
+            Simulation::builder(scene).plugin(PorousPlug { rate }).build().expect("a simulation");
+        simulation.run_until(0.6).expect("a run");
+        let at = [DVec3::new(0.1, 0.0, 0.0)];
+        simulation.sample(&at)[0].expect("fluid").pressure
+    };
+    let (free, plugged) = (pressure(0.0), pressure(50.0));
+    assert!(plugged > free + 20.0, "{plugged} Pa with the plug, {free} Pa without");
 }
 
 #[test]

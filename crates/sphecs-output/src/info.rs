@@ -3,9 +3,12 @@
 use std::fmt::Write;
 
 use super::error::OutputError;
+use super::forces;
+use super::forces::means::Means;
 use super::frame::Frame;
 use super::results::Results;
 use super::summary::Status;
+use sphecs_core::format::{bytes, duration, grouped, significant};
 use sphecs_core::particles::zone::Zone;
 
 /// Returns scene, status, frames, particle counts, ledger and the ranges of the fields in the last
@@ -34,19 +37,27 @@ pub fn describe(results: &Results) -> Result<String, OutputError> {
     );
     line(
         "resolution",
-        format!("Δ = {} m, h = {:.4} m, {}", header.spacing, header.smoothing_length, header.kernel),
+        format!(
+            "Δ = {} m, h = {} m, {}",
+            significant(header.spacing),
+            significant(header.smoothing_length),
+            header.kernel
+        ),
     );
     line(
         "fluid",
         format!(
             "ρ0 = {} kg/m³, ν = {} m²/s, c0 = {} m/s",
-            header.reference_density, header.viscosity, header.sound_speed
+            significant(header.reference_density),
+            significant(header.viscosity),
+            significant(header.sound_speed)
         ),
     );
     line("status", status(results));
     if summary.status != Status::Running {
-        line("reached", format!("t = {:.4} s of {} s in {} steps", summary.time, header.end, summary.steps));
-        line("wall time", format!("{:.1} s", summary.wall_time));
+        let (time, end) = (significant(summary.time), significant(header.end));
+        line("reached", format!("t = {time} s of {end} s in {} steps", grouped(summary.steps)));
+        line("wall time", duration(summary.wall_time));
     }
     line("frames", frames(results));
     if let Some(last) = results.len().checked_sub(1) {
@@ -57,11 +68,35 @@ pub fn describe(results: &Results) -> Result<String, OutputError> {
         }
         for (name, values, unit) in fields(&frame) {
             if let Some((low, high)) = range(&frame, &values) {
-                line(name, format!("{low:.5} to {high:.5} {unit}").trim_end().to_owned());
+                let (low, high) = (significant(low.into()), significant(high.into()));
+                line(name, format!("{low} to {high} {unit}"));
             }
         }
     }
+    for (body, means) in forces::read_history(&results.folder, header)?.means {
+        line(&format!("body {body}"), coefficients(&means));
+    }
     Ok(text)
+}
+
+/// Returns the means of the force coefficients of a body over the part of its interval that the
+/// run has covered.
+fn coefficients(means: &Means) -> String {
+    let Some((from, to)) = means.covered() else {
+        return "no coefficients: the run has not reached the interval of the mean".to_owned();
+    };
+    let get = |name: &str| significant(means.get(name));
+    let mut text = format!(
+        "c_d = {} ± {}, c_l = {} ± {}",
+        get("c_d_mean"),
+        get("c_d_amplitude"),
+        get("c_l_mean"),
+        get("c_l_amplitude")
+    );
+    if means.get("strouhal").is_finite() {
+        text += &format!(", St = {}", get("strouhal"));
+    }
+    format!("{text} from {} to {} s", significant(from), significant(to))
 }
 
 fn status(results: &Results) -> String {
@@ -82,8 +117,13 @@ fn frames(results: &Results) -> String {
         return "none".to_owned();
     };
     let place = if results.is_packed() { "particles.nc" } else { "journal" };
-    let size = results.bytes() as f64 / 1e6;
-    format!("{} from {first:.4} s to {last:.4} s, {size:.1} MB in {place}", times.len())
+    format!(
+        "{} from {} s to {} s, {} in {place}",
+        times.len(),
+        significant(*first),
+        significant(*last),
+        bytes(results.bytes())
+    )
 }
 
 fn counts(frame: &Frame) -> String {

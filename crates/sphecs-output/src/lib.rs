@@ -22,6 +22,7 @@ pub mod header;
 pub mod info;
 pub mod journal;
 pub mod lock;
+mod mean_interval;
 pub mod monitor;
 mod netcdf;
 pub mod pack;

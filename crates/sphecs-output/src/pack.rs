@@ -27,6 +27,8 @@ pub struct Packed {
     pub frames: usize,
     /// Files written.
     pub files: Vec<PathBuf>,
+    /// Remarks for the user: means whose interval the run did not complete.
+    pub notes: Vec<String>,
 }
 
 /// Packs the run in a folder.
@@ -55,8 +57,8 @@ pub fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError
     }
     remove_folder(&folder.join(PACKED_JOURNAL))?;
     packed.files.extend(monitor::pack(folder, header)?);
-    packed.files.extend(probes::results::pack(folder, header)?);
-    packed.files.extend(forces::pack(folder, header)?);
+    probes::results::pack(folder, header, &mut packed)?;
+    forces::pack(folder, header, &mut packed)?;
     Ok(packed)
 }
 

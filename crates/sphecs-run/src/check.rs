@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use super::memory;
 use super::report::{scene_rows, scene_table};
+use super::run_state::LARGEST_MACH;
 use sphecs_core::format::{bytes, duration, grouped, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::simulation::{Simulation, Stop};
@@ -23,9 +24,6 @@ use sphecs_scene::wall_particles::overlapping_parts;
 
 /// Wanted number of particles across a passage.
 const WANTED_ACROSS: f64 = 10.0;
-
-/// Largest Mach number at which the density varies by about 1 %, as Monaghan (1994) recommends.
-const LARGEST_MACH: f64 = 0.1;
 
 /// Memory of buffers and libraries of the output: 25 and 37 MB in `scenes/quickstart.ron` and
 /// `scenes/duct3d.ron`.
@@ -245,6 +243,7 @@ fn notes(scene: &Scene, until: f64, passage: Option<&Passage>, path: Option<&Flo
             significant_two(path.passage_time())
         ));
     }
+    notes.extend(early_mean_note(scene, until, path));
     notes
 }
 
@@ -275,6 +274,28 @@ fn weight_note(scene: &Scene) -> Option<String> {
             significant_two((energy / LARGEST_COMPRESSION).sqrt())
         )
     })
+}
+
+/// Returns a note on time means that begin before the flow has passed once and could begin later.
+fn early_mean_note(scene: &Scene, until: f64, path: &FlowPath) -> Option<String> {
+    let passes = path.passage_time();
+    // The number of digits of the advice.
+    let is_early = |from: f64| from < 0.95 * passes && passes < until;
+    let probes = scene.output.probes.iter().filter_map(|probe| Some((&probe.name, probe.mean?.0)));
+    let bodies = scene.bodies.iter().filter(|body| body.reference.is_some());
+    let all = probes.chain(bodies.map(|body| (&body.name, body.mean.0)));
+    let early: Vec<String> =
+        all.filter(|(_, from)| is_early(*from)).map(|(name, _)| format!("`{name}`")).collect();
+    if early.is_empty() {
+        return None;
+    }
+    Some(format!(
+        "the time means of {} begin before the flow has passed once, in {} s: they contain the start, `mean` of \
+         ({}, …) leaves it out",
+        early.join(", "),
+        significant_two(passes),
+        significant_two(passes)
+    ))
 }
 
 /// Returns the size of the results by kind.

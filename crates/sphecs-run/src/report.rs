@@ -169,15 +169,17 @@ fn ledger(ledger: &Ledger, inlets: &[String], outlets: &[String]) -> String {
     two_columns(&rows)
 }
 
-/// Returns the folder of the results and the sizes of its files.
+/// Returns the folder of the results, the sizes of its files and the notes of packing.
 pub fn results(folder: &Path, packed: &Packed) -> String {
-    let mut rows = vec![("results", format!("{} ({} frames)", folder.display(), packed.frames))];
+    let plural = if packed.frames == 1 { "" } else { "s" };
+    let mut rows = vec![("results", format!("{} ({} frame{plural})", folder.display(), packed.frames))];
     for file in &packed.files {
         let size = std::fs::metadata(file).map_or(0, |data| data.len());
         let name = file.strip_prefix(folder).unwrap_or(file);
         rows.push(("", format!("{}  {}", name.display(), bytes(size))));
     }
-    two_columns(&rows)
+    let notes: String = packed.notes.iter().map(|note| format!("\n\nnote: {note}")).collect();
+    two_columns(&rows) + &notes
 }
 
 /// Returns the status of a run that the flow stopped, and advice to the user.

@@ -3,10 +3,18 @@
 use serde::{Deserialize, Serialize};
 
 use super::output_schedule::OutputInterval;
+use sphecs_core::format::significant;
 use sphecs_engine::systems::monitor::MonitorRow;
 
 /// Column of a checkpoint that holds this state.
 pub const COLUMN: &str = "run.log";
+
+/// Largest Mach number at which the density varies by about 1 %, as Monaghan (1994) recommends.
+pub const LARGEST_MACH: f64 = 0.1;
+
+/// Number of monitor rows that a speed must last: the first one after a sudden start may have a
+/// higher one.
+const FAST_ROWS: u32 = 3;
 
 /// Counters and schedules of the run loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +40,10 @@ pub struct RunState {
     pub output_time: f64,
     /// Wall time by stage of the processes before this one, s.
     pub stages: Vec<f64>,
+    /// Number of successive monitor rows with a speed above a tenth of the sound speed.
+    pub fast_rows: u32,
+    /// Notes of the run loop, those of the flow not included.
+    pub notes: Vec<String>,
 }
 
 impl RunState {
@@ -48,11 +60,58 @@ impl RunState {
             wall_time: 0.0,
             output_time: 0.0,
             stages: Vec::new(),
+            fast_rows: 0,
+            notes: Vec::new(),
         }
+    }
+
+    /// Records the largest speed of a monitor row and returns a note, once in a run, when it has
+    /// stayed above a tenth of the sound speed for [`FAST_ROWS`] rows.
+    ///
+    /// Both in m/s. From there on the density varies by more than 1 % (Monaghan 1994).
+    pub fn record_speed(&mut self, time: f64, speed: f64, sound_speed: f64) -> Option<&str> {
+        let noted = self.fast_rows >= FAST_ROWS;
+        self.fast_rows = match speed > LARGEST_MACH * sound_speed {
+            _ if noted => self.fast_rows,
+            true => self.fast_rows + 1,
+            false => 0,
+        };
+        if noted || self.fast_rows < FAST_ROWS {
+            return None;
+        }
+        self.notes.push(format!(
+            "speed, at t = {} s: the fastest particle has {} m/s, Mach {}, {LARGEST_MACH} or less is wanted: \
+             `fluid.sound_speed` of at least {} m/s",
+            significant(time),
+            significant(speed),
+            significant(speed / sound_speed),
+            significant(speed / LARGEST_MACH)
+        ));
+        self.notes.last().map(String::as_str)
     }
 
     /// Returns the wall time of a stage in all processes, s, with `seconds` spent in this one.
     pub fn stage(&self, index: usize, seconds: f64) -> f64 {
         self.stages.get(index).copied().unwrap_or(0.0) + seconds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lasting_speed_is_noted_once() {
+        let mut state = RunState::new(1.0, 0.1);
+        let mut notes = 0;
+        for (row, speed) in [1.2, 0.9, 1.2, 1.2, 1.3, 1.4, 0.5, 1.2, 1.2, 1.2].into_iter().enumerate() {
+            let note = state.record_speed(row as f64, speed, 10.0);
+            if let Some(note) = note {
+                assert_eq!(row, 4);
+                assert!(note.contains("1.3 m/s") && note.contains("at least 13 m/s"), "{note}");
+                notes += 1;
+            }
+        }
+        assert_eq!((notes, state.notes.len()), (1, 1));
     }
 }

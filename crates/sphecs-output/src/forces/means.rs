@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use super::spectrum::dominant_frequency;
 use crate::error::OutputError;
 use crate::header::Header;
+use crate::mean_interval::{cells, covered, note};
 use crate::paths::FORCES_MEAN_CSV;
 use crate::table::{Table, TableColumn, TableWriter, number, safe_names};
 
@@ -27,12 +28,21 @@ pub const QUANTITIES: [(&str, &str); 5] = [
 /// Quantities in the order of [`QUANTITIES`]; NaN with less than two rows, or without a frequency
 /// of the lift.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Means([f64; QUANTITIES.len()]);
+pub struct Means {
+    values: [f64; QUANTITIES.len()],
+    /// Part of the interval that the rows cover, s.
+    covered: Option<(f64, f64)>,
+}
 
 impl Means {
     /// Returns the quantity of a name.
     pub fn get(&self, name: &str) -> f64 {
-        QUANTITIES.iter().position(|(known, _)| *known == name).map_or(f64::NAN, |index| self.0[index])
+        QUANTITIES.iter().position(|(known, _)| *known == name).map_or(f64::NAN, |index| self.values[index])
+    }
+
+    /// Returns the part of the interval that the rows cover, s; None if it has no length.
+    pub fn covered(&self) -> Option<(f64, f64)> {
+        self.covered
     }
 }
 
@@ -51,19 +61,20 @@ pub(super) fn means_of_bodies(header: &Header, table: &Table) -> Vec<(String, Me
             let values = column(&format!("{coefficient}_{name}"));
             if body.five_point_mean { five_point_mean(&values) } else { values }
         });
+        let covered = covered(&times, body.mean);
         let within = |time: f64| time >= body.mean.0 && time <= body.mean.1;
         let rows: Vec<usize> = (0..times.len()).filter(|&row| within(times[row])).collect();
         let cut = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
         let (times, drag, lift) = (cut(&times), cut(&drag), cut(&lift));
         let frequency = dominant_frequency(&times, &lift).unwrap_or(f64::NAN);
-        let means = Means([
+        let values = [
             mean(&times, &drag),
             amplitude(&drag),
             mean(&times, &lift),
             amplitude(&lift),
             frequency * reference.length / reference.velocity,
-        ]);
-        found.push((name, means));
+        ];
+        found.push((name, Means { values, covered }));
     }
     found
 }
@@ -84,11 +95,20 @@ pub(super) fn write(
     let mut writer = TableWriter::create(&path, &columns)?;
     let with_reference = header.bodies.iter().filter(|body| body.reference.is_some());
     for (body, (_, means)) in with_reference.zip(found) {
-        let mut cells = vec![body.name.clone(), number(body.mean.0), number(body.mean.1)];
-        cells.extend(means.0.map(number));
-        writer.append([cells])?;
+        let mut row = vec![body.name.clone()];
+        row.extend(cells(means.covered));
+        row.extend(means.values.map(number));
+        writer.append([row])?;
     }
     Ok(Some(path))
+}
+
+/// Returns a note on each body whose interval the run did not complete.
+pub(super) fn notes(header: &Header, table: &Table) -> Vec<String> {
+    let times = table.columns.iter().position(|column| column.name == "time");
+    let times = times.map(|index| table.numbers(index)).unwrap_or_default();
+    let with_reference = header.bodies.iter().filter(|body| body.reference.is_some());
+    with_reference.filter_map(|body| note(&[body.name.as_str()], &times, body.mean)).collect()
 }
 
 /// Returns the running mean over five values, over fewer at the ends.

@@ -14,7 +14,7 @@
 pub mod means;
 pub mod spectrum;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use means::Means;
@@ -22,6 +22,7 @@ use means::Means;
 use super::error::OutputError;
 use super::header::{BodyHeader, Header};
 use super::netcdf::dataset::{Dataset, Variable};
+use super::pack::Packed;
 use super::paths::{FORCES_CSV, FORCES_NETCDF};
 use super::table::{Table, TableColumn, TableWriter, number, safe_names};
 use sphecs_core::pass::body::BodySum;
@@ -162,15 +163,15 @@ pub fn read_history(folder: &Path, header: &Header) -> Result<ForcesHistory, Out
     })
 }
 
-/// Writes `forces.nc` and `forces_mean.csv` from `forces.csv` and returns their paths; none without
-/// a CSV file.
+/// Writes `forces.nc` and `forces_mean.csv` from `forces.csv` and adds their paths to `packed`, with
+/// a note on each mean that the run did not complete; nothing without a CSV file.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
-pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError> {
+pub(crate) fn pack(folder: &Path, header: &Header, packed: &mut Packed) -> Result<(), OutputError> {
     let source = folder.join(FORCES_CSV);
     if !source.exists() {
-        return Ok(Vec::new());
+        return Ok(());
     }
     let table = Table::read(&source)?;
     let mut dataset =
@@ -188,7 +189,8 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError>
     }
     let path = folder.join(FORCES_NETCDF);
     dataset.write(&path, header)?;
-    let mut files = vec![path];
-    files.extend(means::write(folder, header, &found)?);
-    Ok(files)
+    packed.files.push(path);
+    packed.files.extend(means::write(folder, header, &found)?);
+    packed.notes.extend(means::notes(header, &table));
+    Ok(())
 }

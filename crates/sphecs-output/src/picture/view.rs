@@ -3,6 +3,7 @@
 use crate::error::OutputError;
 use crate::frame::Frame;
 use crate::header::Header;
+use sphecs_core::format::significant;
 
 /// Plane normal to an axis of a 3D flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,10 +56,11 @@ impl View {
         let at = if header.dimensions == 2 { 0.0 } else { slice.at.unwrap_or(middle) };
         if !(low[across]..=high[across]).contains(&at) {
             return Err(OutputError::Request(format!(
-                "slice at {} = {at} m: must lie in the domain, from {} to {} m",
+                "slice at {} = {} m: must lie in the domain, from {} to {} m",
                 ["x", "y", "z"][across],
-                low[across],
-                high[across]
+                significant(at),
+                significant(low[across]),
+                significant(high[across])
             )));
         }
         // A particle is in the middle of its volume.

@@ -5,24 +5,27 @@
 //! `p_u_mean`, …, follow the trapezoidal rule over the part of the interval that the run has
 //! covered.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::series::{Series, read, time_mean};
 use super::writer::{PLACE, columns, quantities};
 use crate::error::OutputError;
 use crate::header::{Header, ProbeShape};
+use crate::mean_interval::{cells, covered, note};
 use crate::netcdf::dataset::{Dataset, Variable};
+use crate::pack::Packed;
 use crate::paths::{PROBES_CSV, PROBES_MEAN_CSV, PROBES_NETCDF};
 use crate::table::{TableColumn, TableWriter, number};
 
-/// Writes `probes.nc` and, if means are declared, `probes_mean.csv`, and returns their paths.
+/// Writes `probes.nc` and, if means are declared, `probes_mean.csv`, and adds their paths to
+/// `packed`, with a note on each mean that the run did not complete.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
-pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError> {
+pub(crate) fn pack(folder: &Path, header: &Header, packed: &mut Packed) -> Result<(), OutputError> {
     let source = folder.join(PROBES_CSV);
     if !source.exists() {
-        return Ok(Vec::new());
+        return Ok(());
     }
     let (times, all) = read(&source, header)?;
     let mut dataset = Dataset {
@@ -41,21 +44,35 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Vec<PathBuf>, OutputError>
     let mut means = Vec::new();
     for series in &all {
         add_series(&mut dataset, header, series);
-        if let Some((from, to)) = series.probe.mean {
-            means.extend(add_means(&mut dataset, header, series, &times, (from, to)));
+        if let Some(interval) = series.probe.mean {
+            means.extend(add_means(&mut dataset, header, series, &times, interval));
         }
     }
     let target = folder.join(PROBES_NETCDF);
     dataset.write(&target, header)?;
-    let mut files = vec![target];
+    packed.files.push(target);
     if all.iter().any(|series| series.probe.mean.is_some()) {
         let path = folder.join(PROBES_MEAN_CSV);
         let mut columns = columns(header);
         columns.splice(0..1, [TableColumn::new("from", "s"), TableColumn::new("to", "s")]);
         TableWriter::create(&path, &columns)?.append(means)?;
-        files.push(path);
+        packed.files.push(path);
     }
-    Ok(files)
+    packed.notes.extend(notes(&all, &times));
+    Ok(())
+}
+
+/// Returns a note on the probes of each interval that the run did not complete.
+fn notes(all: &[Series], times: &[f64]) -> Vec<String> {
+    let mut by_interval: Vec<((f64, f64), Vec<&str>)> = Vec::new();
+    for series in all {
+        let Some(interval) = series.probe.mean else { continue };
+        match by_interval.iter_mut().find(|(other, _)| *other == interval) {
+            Some((_, names)) => names.push(&series.probe.name),
+            None => by_interval.push((interval, vec![&series.probe.name])),
+        }
+    }
+    by_interval.iter().filter_map(|(interval, names)| note(names, times, *interval)).collect()
 }
 
 fn add_series(dataset: &mut Dataset, header: &Header, series: &Series) {
@@ -114,14 +131,18 @@ fn add_means(
     header: &Header,
     series: &Series,
     times: &[f64],
-    (from, to): (f64, f64),
+    interval: (f64, f64),
 ) -> Vec<Vec<String>> {
-    let begin = times.first().map_or(from, |&first| first.max(from));
-    let end = times.last().map_or(from, |&last| last.min(to));
+    let covered = covered(times, interval);
+    let comment = match covered {
+        Some((from, to)) => format!("mean from {} s to {} s", number(from), number(to)),
+        None => format!("NaN: the run ended before {} s", number(interval.0)),
+    };
     let points = series.points();
     let mut rows: Vec<Vec<String>> = (0..points)
         .map(|point| {
-            let mut row = vec![number(begin), number(end), series.probe.name.clone(), point.to_string()];
+            let mut row = cells(covered).to_vec();
+            row.extend([series.probe.name.clone(), point.to_string()]);
             row.extend(series.places[point].map(number));
             row.extend([const { String::new() }; 7]);
             row
@@ -131,7 +152,7 @@ fn add_means(
         let mean_at = |point: usize| {
             let history: Vec<f64> =
                 series.values[quantity].iter().skip(point).step_by(points).copied().collect();
-            time_mean(times, &history, begin, end)
+            covered.map_or(f64::NAN, |(begin, end)| time_mean(times, &history, begin, end))
         };
         let values: Vec<f64> = (0..points).map(mean_at).collect();
         for (row, &value) in rows.iter_mut().zip(&values) {
@@ -146,7 +167,7 @@ fn add_means(
                 ("units", unit.to_owned()),
                 ("long_name", format!("time mean of {long_name}, probe {}", series.probe.name)),
                 ("cell_methods", "time: mean".to_owned()),
-                ("comment", format!("mean from {} s to {} s", number(begin), number(end))),
+                ("comment", comment.clone()),
                 ("coordinates", coordinates(header, series)),
             ],
         });
@@ -215,6 +236,28 @@ mod tests {
     }
 
     #[test]
+    fn means_of_an_interval_that_the_run_has_not_reached_are_missing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut header = header();
+        header.probes.iter_mut().for_each(|probe| probe.mean = Some((4.0, 5.0)));
+        let mut writer = ProbeWriter::create(folder.path(), &header, &probes()).expect("created");
+        for time in [0.0, 2.0] {
+            writer.append(&sample(time)).expect("written");
+        }
+        let mut packed = Packed::default();
+        pack(folder.path(), &header, &mut packed).expect("packed");
+        let means = Table::read(&folder.path().join(PROBES_MEAN_CSV)).expect("read");
+        let filled = |column: usize| means.numbers(column).iter().any(|value| !value.is_nan());
+        assert!(![0, 1].into_iter().chain(PLACE + 1..PLACE + 8).any(filled), "{:?}", means.rows);
+        assert_eq!(packed.notes.len(), 1, "{:?}", packed.notes);
+        assert!(
+            packed.notes[0].contains("`wake, behind`, `throat`, `tip` begin at 4 s"),
+            "{:?}",
+            packed.notes
+        );
+    }
+
+    #[test]
     fn samples_are_sorted_by_probe_and_means_cover_the_interval() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = ProbeWriter::create(folder.path(), &header(), &probes()).expect("created");
@@ -230,8 +273,9 @@ mod tests {
 
         assert_eq!(all[1].values[5], [500.0, 1000.0, 2000.0, 3000.0]);
 
-        let files = pack(folder.path(), &header).expect("packed");
-        assert!(files.iter().all(|file| file.exists()) && files.len() == 2);
+        let mut packed = Packed::default();
+        pack(folder.path(), &header, &mut packed).expect("packed");
+        assert!(packed.files.iter().all(|file| file.exists()) && packed.files.len() == 2);
         let means = Table::read(&folder.path().join(PROBES_MEAN_CSV)).expect("read");
         // The run ends at 2.5 s, half a second before the interval does.
         assert_eq!((means.numbers(0)[0], means.numbers(1)[0]), (1.0, 2.5));

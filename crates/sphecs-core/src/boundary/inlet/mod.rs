@@ -47,7 +47,8 @@ pub enum InletPressure {
     /// the inlet is known.
     #[default]
     Extrapolated,
-    /// A given pressure, Pa. Take it if the pressure at the inlet is known.
+    /// A given pressure, Pa. Take it for a stream of known pressure; elsewhere it disturbs the
+    /// density.
     Prescribed(f64),
 }
 
