@@ -67,8 +67,8 @@ pub(crate) fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3
     }
 }
 
-/// Adds the body force and the added forces to the accelerations of fluid particles. That on outflow
-/// particles depends on their pressure:
+/// Adds the body force and the added forces to the accelerations of fluid particles. That on
+/// outflow particles depends on their pressure:
 /// [`outlet_balance`](super::boundaries::outlet_balance).
 pub(crate) fn add_forces<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,

@@ -1,8 +1,8 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`cut`], [`section`], [`tables`], [`layout`],
-//!    [`walls`], [`scheme`], [`settings`]: one section of the file each
+//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`cut`], [`section`], [`tables`],
+//!    [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
 //! 4. [`consistency`]: faults that only the complete scene shows, once its parts are valid
 
@@ -113,11 +113,9 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         return None;
     }
     let BoundaryZones { zones, container, confines } = boundary_zones(&inlets, &outlets, &site);
-    let patches: Vec<_> =
-        inlets.iter().map(|inlet| &inlet.patch).chain(outlets.iter().map(|outlet| &outlet.patch)).collect();
+    let patches = patches_of(&inlets, &outlets);
     let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
-    let unopened = std::mem::take(&mut check.unopened);
-    let unopened = unopened.into_iter().filter(|part| !is_covered(part, &patches, spacing)).collect();
+    let unopened = unopened(check, &patches, spacing);
     let mut scene = Scene {
         name: source.name.to_owned(),
         title: file.title.value.clone(),
@@ -153,11 +151,18 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     Some(scene)
 }
 
-/// Returns true if an opening covers a part of the domain's end.
-fn is_covered(part: &UnopenedPart, patches: &[&Patch], spacing: f64) -> bool {
-    patches
-        .iter()
-        .any(|patch| patch.along(part.at).abs() < 0.01 * spacing && patch.covers(part.at, 0.25 * spacing))
+fn patches_of<'a>(inlets: &'a [Inlet], outlets: &'a [Outlet]) -> Vec<&'a Patch> {
+    let patches = inlets.iter().map(|inlet| &inlet.patch);
+    patches.chain(outlets.iter().map(|outlet| &outlet.patch)).collect()
+}
+
+/// Returns the parts of the domain's ends that no opening covers.
+fn unopened(check: &mut Checker<'_>, patches: &[&Patch], spacing: f64) -> Vec<UnopenedPart> {
+    let covers = |patch: &Patch, part: &UnopenedPart| {
+        patch.along(part.at).abs() < 0.01 * spacing && patch.covers(part.at, 0.25 * spacing)
+    };
+    let parts = std::mem::take(&mut check.unopened).into_iter();
+    parts.filter(|part| !patches.iter().any(|patch| covers(patch, part))).collect()
 }
 
 /// Checks the fluid, the body force and the initial state.

@@ -214,7 +214,7 @@ fn raster(patch: &Patch, plane: CutPlane, cut: &Cut<'_>, site: &Site<'_>) -> Mea
     let axes = site.dimensions - 1;
     let longest = patch.half_extent[0].max(patch.half_extent[1]);
     let cell = (RASTER_CELL[axes - 1] * site.spacing).max(2.0 * longest / MOST_RASTER_CELLS[axes - 1]);
-    // Room for the edge.
+    // With a margin for the edge.
     let counts = [0, 1]
         .map(|axis| if axis < axes { (2.0 * patch.half_extent[axis] / cell).ceil() as usize + 4 } else { 1 });
     let centre = [0, 1].map(|axis| (patch.at - plane.at).dot(patch.across[axis]));

@@ -25,16 +25,16 @@ pub enum OutletPressure {
         /// Time constant, s.
         time: f64,
     },
-    /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) about the mean
-    /// velocity. Take it for other flows.
+    /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) about the
+    /// mean velocity. Take it for other flows.
     NonReflecting {
         /// Mean pressure approached, Pa, default 0.
         #[serde(default)]
         target: f64,
         /// Time constant with which the mean velocity is followed, s, default that of the flow from
-        /// the inlets: the outlet knows the mean velocity that they cause, so that a slow flow leaves
-        /// at `target`, and follows the rest over four travel times of sound through the domain along
-        /// its normal. With a long time the outlet acts as a long pipe does.
+        /// the inlets: the outlet knows the mean velocity that they cause, so that a slow flow
+        /// leaves at `target`, and follows the rest over four travel times of sound through the
+        /// domain along its normal. With a long time the outlet acts as a long pipe does.
         #[serde(default)]
         time: Option<f64>,
         /// Acoustic waves that are transmitted.

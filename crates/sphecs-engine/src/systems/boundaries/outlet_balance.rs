@@ -80,12 +80,12 @@ impl<'a> OutletForce<'a> {
 
 /// Fluid rows near an outlet whose pressure is reduced, kept from step to step.
 #[derive(Debug, Default)]
-pub struct ReducedRows<R> {
+pub struct ReducedBuffers<R> {
     rows: Vec<u32>,
     pressures: Vec<R>,
 }
 
-impl<R: Copy> ReducedRows<R> {
+impl<R: Copy> ReducedBuffers<R> {
     /// Reduces the pressures of the outflow rows and of the fluid that a condition may read.
     pub fn reduce<const D: usize>(
         &mut self,
@@ -143,8 +143,8 @@ impl OutletBalance {
     /// Follows the gradient and adds to the accelerations of the outflow rows the part of the body
     /// force that the pressure does not balance.
     ///
-    /// `velocity` is the mean velocity at the plane, m/s, `passage` the travel time of sound through
-    /// the domain, s.
+    /// `velocity` is the mean velocity at the plane, m/s, `passage` the travel time of sound
+    /// through the domain, s.
     pub fn accelerate<R: PairReal<D>, const D: usize>(
         &mut self,
         force: &OutletForce<'_>,

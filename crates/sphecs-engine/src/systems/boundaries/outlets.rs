@@ -12,7 +12,7 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::outlet_balance::{OutletBalance, OutletForce, ReducedRows};
+use super::outlet_balance::{OutletBalance, OutletForce, ReducedBuffers};
 use super::outlet_registry::{AddedOutlets, OutletFaults};
 use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
@@ -291,7 +291,7 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
 ) {
     let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
     let flow = flow_properties(scene, &is_in_domain);
-    let inflow_rate = inflow_rate(scene, rows, arrays);
+    let inflow_rate = rows.inflow_rate(scene, arrays);
     let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
         let RunningOutlet { adjacent, speeds, balance, condition } = running;
@@ -318,20 +318,6 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
     }
 }
 
-/// Returns the volume flow that all inlets prescribe, from the velocities of their particles, m³/s
-/// (m²/s in 2D).
-fn inflow_rate<R: PairReal<D>, const D: usize>(
-    scene: &Scene,
-    rows: &PatchRows,
-    arrays: &ParticleArrays<R, D>,
-) -> Option<f64> {
-    let filled = scene.inlets.iter().zip(&rows.inflow).filter(|(_, rows)| !rows.is_empty());
-    let flow = filled.map(|(inlet, rows)| {
-        inlet.patch.area * mean(rows, |row| arrays.velocity_of(row).dot(inlet.patch.towards))
-    });
-    (!scene.inlets.is_empty()).then(|| flow.sum())
-}
-
 fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
     rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
 }
@@ -356,7 +342,7 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
     rows: Res<PatchRows>,
-    (mut buffers, mut reduced): (Local<ZoneBuffers<R, D>>, Local<ReducedRows<R>>),
+    (mut buffers, mut reduced): (Local<ZoneBuffers<R, D>>, Local<ReducedBuffers<R>>),
     mut outlets: ResMut<Outlets<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,

@@ -64,8 +64,8 @@ pub struct NonReflecting {
     deviation: [Vec<f64>; 2],
 }
 
-/// Distance inside the plane of the mean of the fluid, in spacings: one layer, and less than a third
-/// of one since a kernel that the plane cuts sees further inwards.
+/// Distance inside the plane of the mean of the fluid, in spacings: one layer, and less than a
+/// third of one since a kernel that the plane cuts sees further inwards.
 const SAMPLED_LAYERS: f64 = 1.3;
 
 impl NonReflecting {
@@ -104,8 +104,8 @@ impl NonReflecting {
             }),
             None => Prescribed::default(),
         };
-        // The mean is that of the fluid inside the plane; the pressure falls towards the plane while
-        // the flow accelerates.
+        // The mean is that of the fluid inside the plane; the pressure falls towards the plane
+        // while the flow accelerates.
         let fall = density * prescribed.acceleration * SAMPLED_LAYERS * flow.spacing;
         let velocity = mean.velocity - prescribed.velocity;
         let plane = self.plane.advance(&setting, mean.pressure - fall, velocity, time_step);
