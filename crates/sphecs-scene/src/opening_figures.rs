@@ -1,6 +1,5 @@
 //! Figures of the openings of a scene before a run: section, mean velocity and flow.
 
-use super::flow_path::{section_points, volume_flow};
 use super::model::{Patch, Scene};
 
 /// Figures of an opening.
@@ -19,6 +18,9 @@ pub struct OpeningFigures {
     pub velocities: Vec<(f64, f64)>,
 }
 
+/// Least number of points along each side of an opening at which its velocity is evaluated.
+const POINTS: usize = 40;
+
 /// Number of intervals in which times of a run are sampled.
 const INTERVALS: u32 = 1000;
 
@@ -27,8 +29,10 @@ const INTERVALS: u32 = 1000;
 ///
 /// What all inlets bring in leaves by a single outlet, as the fluid is nearly incompressible.
 pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
-    let points: Vec<_> = scene.inlets.iter().map(|inlet| section_points(inlet, scene)).collect();
-    let inflow = |number: usize, time: f64| volume_flow(&scene.inlets[number], &points[number], scene, time);
+    let points: Vec<_> = scene.inlets.iter().map(|inlet| inlet.section_points(scene, POINTS)).collect();
+    let inflow = |number: usize, time: f64| {
+        scene.inlets[number].volume_flow(scene.fluid.viscosity, &points[number], time)
+    };
     let times = extreme_times(until, |time| (0..points.len()).map(|number| inflow(number, time)).sum());
     let figures = |patch: &Patch, flow: &dyn Fn(f64) -> Option<f64>| OpeningFigures {
         name: patch.name.clone(),

@@ -12,6 +12,7 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::inlets::inflow_rate;
 use super::outlet_balance::{OutletBalance, OutletForce, ReducedBuffers};
 use super::outlet_registry::{AddedOutlets, OutletFaults};
 use super::patch_rows::PatchRows;
@@ -38,6 +39,8 @@ pub struct Outlets<R: PairReal<D>, const D: usize> {
     /// Outlets, in the order of the scene.
     pub all: Vec<RunningOutlet<R, D>>,
     needs: Vec<Needs>,
+    /// Points of the section of each inlet, a spacing apart, m.
+    inlet_points: Vec<Vec<DVec3>>,
 }
 
 /// An outlet with its condition and the state of the present stage.
@@ -173,7 +176,8 @@ pub fn insert_outlets<R: PairReal<D>, const D: usize>(
         return Err(OutletFaults(faults));
     }
     let needs = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
-    world.insert_resource(Outlets::<R, D> { all: outlets, needs });
+    let inlet_points = scene.inlets.iter().map(|inlet| inlet.section_points(scene, 1)).collect();
+    world.insert_resource(Outlets::<R, D> { all: outlets, needs, inlet_points });
     let mut saved = world.get_resource_or_init::<SavedResources>();
     saved.add_with::<Outlets<R, D>>("outlets", save::<R, D>, restore::<R, D>);
     Ok(())
@@ -291,7 +295,7 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
 ) {
     let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
     let flow = flow_properties(scene, &is_in_domain);
-    let inflow_rate = rows.inflow_rate(scene, arrays);
+    let inflow_rate = inflow_rate(scene, &outlets.inlet_points, clock.time);
     let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
         let RunningOutlet { adjacent, speeds, balance, condition } = running;

@@ -44,22 +44,6 @@ impl PatchRows {
         rows.filter(|&row| arrays.zone[row] == Zone::Inflow).map(|row| arrays.position_of(row))
     }
 
-    /// Returns the volume flow that all inlets prescribe, from the velocities of their particles,
-    /// m³/s (m²/s in 2D); None without inlets.
-    pub fn inflow_rate<R: PairReal<D>, const D: usize>(
-        &self,
-        scene: &Scene,
-        arrays: &ParticleArrays<R, D>,
-    ) -> Option<f64> {
-        let filled = scene.inlets.iter().zip(&self.inflow).filter(|(_, rows)| !rows.is_empty());
-        let flow = filled.map(|(inlet, rows)| {
-            let normal = inlet.patch.towards;
-            let sum: f64 = rows.iter().map(|&row| arrays.velocity_of(row as usize).dot(normal)).sum();
-            inlet.patch.area * sum / rows.len() as f64
-        });
-        (!scene.inlets.is_empty()).then(|| flow.sum())
-    }
-
     /// Empties the lists of every patch of a scene.
     fn clear(&mut self, scene: &Scene) {
         self.inflow.resize_with(scene.inlets.len(), Vec::new);
