@@ -176,3 +176,92 @@ impl OutletBalance {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::resources::pair::pair_settings;
+
+    /// Returns a channel along x whose end is at x = 0.2 m, 0.04 m wide, with a body force.
+    fn scene(force: &str) -> Scene {
+        let text = format!(
+            "Scene(title: \"t\", dimensions: 2, spacing: 0.002,
+            fluid: (density: 1000.0, viscosity: 1.0e-5, sound_speed: 2.0),
+            domain: Box(min: (0.0, -0.02), max: (0.2, 0.02)), body_force: {force},
+            inlets: [(at: (0.0, 0.0), towards: (1.0, 0.0), velocity: Normal(0.1))],
+            outlets: [(at: (0.2, 0.01), towards: (1.0, 0.0))],
+            time: (end: 1.0), output: (every: 0.1))"
+        );
+        Scene::from_text("force", text).load().expect("a scene")
+    }
+
+    fn weight(scene: &Scene, gradient: f64, point: DVec3) -> Option<f64> {
+        let balance = OutletBalance { gradient, ..OutletBalance::default() };
+        OutletForce::new(scene, &scene.outlets[0].patch, &balance, 0.5).map(|force| force.weight(point))
+    }
+
+    #[test]
+    fn weight_is_that_of_the_fluid_above() {
+        let point = DVec3::new(0.21, -0.015, 0.0);
+        assert_eq!(weight(&scene("(0.0, 0.0)"), 0.0, point), None);
+        let found = weight(&scene("(3.0, -9.81)"), 50.0, point).expect("a force");
+        assert!((found - (1000.0 * 9.81 * 0.015 + 0.5)).abs() < 1e-9, "{found} Pa");
+        // −∂Φ/∂y of Φ = y⁴ − 2 t y, with t = 0.5 s.
+        let found = weight(&scene("(0.0, \"-4*y^3 + 2*t\")"), 0.0, point).expect("a force");
+        let exact = 1000.0 * (-(0.015_f64.powi(4)) - 0.015);
+        assert!((found - exact).abs() < 1e-9, "{found} Pa, exact {exact}");
+    }
+
+    #[test]
+    fn reduced_pressures_are_restored_bit_by_bit() {
+        let scene = scene("(0.0, -9.81)");
+        let mut arrays = ParticleArrays::<f32, 2>::default();
+        let places = [(0.15, 0.013, Zone::Fluid), (0.19, -0.007, Zone::Fluid), (0.201, 0.003, Zone::Outflow)];
+        for (index, (x, y, zone)) in places.into_iter().enumerate() {
+            arrays.position[0].push(x);
+            arrays.position[1].push(y);
+            arrays.zone.push(zone);
+            arrays.pressure.push(12.345 + index as f32);
+            arrays.density.push(1000.0);
+            arrays.id.push(index as u32);
+        }
+        let before = arrays.pressure.clone();
+        let force =
+            OutletForce::new(&scene, &scene.outlets[0].patch, &OutletBalance::default(), 0.0).unwrap();
+        let mut buffers = ReducedBuffers::default();
+        buffers.reduce(&force, &[2], &mut arrays);
+        // The first particle is out of reach.
+        assert_eq!(arrays.pressure[0], before[0]);
+        assert!((f64::from(arrays.pressure[1] - before[1]) + 1000.0 * 9.81 * 0.007).abs() < 1e-3);
+        let pair = pair_settings(&scene);
+        buffers.restore(&force, &[2], &pair, &mut arrays);
+        assert_eq!(arrays.pressure[..2], before[..2]);
+        assert!((arrays.pressure[2] - before[2]).abs() < 1e-5);
+    }
+
+    #[test]
+    fn steady_flow_leaves_the_zone_without_mean_acceleration() {
+        let scene = scene("(2.0, 0.0)");
+        let mut arrays = ParticleArrays::<f64, 2>::default();
+        for index in 0..4 {
+            arrays.position[0].push(0.201);
+            arrays.position[1].push(0.002 * f64::from(index));
+            // Friction of 0.5 m/s² on average.
+            arrays.acceleration[0].push(-0.2 * f64::from(index) - 0.2);
+            arrays.acceleration[1].push(0.1);
+            arrays.id.push(index);
+        }
+        let friction = arrays.acceleration[0].clone();
+        let rows = [0, 1, 2, 3];
+        let mut balance = OutletBalance::default();
+        for _ in 0..2000 {
+            arrays.acceleration[0].copy_from_slice(&friction);
+            let force = OutletForce::new(&scene, &scene.outlets[0].patch, &balance, 0.0).unwrap();
+            balance.accelerate(&force, (0.1, 0.1, 1e-3), &rows, &mut arrays);
+        }
+        assert!((balance.gradient - 1000.0 * 1.5).abs() < 1e-3, "{} Pa/m", balance.gradient);
+        let mean = arrays.acceleration[0].iter().sum::<f64>() / 4.0;
+        assert!(mean.abs() < 1e-6 && arrays.acceleration[1] == [0.1; 4], "{mean} m/s²");
+        assert!((arrays.acceleration[0][0] - 0.3).abs() < 1e-6);
+    }
+}
