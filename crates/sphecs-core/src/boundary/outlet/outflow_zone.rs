@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::method::OutflowState;
+use super::non_reflecting::prescribed_flow::Inflow;
 use crate::boundary::flow::FlowProperties;
 use crate::boundary::patch::Patch;
 use crate::math::grid::CellGrid;
@@ -32,8 +33,8 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     pub patch: &'a Patch,
     /// Extent of the domain along the outlet's normal, m.
     pub extent: f64,
-    /// Volume flow that all inlets prescribe in this step, m³/s (m²/s in 2D); None without inlets.
-    pub inflow_rate: Option<f64>,
+    /// Slow part of the volume flow that all inlets prescribe; None without inlets.
+    pub prescribed: Option<Inflow>,
     /// Area of the outlet over that of all outlets.
     pub area_share: f64,
     /// Rows of the outflow particles in the arrays.

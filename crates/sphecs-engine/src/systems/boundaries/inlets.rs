@@ -85,16 +85,6 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
     }
 }
 
-/// Returns the volume flow that all inlets prescribe, m³/s (m²/s in 2D); None without inlets.
-///
-/// The points do not move. A mean over the inflow particles would vary as rows of different speeds
-/// enter at different times.
-pub(super) fn inflow_rate(scene: &Scene, points: &[Vec<DVec3>], time: f64) -> Option<f64> {
-    let flow =
-        |(inlet, points): (&Inlet, &Vec<DVec3>)| inlet.volume_flow(scene.fluid.viscosity, points, time);
-    (!scene.inlets.is_empty()).then(|| scene.inlets.iter().zip(points).map(flow).sum())
-}
-
 /// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
 /// `velocities` is a buffer that is kept from step to step.
 pub fn move_inflow<R: PairReal<D>, const D: usize>(

@@ -7,6 +7,7 @@
 //! - [`outlets`]: state, pressure, rates and motion of outflow particles
 //! - [`patch_cells`]: grid cells near inlets and outlets
 //! - [`patch_rows`]: rows of the arrays that belong to each inlet and outlet
+//! - [`prescribed_inflow`]: volume flow that the inlets prescribe
 //! - [`wall_projection`]: return of particles from behind a wall to its surface
 //! - [`walls`]: velocity and pressure of wall particles
 //!
@@ -19,5 +20,6 @@ pub mod outlet_registry;
 pub mod outlets;
 pub mod patch_cells;
 pub mod patch_rows;
+pub mod prescribed_inflow;
 pub mod wall_projection;
 pub mod walls;

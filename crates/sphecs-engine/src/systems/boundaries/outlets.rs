@@ -12,10 +12,10 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::inlets::inflow_rate;
 use super::outlet_balance::{OutletBalance, OutletForce, ReducedBuffers};
 use super::outlet_registry::{AddedOutlets, OutletFaults};
 use super::patch_rows::PatchRows;
+use super::prescribed_inflow::PrescribedInflow;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
@@ -39,8 +39,7 @@ pub struct Outlets<R: PairReal<D>, const D: usize> {
     /// Outlets, in the order of the scene.
     pub all: Vec<RunningOutlet<R, D>>,
     needs: Vec<Needs>,
-    /// Points of the section of each inlet, a spacing apart, m.
-    inlet_points: Vec<Vec<DVec3>>,
+    inflow: PrescribedInflow,
 }
 
 /// An outlet with its condition and the state of the present stage.
@@ -176,8 +175,8 @@ pub fn insert_outlets<R: PairReal<D>, const D: usize>(
         return Err(OutletFaults(faults));
     }
     let needs = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
-    let inlet_points = scene.inlets.iter().map(|inlet| inlet.section_points(scene, 1)).collect();
-    world.insert_resource(Outlets::<R, D> { all: outlets, needs, inlet_points });
+    let inflow = PrescribedInflow::new(scene);
+    world.insert_resource(Outlets::<R, D> { all: outlets, needs, inflow });
     let mut saved = world.get_resource_or_init::<SavedResources>();
     saved.add_with::<Outlets<R, D>>("outlets", save::<R, D>, restore::<R, D>);
     Ok(())
@@ -295,7 +294,7 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
 ) {
     let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
     let flow = flow_properties(scene, &is_in_domain);
-    let inflow_rate = inflow_rate(scene, &outlets.inlet_points, clock.time);
+    outlets.inflow.find(scene, clock.time);
     let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
         let RunningOutlet { adjacent, speeds, balance, condition } = running;
@@ -303,7 +302,7 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             flow,
             patch: &outlet.patch,
             extent: scene.extent_along(outlet.patch.towards),
-            inflow_rate,
+            prescribed: outlets.inflow.at_outlet(index),
             area_share: outlet.patch.area / area,
             rows: &rows.outflow[index],
             upstream: &rows.upstream[index],

@@ -89,11 +89,11 @@ impl NonReflecting {
         let (flow, patch, time_step) = (&zone.flow, zone.patch, zone.time_step);
         let (fitted, adjacent) = (&zone.fitted()[zone.rows.len()..], zone.adjacent);
         let (density, sound_speed) = (flow.density, flow.sound_speed);
-        let inflow_rate = zone.inflow_rate.filter(|_| time.is_none());
+        let inflow = zone.prescribed.filter(|_| time.is_none());
         let time = time.unwrap_or_else(|| settling_time(zone.extent, sound_speed));
         let setting = PlaneSetting { target, time, density, sound_speed };
         let mean = self.split(fitted, adjacent);
-        let prescribed = match inflow_rate {
+        let prescribed = match inflow {
             Some(inflow) => self.prescribed.advance(&InflowStep {
                 inflow,
                 velocity: mean.velocity,
