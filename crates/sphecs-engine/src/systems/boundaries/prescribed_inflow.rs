@@ -6,8 +6,8 @@ use sphecs_core::boundary::outlet::non_reflecting::prescribed_flow::Inflow;
 use sphecs_core::boundary::slow_part::SlowPart;
 use sphecs_scene::model::{Inlet, Scene};
 
-/// Inflow of a scene with its slow part for each outlet: a function of time, which a checkpoint need
-/// not save.
+/// Inflow of a scene with its slow part for each outlet: a function of time, which a checkpoint
+/// need not save.
 #[derive(Debug, Default)]
 pub struct PrescribedInflow {
     /// Points of the section of each inlet, a spacing apart, m. They do not move: a mean over the

@@ -15,11 +15,11 @@
 //! p(inlet)  = ρ0 c0 (U − ũ e^(−iωT))             then i ρ0 c0 U tan ωT = ρ0 L dU/dt + …
 //! ```
 //!
-//! That is the response of a duct that ends at a given pressure, and the
-//! [slow part](crate::boundary::slow_part) has ũ = U/cos ωT. Without it the outlet answers with the
-//! impedance of a long pipe, ρ0 c0, and the error is of the order of ρ0 L dU/dt. A pulse of the inlet
-//! that is shorter than T is sound, which must pass: it has nearly no slow part. The first attempts,
-//! filters of the past, are in docs/notebook/2026-11-26-openings.md.
+//! That is the response of a duct that ends at a given pressure, and the [slow
+//! part](crate::boundary::slow_part) has ũ = U/cos ωT. Without it the outlet answers with the
+//! impedance of a long pipe, ρ0 c0, and the error is of the order of ρ0 L dU/dt. A pulse of the
+//! inlet that is shorter than T is sound, which must pass: it has nearly no slow part. The first
+//! attempts, filters of the past, are in docs/notebook/2026-11-26-openings.md.
 //!
 //! Of several outlets each has the share s that it has had, a regression whose means ⟨⟩ fade over
 //! [`SHARE_PASSAGES`] of T. It begins with the share of the area.
