@@ -101,6 +101,7 @@ pub mod scene {
     pub use sphecs_core::boundary::inlet::{Feed, InletPressure};
     pub use sphecs_core::boundary::outlet::OutletCondition;
     pub use sphecs_core::boundary::outlet::parameters::*;
+    pub use sphecs_core::boundary::patch::Extent;
     pub use sphecs_core::math::kernel::Kernel;
     pub use sphecs_core::physics::integrator::Integrator;
     pub use sphecs_core::physics::shifting::Shifting;

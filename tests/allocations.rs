@@ -47,7 +47,7 @@ fn step_after_warm_up_allocates_nothing() {
     check("taylor_green_edac", evolved, &[("spacing", "0.04")], 50, 0);
     check("taylor_green_edac", evolved, &[("spacing", "0.04"), ("precision", "F32")], 50, 0);
     let evolved = include_str!("../scenes/poiseuille_edac.ron");
-    check("poiseuille_edac", evolved, &[("spacing", "4.0e-5"), ("body_force", "(0.0, 0.0)")], 50, 0);
+    check("poiseuille_edac", evolved, &[("spacing", "4.0e-5"), ("body_force", "(0.0, 0.0)")], 150, 0);
     // Particles change zone here. A list of rows may still reach a new maximum and double its
     // capacity.
     check("constricted_r2", include_str!("../scenes/constricted_r2.ron"), &[("spacing", "2.22e-3")], 500, 2);

@@ -16,7 +16,8 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
-use sphecs_scene::model::{ParticleSeed, Scene};
+use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
+use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
 use sphecs_scene::passage::{Passage, narrowest_passage};
 use sphecs_scene::summary::{steps_to, summary};
 use sphecs_scene::wall_particles::overlapping_parts;
@@ -64,9 +65,14 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     figures.notes.extend(overlap_notes(scene, &seeds));
     let by_zone = figures.by_zone.map(|count| count as u64);
     let disk = disk_estimate(scene, by_zone, until);
-    let mut rows = scene_rows(scene, &figures, by_zone, until, None);
+    let openings: Vec<(String, String)> = opening_figures(scene, until)
+        .into_iter()
+        .map(|figures| (figures.name.clone(), opening_text(scene, &figures)))
+        .collect();
+    let mut rows: Vec<(&str, String)> = scene_rows(scene, &figures, by_zone, until, None);
     rows.extend(passage.map(|passage| ("passage", passage_text(scene, &passage))));
     rows.extend(path.map(|path| ("fastest", fastest_text(scene, &path))));
+    rows.extend(openings.iter().map(|(name, text)| (name.as_str(), text.clone())));
     rows.push(("time scales", scales_text(scene, path.as_ref())));
     figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
     let mut needed = figures.memory as u64;
@@ -121,6 +127,43 @@ fn fastest_text(scene: &Scene, path: &FlowPath) -> String {
         mach(speed),
         mach(peak)
     )
+}
+
+/// Returns size, velocity, flow and Reynolds number of an opening: one velocity if it stays the
+/// same.
+fn opening_text(scene: &Scene, figures: &OpeningFigures) -> String {
+    let is_flat = scene.dimensions == 2;
+    let size = if is_flat {
+        format!("{} m wide", significant(figures.area))
+    } else {
+        format!(
+            "{} m², perimeter {} m, hydraulic diameter {} m",
+            significant(figures.area),
+            significant(figures.perimeter),
+            significant(figures.hydraulic_diameter)
+        )
+    };
+    let unit = if is_flat { "kg/(s m)" } else { "kg/s" };
+    let flow = |velocity: f64| {
+        let rate = velocity * figures.area * scene.fluid.density;
+        format!("{} m/s, {} {unit}", significant(velocity), significant(rate))
+    };
+    let Some(&(_, first)) = figures.velocities.first() else { return size };
+    let largest = figures.velocities.iter().map(|(_, velocity)| velocity.abs()).fold(0.0, f64::max);
+    let is_steady = figures.velocities.iter().all(|(_, velocity)| (velocity - first).abs() <= 1e-9 * largest);
+    let flows = if is_steady {
+        flow(first)
+    } else {
+        let at = |(time, velocity): &(f64, f64)| format!("{} at {} s", flow(*velocity), significant(*time));
+        figures.velocities.iter().map(at).collect::<Vec<_>>().join("; ")
+    };
+    let reynolds = largest * figures.hydraulic_diameter / scene.fluid.viscosity;
+    let reynolds = if reynolds.is_finite() {
+        format!(", Re = {} by the hydraulic diameter", significant(reynolds))
+    } else {
+        String::new()
+    };
+    format!("{size}: {flows}{reynolds}")
 }
 
 /// Returns a number with two significant digits, for estimates.
@@ -181,6 +224,7 @@ fn notes(scene: &Scene, until: f64, passage: Option<&Passage>, path: Option<&Flo
             significant(passage.width() / WANTED_ACROSS)
         ));
     }
+    notes.extend(weight_note(scene));
     let Some(path) = path else { return notes };
     let mach = path.mean_speed() / scene.fluid.sound_speed;
     // The reference velocity has a note of its own.
@@ -201,6 +245,35 @@ fn notes(scene: &Scene, until: f64, passage: Option<&Passage>, path: Option<&Flo
     }
     notes.extend(early_mean_note(scene, until, path));
     notes
+}
+
+/// Largest relative density difference by weight.
+const LARGEST_COMPRESSION: f64 = 0.01;
+
+/// Returns a note on a fluid that its weight compresses by more than a percent.
+fn weight_note(scene: &Scene) -> Option<String> {
+    let (low, high) = scene.domain.bounds();
+    let middle =
+        (0.5 * (low + high)).with_z(if scene.dimensions == 2 { 0.0 } else { 0.5 * (low.z + high.z) });
+    let force = match &scene.body_force {
+        BodyForce::Constant(force) => *force,
+        BodyForce::Expression(components) => {
+            DVec3::from(components.each_ref().map(|c| c.value(middle.x, middle.y, middle.z, 0.0)))
+        }
+    };
+    // Along a periodic direction a force drives the flow.
+    let walled = (0..scene.dimensions).filter(|&axis| scene.periodic[axis].is_none());
+    let energy: f64 = walled.map(|axis| force[axis].abs() * (high[axis] - low[axis])).sum();
+    let compression = energy / scene.fluid.sound_speed.powi(2);
+    (compression > LARGEST_COMPRESSION).then(|| {
+        format!(
+            "its weight compresses the fluid by {} % from top to bottom, {} % or less is wanted: `fluid.sound_speed` \
+             of at least {} m/s",
+            significant_two(100.0 * compression),
+            100.0 * LARGEST_COMPRESSION,
+            significant_two((energy / LARGEST_COMPRESSION).sqrt())
+        )
+    })
 }
 
 /// Returns a note on time means that begin before the flow has passed once and could begin later.

@@ -6,7 +6,7 @@ use super::console::Console;
 use super::error::RunError;
 use super::output_schedule::WallClock;
 use super::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
-use super::run_state::{self, LARGEST_MACH, RunState};
+use super::run_state::{self, RunState};
 use super::signals::{Signal, Signals};
 use super::{Ending, RunOptions, report};
 use sphecs_core::format::{duration, grouped, significant};
@@ -276,27 +276,15 @@ impl RunLoop {
         self.state.last_row = self.simulation.monitor_row();
         self.state.last_row_step = Some(self.state.last_row.step);
         self.folder.monitor(&self.state.last_row)?;
-        self.note_speed();
+        if let Some(note) = self.state.record_speed(self.simulation.scene()) {
+            self.display.print(&format!("note: {note}"));
+        }
         if !self.probes.is_empty() {
             let samples = self.simulation.sample_seeing(&self.probes.points());
             let flows = self.simulation.mass_flows(&self.probes.sections());
             self.folder.probe(&self.probes.reduce(self.state.last_row.time, &samples, &flows))?;
         }
         Ok(())
-    }
-
-    /// Prints a note if the flow is too fast for the sound speed, unless the scene said so already.
-    fn note_speed(&mut self) {
-        let scene = self.simulation.scene();
-        let sound_speed = scene.fluid.sound_speed;
-        if scene.reference_velocity > LARGEST_MACH * sound_speed {
-            return;
-        }
-        let row = &self.state.last_row;
-        let (time, speed) = (row.time, row.largest_speed);
-        if let Some(note) = self.state.record_speed(time, speed, sound_speed) {
-            self.display.print(&format!("note: {note}"));
-        }
     }
 
     fn write_frame(&mut self) -> Result<(), OutputError> {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::output_schedule::OutputInterval;
 use sphecs_core::format::significant;
 use sphecs_engine::systems::monitor::MonitorRow;
+use sphecs_scene::model::Scene;
 
 /// Column of a checkpoint that holds this state.
 pub const COLUMN: &str = "run.log";
@@ -65,18 +66,19 @@ impl RunState {
         }
     }
 
-    /// Records the largest speed of a monitor row and returns a note, once in a run, when it has
-    /// stayed above a tenth of the sound speed for [`FAST_ROWS`] rows.
+    /// Records the largest speed of the last monitor row and returns a note, once in a run, when it
+    /// has stayed above a tenth of the sound speed for [`FAST_ROWS`] rows.
     ///
-    /// Both in m/s. From there on the density varies by more than 1 % (Monaghan 1994).
-    pub fn record_speed(&mut self, time: f64, speed: f64, sound_speed: f64) -> Option<&str> {
-        let noted = self.fast_rows >= FAST_ROWS;
-        self.fast_rows = match speed > LARGEST_MACH * sound_speed {
-            _ if noted => self.fast_rows,
-            true => self.fast_rows + 1,
-            false => 0,
-        };
-        if noted || self.fast_rows < FAST_ROWS {
+    /// From there on the density varies by more than 1 % (Monaghan 1994). A scene whose reference
+    /// velocity is above that has a note of its own.
+    pub fn record_speed(&mut self, scene: &Scene) -> Option<&str> {
+        let largest = LARGEST_MACH * scene.fluid.sound_speed;
+        if scene.reference_velocity > largest || self.fast_rows >= FAST_ROWS {
+            return None;
+        }
+        let MonitorRow { time, largest_speed: speed, .. } = self.last_row;
+        self.fast_rows = if speed > largest { self.fast_rows + 1 } else { 0 };
+        if self.fast_rows < FAST_ROWS {
             return None;
         }
         self.notes.push(format!(
@@ -84,7 +86,7 @@ impl RunState {
              `fluid.sound_speed` of at least {} m/s",
             significant(time),
             significant(speed),
-            significant(speed / sound_speed),
+            significant(speed / scene.fluid.sound_speed),
             significant(speed / LARGEST_MACH)
         ));
         self.notes.last().map(String::as_str)
@@ -98,15 +100,19 @@ impl RunState {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
     fn lasting_speed_is_noted_once() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/quickstart.ron");
+        let scene = Scene::from_file(&path).set("fluid.sound_speed", "10").load().expect("a scene");
         let mut state = RunState::new(1.0, 0.1);
         let mut notes = 0;
         for (row, speed) in [1.2, 0.9, 1.2, 1.2, 1.3, 1.4, 0.5, 1.2, 1.2, 1.2].into_iter().enumerate() {
-            let note = state.record_speed(row as f64, speed, 10.0);
-            if let Some(note) = note {
+            (state.last_row.time, state.last_row.largest_speed) = (row as f64, speed);
+            if let Some(note) = state.record_speed(&scene) {
                 assert_eq!(row, 4);
                 assert!(note.contains("1.3 m/s") && note.contains("at least 13 m/s"), "{note}");
                 notes += 1;

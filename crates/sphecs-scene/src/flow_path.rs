@@ -19,7 +19,7 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 
 use super::fill::beyond;
-use super::model::{Inlet, ParticleSeed, Scene};
+use super::model::{ParticleSeed, Scene};
 use sphecs_core::particles::zone::Zone;
 
 /// Length Δs of a section along the flow, spacings.
@@ -32,7 +32,7 @@ const MOST_CELLS: f64 = 4e8;
 const TIMES: i32 = 200;
 
 /// Number of points along each side of an opening at which its velocity is evaluated.
-const POINTS: i32 = 40;
+const POINTS: usize = 40;
 
 /// Flow along the path from the inlets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,9 +110,15 @@ fn narrowest_section(scene: &Scene, fluid: &[DVec3], distances: &[f32], length: 
 
 /// Returns the largest volume flow of all inlets together, m³/s (m²/s in 2D), and its time, s.
 fn largest_flow(scene: &Scene) -> Option<(f64, f64)> {
-    let points: Vec<Vec<DVec3>> = scene.inlets.iter().map(|inlet| section_points(inlet, scene)).collect();
+    let points: Vec<Vec<DVec3>> =
+        scene.inlets.iter().map(|inlet| inlet.section_points(scene, POINTS)).collect();
     let flow = |time: f64| -> f64 {
-        scene.inlets.iter().zip(&points).map(|(inlet, points)| volume_flow(inlet, points, scene, time)).sum()
+        scene
+            .inlets
+            .iter()
+            .zip(&points)
+            .map(|(inlet, points)| inlet.volume_flow(scene.fluid.viscosity, points, time))
+            .sum()
     };
     let end = if scene.time.end.is_finite() { scene.time.end } else { 0.0 };
     (0..=TIMES)
@@ -121,31 +127,6 @@ fn largest_flow(scene: &Scene) -> Option<(f64, f64)> {
         .filter(|(flow, _)| *flow > 0.0)
         // Of equal flows the first.
         .reduce(|largest, next| if next.0 > largest.0 * (1.0 + 1e-9) { next } else { largest })
-}
-
-/// Returns the points of a grid over an inlet that lie in its section, m.
-fn section_points(inlet: &Inlet, scene: &Scene) -> Vec<DVec3> {
-    let patch = &inlet.patch;
-    let inwards = 1e-3 * scene.spacing * patch.towards;
-    let offset = |index: i32| (f64::from(index) + 0.5) / f64::from(POINTS) * 2.0 - 1.0;
-    let second = if scene.dimensions == 2 { 0..1 } else { 0..POINTS };
-    let point = |i: i32, j: i32| {
-        patch.at
-            + offset(i) * patch.half_extent[0] * patch.across[0]
-            + offset(j) * patch.half_extent[1] * patch.across[1]
-    };
-    second
-        .flat_map(|j| (0..POINTS).map(move |i| point(i, j)))
-        .filter(|point| scene.domain.contains(*point + inwards, 0.0))
-        .collect()
-}
-
-/// Returns the volume flow of an inlet at a time, from its velocity at points of its section.
-fn volume_flow(inlet: &Inlet, points: &[DVec3], scene: &Scene, time: f64) -> f64 {
-    let normal_speed =
-        |point: &DVec3| inlet.velocity_at(scene.fluid.viscosity, *point, time).dot(inlet.patch.towards);
-    let sum: f64 = points.iter().map(normal_speed).sum();
-    inlet.patch.area * sum / points.len().max(1) as f64
 }
 
 /// Grid of cells of one spacing around the fluid.

@@ -2,10 +2,40 @@
 
 use glam::DVec3;
 
-use super::model::{Inlet, InletVelocity};
+use super::model::{Inlet, InletVelocity, Scene};
 use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 
 impl Inlet {
+    /// Returns the points of a grid over the inlet that lie in its section, m, a spacing apart or
+    /// closer if there are fewer than `least` along a side.
+    pub fn section_points(&self, scene: &Scene, least: usize) -> Vec<DVec3> {
+        let patch = &self.patch;
+        let inwards = 1e-3 * scene.spacing * patch.towards;
+        let counts = [0, 1].map(|side| {
+            if side + 1 < scene.dimensions {
+                ((2.0 * patch.half_extent[side] / scene.spacing).round() as usize).max(least).max(1)
+            } else {
+                1
+            }
+        });
+        let offset = |index: usize, side: usize| {
+            let share = (index as f64 + 0.5) / counts[side] as f64 * 2.0 - 1.0;
+            share * patch.half_extent[side] * patch.across[side]
+        };
+        let points = (0..counts[0] * counts[1])
+            .map(|index| patch.at + offset(index % counts[0], 0) + offset(index / counts[0], 1));
+        points
+            .filter(|point| patch.covers(*point, 0.0) && scene.domain.contains(*point + inwards, 0.0))
+            .collect()
+    }
+
+    /// Returns the volume flow at a time (s), from the velocity at points of the section, m³/s
+    /// (m²/s in 2D).
+    pub fn volume_flow(&self, viscosity: f64, points: &[DVec3], time: f64) -> f64 {
+        let speed = |point: &DVec3| self.velocity_at(viscosity, *point, time).dot(self.patch.towards);
+        self.patch.area * points.iter().map(speed).sum::<f64>() / points.len().max(1) as f64
+    }
+
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
     ///
     /// A point of the zone has the velocity of the plane in front of it. A velocity that varied
@@ -101,6 +131,8 @@ mod tests {
                 half_extent: [1.0, 0.0],
                 depth: 0.5,
                 area: 2.0,
+                perimeter: 2.0,
+                raster: None,
             },
             velocity,
             pressure: InletPressure::Extrapolated,

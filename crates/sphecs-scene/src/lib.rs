@@ -15,7 +15,8 @@
 //! * [`inflow`]: velocities of its inlets
 //! * [`body`], [`probe`]: bodies and probes, which are measured
 //! * [`summary`]: figures of `sphecs check`
-//! * [`passage`], [`flow_path`]: its narrowest passage, and the flow from its inlets
+//! * [`passage`], [`flow_path`], [`opening_figures`]: its narrowest passage, the flow from its
+//!   inlets, and its openings
 //! * [`disk_estimate`]: disk space of its run
 //! * [`faults`]: faults of its text
 //! * `manual`: reference of the file from the doc lines of its types, behind the feature `schema`
@@ -38,6 +39,7 @@ pub mod loader;
 pub mod manual;
 pub mod model;
 pub mod notation;
+pub mod opening_figures;
 pub mod outline;
 pub mod passage;
 pub mod probe;

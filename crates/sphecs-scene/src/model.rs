@@ -157,8 +157,23 @@ pub struct Layout {
     pub wall_regions: Vec<Shape>,
     /// Cylinders whose wall particles lie on rings.
     pub rings: Vec<Rings>,
+    /// Parts of ends of the domain that are walls because no opening covers them.
+    pub unopened: Vec<UnopenedPart>,
     /// True if there are walls at all.
     pub walled: bool,
+}
+
+/// A part of an end of the domain that is a wall because the opening there does not cover it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnopenedPart {
+    /// Name of the opening of the end.
+    pub opening: String,
+    /// A point of the part, m.
+    pub at: DVec3,
+    /// Unit normal of the end into the domain.
+    pub inwards: DVec3,
+    /// Area, m² (length in m in 2D), to a quarter of a spacing along its edge.
+    pub area: f64,
 }
 
 /// Arrangement of the particles.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::geometry::Shape;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use sphecs_core::boundary::inlet::Feed;
+use sphecs_core::format::significant;
 
 /// Memory of a particle in components, arrays, cell list and output, B, rounded up
 /// (docs/book/src/guides/speed.md).
@@ -113,6 +114,16 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
             (coordinate / scene.spacing * 1e6).round() * 1e-6 * scene.spacing + 0.0
         ));
     }
+    for part in &scene.layout.unopened {
+        let unit = if scene.dimensions == 2 { "m wide" } else { "m² large" };
+        notes.push(format!(
+            "the end of the domain at `{}` has another part, {} {unit}, around {} m, which stays a wall: \
+             `extent: Whole` opens it too, `closed: true` says that it is a wall",
+            part.opening,
+            significant(part.area),
+            rounded(part.at, scene)
+        ));
+    }
     if scene.scheme.wcsph().is_some() && scene.initial.pressure.constant() != Some(0.0) {
         notes.push(
             "`initial.pressure` does not reach the fluid: its density is summed before the first step and its pressure \
@@ -132,6 +143,15 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
     notes
 }
 
+/// Returns a point rounded to a thousandth of a spacing.
+fn rounded(point: DVec3, scene: &Scene) -> String {
+    let parts = point.to_array().into_iter().take(scene.dimensions).map(|x| {
+        // Adding 0 turns −0 into 0.
+        significant((x / scene.spacing * 1e3).round() * 1e-3 * scene.spacing + 0.0)
+    });
+    format!("({})", parts.collect::<Vec<_>>().join(", "))
+}
+
 /// Returns the largest speed that inlets, walls and initial fields prescribe, from samples, m/s.
 pub fn largest_given_speed(scene: &Scene) -> f64 {
     let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
@@ -147,6 +167,7 @@ pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
             let offset = f64::from(i) / 10.0;
             (0..2).map(move |axis| patch.at + offset * patch.half_extent[axis] * patch.across[axis])
         })
+        .filter(|point| patch.covers(*point, 0.0))
         .collect();
     match &inlet.velocity {
         InletVelocity::TimeTable(rows) => rows.iter().map(|row| row.1.abs()).fold(0.0, f64::max),

@@ -5,6 +5,8 @@
 //! - [`outlet`]: outflow particles
 //! - [`patch`]: plane openings of the domain
 //! - [`section_points`]: points that represent the section of an opening
+//! - [`section_raster`]: sections that are no rectangle
+//! - [`slow_part`]: slow part of a signal that is known in advance
 //!
 //! One condition is one file: equation, parameters, memory between steps, requirements, checks,
 //! application and tests. Wall models are in [`physics::wall`](crate::physics::wall), because the
@@ -15,3 +17,5 @@ pub mod inlet;
 pub mod outlet;
 pub mod patch;
 pub mod section_points;
+pub mod section_raster;
+pub mod slow_part;

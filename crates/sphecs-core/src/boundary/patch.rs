@@ -1,16 +1,33 @@
 //! Plane openings of the domain.
 
+use std::sync::Arc;
+
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::section_raster::SectionRaster;
 
 /// Largest 1 − |n·e| at which the normal n of a patch counts as parallel to an axis e.
 const PARALLEL_TO_AXIS: f64 = 1e-9;
+
+/// Parts of the domain's end that belong to an opening.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Extent {
+    /// The connected part that contains `at`. Take it unless one opening has several parts.
+    #[default]
+    Connected,
+    /// All parts of the end in the plane. Take it where a plate, a body or a wall divides the
+    /// opening.
+    Whole,
+}
 
 /// A plane opening of the domain with its zone of inflow or outflow particles.
 #[derive(Clone, Debug)]
 pub struct Patch {
     /// Name for outputs and messages.
     pub name: String,
-    /// A point of the plane inside the section, m.
+    /// Centre of the bounding rectangle of the section, m; outside the section of a ring.
     pub at: DVec3,
     /// Unit normal in the direction of the flow (into the domain for an inlet, out of it for an
     /// outlet).
@@ -23,6 +40,10 @@ pub struct Patch {
     pub depth: f64,
     /// Area of the section, m² (length in m in 2D).
     pub area: f64,
+    /// Wetted perimeter of the section, m; in 2D the number of its edges at walls.
+    pub perimeter: f64,
+    /// Section in its bounding rectangle; None if it is the whole rectangle.
+    pub raster: Option<Arc<SectionRaster>>,
 }
 
 impl Patch {
@@ -36,12 +57,18 @@ impl Patch {
         point - self.towards * (2.0 * self.along(point))
     }
 
-    /// Returns true if the projection of a point onto the plane lies in the section's bounding
-    /// rectangle widened by `margin`, m.
+    /// Returns true if the projection of a point onto the plane lies in the section widened by
+    /// `margin`, m.
     pub fn covers(&self, point: DVec3, margin: f64) -> bool {
-        let offset = point - self.at;
-        offset.dot(self.across[0]).abs() <= self.half_extent[0] + margin
-            && offset.dot(self.across[1]).abs() <= self.half_extent[1] + margin
+        let offset = self.across.map(|across| (point - self.at).dot(across));
+        let is_in_rectangle = (0..2).all(|side| offset[side].abs() <= self.half_extent[side] + margin);
+        is_in_rectangle && self.raster.as_ref().is_none_or(|raster| raster.distance(offset) <= margin)
+    }
+
+    /// Returns four times the area over the wetted perimeter, m: the diameter of a disc, twice the
+    /// distance of plates.
+    pub fn hydraulic_diameter(&self) -> f64 {
+        4.0 * self.area / self.perimeter
     }
 
     /// Returns true if the normal is oblique to the axes, and so to the lattice.
@@ -62,6 +89,8 @@ pub(super) fn turned_patch(angle: f64) -> Patch {
         half_extent: [0.081, 0.0],
         depth: 0.05,
         area: 0.162,
+        perimeter: 2.0,
+        raster: None,
     }
 }
 

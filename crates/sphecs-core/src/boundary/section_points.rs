@@ -14,8 +14,8 @@ const SPANS_PERIOD: f64 = 1e-6;
 
 /// Points of a section.
 ///
-/// They lie on a lattice over the bounding rectangle of the section; points outside the domain are
-/// left out.
+/// They lie on a lattice over the bounding rectangle of the section; points outside the section or
+/// the domain are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SectionPoints {
     /// Offsets of the points from the centre of the section, m.
@@ -61,7 +61,7 @@ impl SectionPoints {
             .collect();
         let inside = |offset: DVec3| {
             let upstream = patch.at - UPSTREAM * flow.spacing * patch.towards;
-            (flow.is_in_domain)(upstream + offset)
+            patch.covers(upstream + offset, 0.0) && (flow.is_in_domain)(upstream + offset)
         };
         let cells: Vec<usize> = (0..rectangle.len()).filter(|&cell| inside(rectangle[cell])).collect();
         section.offsets = cells.iter().map(|&cell| rectangle[cell]).collect();
@@ -164,6 +164,8 @@ mod tests {
             half_extent: [0.5, if second == DVec3::ZERO { 0.0 } else { 0.5 }],
             depth: 0.8,
             area: 1.0,
+            perimeter: 4.0,
+            raster: None,
         }
     }
 

@@ -67,10 +67,9 @@ pub(crate) fn body_force(force: &BodyForce, position: DVec3, time: f64) -> DVec3
     }
 }
 
-/// Adds the body force and the added forces to the accelerations of fluid and outflow particles.
-///
-/// The body force acts on outflow particles too. Without it, the wave equation of an outlet loses
-/// 40 % of a Poiseuille profile that the body force drives.
+/// Adds the body force and the added forces to the accelerations of fluid particles. That on
+/// outflow particles depends on their pressure:
+/// [`outlet_balance`](super::boundaries::outlet_balance).
 pub(crate) fn add_forces<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
@@ -86,13 +85,12 @@ pub(crate) fn add_forces<R: PairReal<D>, const D: usize>(
     let state = &**arrays;
     let work = |rows: Range<usize>, acceleration: [&mut [R]; D]| {
         for (at, row) in rows.enumerate() {
-            let zone = state.zone[row];
-            if zone != Zone::Fluid && zone != Zone::Outflow {
+            if state.zone[row] != Zone::Fluid {
                 continue;
             }
             let position = state.position_of(row);
             let mut sum = body_force(force, position, time);
-            if zone == Zone::Fluid && !added.0.is_empty() {
+            if !added.0.is_empty() {
                 let state = ParticleState {
                     id: state.id[row],
                     time,

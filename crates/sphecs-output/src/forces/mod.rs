@@ -163,8 +163,8 @@ pub fn read_history(folder: &Path, header: &Header) -> Result<ForcesHistory, Out
     })
 }
 
-/// Writes `forces.nc` and `forces_mean.csv` from `forces.csv` and adds their paths to `packed`, with
-/// a note on each mean that the run did not complete; nothing without a CSV file.
+/// Writes `forces.nc` and `forces_mean.csv` from `forces.csv` and adds their paths to `packed`,
+/// with a note on each mean that the run did not complete; nothing without a CSV file.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.

@@ -6,6 +6,7 @@ use super::description::description;
 use super::numbers::{Formula, Number, Vector, VectorFormula};
 use sphecs_core::boundary::inlet::{Feed, InletPressure};
 use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::boundary::patch::Extent;
 
 description! {
     /// An inlet: the plane through a point across a direction, with a zone behind it.
@@ -14,6 +15,10 @@ description! {
         name: String,
         /// Sets a point of the plane inside the domain's section, m.
         at: Vector,
+        /// Sets the parts of the domain's end that belong to it, default `Connected`.
+        extent: Extent,
+        /// Sets whether the other parts of the end are deliberately walls, default false.
+        closed: bool,
         /// Sets the direction of the flow, into the domain.
         towards: Vector,
         /// Sets the length of the zone, m, rounded up to whole spacings; default five spacings or
@@ -180,6 +185,10 @@ description! {
         name: String,
         /// Sets a point of the plane inside the domain's section, m.
         at: Vector,
+        /// Sets the parts of the domain's end that belong to it, default `Connected`.
+        extent: Extent,
+        /// Sets whether the other parts of the end are deliberately walls, default false.
+        closed: bool,
         /// Sets the direction of the flow, out of the domain.
         towards: Vector,
         /// Sets the length of the zone, m, rounded up to whole spacings; default eight spacings or

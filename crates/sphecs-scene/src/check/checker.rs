@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::expression::{Constants, Expression};
 use crate::faults::Fault;
+use crate::model::UnopenedPart;
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{Formula, FormulaText, Number, Vector};
@@ -19,6 +20,8 @@ pub struct Checker<'a> {
     pub faults: Vec<Fault>,
     /// Tables given or already read: the path as written, and the text.
     pub tables: Vec<(String, String)>,
+    /// Parts of the domain's ends that no opening covers.
+    pub unopened: Vec<UnopenedPart>,
     /// Number of placeholders found in place of faulty values.
     placeholders: usize,
 }
@@ -26,7 +29,15 @@ pub struct Checker<'a> {
 impl<'a> Checker<'a> {
     /// Returns a checker without faults.
     pub fn new(constants: &'a Constants, text: &'a str) -> Self {
-        Self { constants, text, dimensions: 2, faults: Vec::new(), tables: Vec::new(), placeholders: 0 }
+        Self {
+            constants,
+            text,
+            dimensions: 2,
+            faults: Vec::new(),
+            tables: Vec::new(),
+            unopened: Vec::new(),
+            placeholders: 0,
+        }
     }
 
     /// Returns the number of faults and placeholders so far. If it does not change while a part of

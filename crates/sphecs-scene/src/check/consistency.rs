@@ -186,6 +186,7 @@ fn zone_points(patch: &Patch, is_inlet: bool, scene: &Scene) -> Vec<DVec3> {
             }
         }
     }
+    points.retain(|point| patch.covers(*point, 0.0));
     points
 }
 

@@ -99,7 +99,8 @@ fn rows_along(patch: &Patch, scene: &Scene, add: &mut impl FnMut(DVec3, f64)) {
         for second in 0..cells[1] {
             let point = patch.at + middle(0, first) + middle(1, second);
             // The point is moved just inside the domain, whose surface is the plane.
-            if scene.domain.contains(point + patch.towards * (1e-3 * scene.spacing), 0.0) {
+            let inside = point + patch.towards * (1e-3 * scene.spacing);
+            if patch.covers(inside, 0.0) && scene.domain.contains(inside, 0.0) {
                 add(point, area);
             }
         }

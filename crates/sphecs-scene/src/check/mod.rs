@@ -1,8 +1,8 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`section`], [`tables`], [`layout`],
-//!    [`walls`], [`scheme`], [`settings`]: one section of the file each
+//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`cut`], [`section`], [`tables`],
+//!    [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
 //! 4. [`consistency`]: faults that only the complete scene shows, once its parts are valid
 
@@ -13,7 +13,9 @@ use glam::DVec3;
 use super::expression::Constants;
 use super::faults::Fault;
 use super::geometry::Shape;
-use super::model::{BodyForce, Fill, FluidProperties, Initial, Inlet, Layout, Outlet, Scene};
+use super::model::{
+    BodyForce, Fill, FluidProperties, Initial, Inlet, Layout, Outlet, Patch, Scene, UnopenedPart,
+};
 use super::schema::SceneFile;
 
 pub mod bodies;
@@ -21,6 +23,7 @@ pub mod boundaries;
 pub mod checker;
 pub mod compressibility;
 pub mod consistency;
+pub mod cut;
 pub mod layout;
 pub mod mass_flow;
 pub mod patches;
@@ -110,9 +113,9 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         return None;
     }
     let BoundaryZones { zones, container, confines } = boundary_zones(&inlets, &outlets, &site);
-    let patches: Vec<_> =
-        inlets.iter().map(|inlet| &inlet.patch).chain(outlets.iter().map(|outlet| &outlet.patch)).collect();
+    let patches = patches_of(&inlets, &outlets);
     let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
+    let unopened = unopened(check, &patches, spacing);
     let mut scene = Scene {
         name: source.name.to_owned(),
         title: file.title.value.clone(),
@@ -127,7 +130,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         scheme,
         body_force,
         container,
-        layout: Layout { fill, confines, zones, wall_regions, rings, walled: file.walls.is_some() },
+        layout: Layout { fill, confines, zones, wall_regions, rings, unopened, walled: file.walls.is_some() },
         domain,
         walls,
         bodies,
@@ -146,6 +149,20 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     }
     settings::derive(&mut scene, file);
     Some(scene)
+}
+
+fn patches_of<'a>(inlets: &'a [Inlet], outlets: &'a [Outlet]) -> Vec<&'a Patch> {
+    let patches = inlets.iter().map(|inlet| &inlet.patch);
+    patches.chain(outlets.iter().map(|outlet| &outlet.patch)).collect()
+}
+
+/// Returns the parts of the domain's ends that no opening covers.
+fn unopened(check: &mut Checker<'_>, patches: &[&Patch], spacing: f64) -> Vec<UnopenedPart> {
+    let covers = |patch: &Patch, part: &UnopenedPart| {
+        patch.along(part.at).abs() < 0.01 * spacing && patch.covers(part.at, 0.25 * spacing)
+    };
+    let parts = std::mem::take(&mut check.unopened).into_iter();
+    parts.filter(|part| !patches.iter().any(|patch| covers(patch, part))).collect()
 }
 
 /// Checks the fluid, the body force and the initial state.

@@ -6,8 +6,9 @@ use super::checker::Checker;
 use super::section::{across, exit, measure};
 use crate::faults::Fault;
 use crate::geometry::Shape;
-use crate::model::Patch;
+use crate::model::{Patch, UnopenedPart};
 use crate::schema::{Number, Text, Vector};
+use sphecs_core::boundary::patch::Extent;
 
 /// Largest number of layers of a zone, more than any flow needs; it bounds the number of particles.
 const MOST_LAYERS: f64 = 1e4;
@@ -43,6 +44,10 @@ pub struct PatchFile<'a> {
     pub depth: Option<&'a Number>,
     /// Layers of the zone if no length is given.
     pub layers: f64,
+    /// Parts of the domain's end that belong to it.
+    pub extent: Extent,
+    /// True if the other parts are deliberately walls.
+    pub closed: bool,
     /// True for an inlet.
     pub is_inlet: bool,
 }
@@ -67,8 +72,15 @@ pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> 
         half_extent: [0.0; 2],
         depth,
         area: 0.0,
+        perimeter: 0.0,
+        raster: None,
     };
-    measure(&mut patch, inwards, site);
+    for part in measure(&mut patch, inwards, file.extent, site) {
+        if !file.closed {
+            let opening = patch.name.clone();
+            check.unopened.push(UnopenedPart { opening, at: part.at, inwards, area: part.area });
+        }
+    }
     outside_is_free(&patch, file, inwards, site, check)?;
     Some(patch)
 }
@@ -174,7 +186,7 @@ fn outside_is_free(
         let point = patch.at
             + place(index % count) * patch.half_extent[0] * patch.across[0]
             + place(index / count) * patch.half_extent[1] * patch.across[1];
-        let open = site.domain.contains(point + offset, 0.0);
+        let open = patch.covers(point, 0.0) && site.domain.contains(point + offset, 0.0);
         if open && site.domain.contains(point - 2.0 * offset, 0.0) {
             check.report(
                 Fault::new(

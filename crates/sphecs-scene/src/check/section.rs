@@ -1,11 +1,18 @@
 //! Section of a patch: axes, size, outline, and the zone extruded from it.
 
-use glam::{DMat3, DVec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
 
+use glam::{DMat3, DVec3};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use super::cut::{Cut, CutPart, CutPlane};
 use super::patches::Site;
-use crate::geometry::Shape;
 use crate::geometry::measure::exit_distance;
+use crate::geometry::{Clip, Shape};
 use crate::model::Patch;
+use sphecs_core::boundary::patch::Extent;
+use sphecs_core::boundary::section_raster::SectionRaster;
 
 /// Returns the unit vectors that span the plane, y and z for a flow along x; the second is zero in
 /// 2D.
@@ -34,8 +41,42 @@ pub fn exit(domain: &Shape, from: DVec3, direction: DVec3, spacing: f64) -> Opti
 }
 
 /// Centres the patch on its section and measures it, on a plane just inside the domain.
-pub fn measure(patch: &mut Patch, inwards: DVec3, site: &Site<'_>) {
-    let aside = 1e-3 * site.spacing * inwards;
+///
+/// Returns the other parts of the domain's end at the plane, which stay walls.
+pub fn measure(patch: &mut Patch, inwards: DVec3, extent: Extent, site: &Site<'_>) -> Vec<CutPart> {
+    let plane = CutPlane { at: patch.at, inwards, across: patch.across, aside: 1e-3 * site.spacing };
+    let cut = Cut::new(plane, extent, site);
+    centre_on_chords(patch, plane, site);
+    let is_single = cut.parts.iter().filter(|part| part.is_open).count() == 1;
+    let outline = if is_single && chords_span(patch, plane, &cut) {
+        outline(patch, covered(patch, plane, &cut, site))
+    } else {
+        centre_on_cut(patch, plane, &cut, site);
+        Outline::Other
+    };
+    let [a, b] = patch.half_extent;
+    (patch.area, patch.perimeter) = match outline {
+        Outline::Rectangle if site.dimensions == 2 => (2.0 * a, wet_sides(patch, site)[0] * 2.0),
+        Outline::Rectangle => {
+            let [sides, ends] = wet_sides(patch, site);
+            (4.0 * a * b, 4.0 * (b * sides + a * ends))
+        }
+        Outline::Disc => (PI * a * b, 2.0 * PI * a),
+        Outline::Other => (0.0, 0.0),
+    };
+    if outline != Outline::Rectangle {
+        let raster = raster(patch, plane, &cut, site);
+        if outline == Outline::Other {
+            (patch.area, patch.perimeter) = (raster.area, raster.perimeter);
+        }
+        patch.raster = Some(Arc::new(raster.raster));
+    }
+    cut.parts.into_iter().filter(|part| part.is_end && !part.is_open).collect()
+}
+
+/// Moves the patch to the middles of chords, and measures it along them.
+fn centre_on_chords(patch: &mut Patch, plane: CutPlane, site: &Site<'_>) {
+    let aside = plane.aside * plane.inwards;
     let axes = site.dimensions - 1;
     // A chord of a circle is a diameter only after the second axis has been centred.
     for round in 0..3 * axes {
@@ -52,13 +93,63 @@ pub fn measure(patch: &mut Patch, inwards: DVec3, site: &Site<'_>) {
         }
         patch.half_extent[axis] = 0.5 * (up + down);
     }
-    patch.area = match site.dimensions {
-        2 => 2.0 * patch.half_extent[0],
-        _ => area(patch, aside, site),
-    };
 }
 
-/// Outline of a section in 3D.
+/// Returns true if the rectangle of the chords is the bounding rectangle of the section.
+fn chords_span(patch: &Patch, plane: CutPlane, cut: &Cut<'_>) -> bool {
+    let [low, high] = cut.open_bounds();
+    let centre = patch.at - plane.at;
+    (0..2).filter(|&axis| patch.across[axis] != DVec3::ZERO).all(|axis| {
+        let middle = centre.dot(patch.across[axis]);
+        let [from, to] = [middle - patch.half_extent[axis], middle + patch.half_extent[axis]];
+        (from - low[axis]).abs() < 1.5 * cut.cell() && (to - high[axis]).abs() < 1.5 * cut.cell()
+    })
+}
+
+/// Moves the patch to the middle of the bounding rectangle of the cut, and takes its size.
+fn centre_on_cut(patch: &mut Patch, plane: CutPlane, cut: &Cut<'_>, site: &Site<'_>) {
+    let [low, high] = cut.open_bounds();
+    patch.at = plane.at;
+    for axis in 0..site.dimensions - 1 {
+        let edge = |from: f64, direction: f64| edge(cut, [low, high], axis, from, direction);
+        let (from, to) = (edge(low[axis], -1.0), edge(high[axis], 1.0));
+        patch.at += 0.5 * (from + to) * patch.across[axis];
+        patch.half_extent[axis] = 0.5 * (to - from);
+    }
+}
+
+/// Returns the offset of the edge of the open parts beyond their outermost cells along an axis, m.
+fn edge(cut: &Cut<'_>, [low, high]: [[f64; 2]; 2], axis: usize, from: f64, direction: f64) -> f64 {
+    let other = 1 - axis;
+    let count = ((high[other] - low[other]) / cut.cell()).round() as usize;
+    let is_open = |place: f64, across: usize| {
+        let mut offset = [0.0; 2];
+        offset[axis] = place;
+        offset[other] = low[other] + across as f64 * cut.cell();
+        cut.is_open(offset)
+    };
+    let exits = (0..=count).filter(|&across| is_open(from, across)).map(|across| {
+        let step = 0.25 * cut.cell();
+        let inside = |distance: f64| is_open(from + direction * distance, across);
+        exit_distance(inside, step, 4.0 * cut.cell()).unwrap_or(0.0)
+    });
+    from + direction * exits.fold(0.0, f64::max)
+}
+
+/// Returns, for the sides across both directions, 1 if they are at walls and 0 if the section spans
+/// a period between them.
+fn wet_sides(patch: &Patch, site: &Site<'_>) -> [f64; 2] {
+    std::array::from_fn(|axis| {
+        let spans = (0..3).any(|direction| {
+            let period = site.periodic[direction].map_or(0.0, |(low, high)| high - low);
+            let width = 2.0 * patch.half_extent[axis];
+            patch.across[axis][direction].abs() > 1.0 - 1e-9 && (period - width).abs() < 1e-6 * width
+        });
+        if spans { 0.0 } else { 1.0 }
+    })
+}
+
+/// Shape of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outline {
     Rectangle,
@@ -67,18 +158,20 @@ enum Outline {
 }
 
 /// Returns the fraction of the bounding rectangle that belongs to the section, by 200 × 200
-/// samples.
-fn covered(patch: &Patch, aside: DVec3, domain: &Shape) -> f64 {
+/// samples; 1 in 2D.
+fn covered(patch: &Patch, plane: CutPlane, cut: &Cut<'_>, site: &Site<'_>) -> f64 {
+    if site.dimensions == 2 {
+        return 1.0;
+    }
     let count = 200;
+    let centre = [0, 1].map(|axis| (patch.at - plane.at).dot(patch.across[axis]));
     let mut inside = 0;
     for i in 0..count {
         for j in 0..count {
             let place = |index: i32| (f64::from(index) + 0.5) / f64::from(count) * 2.0 - 1.0;
-            let point = patch.at
-                + aside
-                + place(i) * patch.half_extent[0] * patch.across[0]
-                + place(j) * patch.half_extent[1] * patch.across[1];
-            inside += i32::from(domain.contains(point, 0.0));
+            let offset =
+                [centre[0] + place(i) * patch.half_extent[0], centre[1] + place(j) * patch.half_extent[1]];
+            inside += i32::from(cut.is_open(offset));
         }
     }
     f64::from(inside) / f64::from(count * count)
@@ -95,14 +188,77 @@ fn outline(patch: &Patch, fraction: f64) -> Outline {
     }
 }
 
-fn area(patch: &Patch, aside: DVec3, site: &Site<'_>) -> f64 {
-    let [a, b] = patch.half_extent;
-    let fraction = covered(patch, aside, site.domain);
-    match outline(patch, fraction) {
-        Outline::Rectangle => 4.0 * a * b,
-        Outline::Disc => std::f64::consts::PI * a * b,
-        Outline::Other => 4.0 * a * b * fraction,
-    }
+/// Raster of a section with its measures.
+struct MeasuredRaster {
+    raster: SectionRaster,
+    /// Area, m² (length in m in 2D).
+    area: f64,
+    /// Perimeter, m (number of ends in 2D).
+    perimeter: f64,
+}
+
+/// Width of a cell of a raster, in spacings, in 2D and 3D.
+const RASTER_CELL: [f64; 2] = [1.0 / 64.0, 0.125];
+
+/// Largest number of cells of a raster along a direction, in 2D and 3D.
+const MOST_RASTER_CELLS: [f64; 2] = [1e6, 2000.0];
+
+/// Number of samples along a direction of a cell at the edge of a section.
+const EDGE_SAMPLES: usize = 8;
+
+/// Returns the raster of the open parts of a cut, about the centre of the patch.
+///
+/// The area is the sum of the shares φ of the cells in the section, which are sampled for cells at
+/// its edge. The perimeter is the total variation of φ, Σ |∇φ| w² with the width w of a cell.
+fn raster(patch: &Patch, plane: CutPlane, cut: &Cut<'_>, site: &Site<'_>) -> MeasuredRaster {
+    let axes = site.dimensions - 1;
+    let longest = patch.half_extent[0].max(patch.half_extent[1]);
+    let cell = (RASTER_CELL[axes - 1] * site.spacing).max(2.0 * longest / MOST_RASTER_CELLS[axes - 1]);
+    // With a margin for the edge.
+    let counts = [0, 1]
+        .map(|axis| if axis < axes { (2.0 * patch.half_extent[axis] / cell).ceil() as usize + 4 } else { 1 });
+    let centre = [0, 1].map(|axis| (patch.at - plane.at).dot(patch.across[axis]));
+    let offset = |index: usize| -> [f64; 2] {
+        let place = [index % counts[0], index / counts[0]];
+        std::array::from_fn(|axis| {
+            centre[axis] + (place[axis] as f64 - 0.5 * (counts[axis] as f64 - 1.0)) * cell
+        })
+    };
+    let cells: Vec<bool> =
+        (0..counts[0] * counts[1]).into_par_iter().map(|at| cut.is_open(offset(at))).collect();
+    // Cells are their own neighbours at the edge of the raster, outside the section.
+    let next = |at: usize, axis: usize| {
+        let (stride, place) = if axis == 0 { (1, at % counts[0]) } else { (counts[0], at / counts[0]) };
+        [if place > 0 { at - stride } else { at }, if place + 1 < counts[axis] { at + stride } else { at }]
+    };
+    let is_edge = |at: usize| {
+        let rows = next(at, 1);
+        let around = [rows[0], at, rows[1]].map(|row| next(row, 0));
+        let differs = |other: usize| cells[other] != cells[at];
+        rows.into_iter().any(differs) || around.into_iter().flatten().any(differs)
+    };
+    let share = |at: usize| {
+        if !is_edge(at) {
+            return f64::from(u8::from(cells[at]));
+        }
+        let middle = offset(at);
+        let count = if axes == 2 { EDGE_SAMPLES * EDGE_SAMPLES } else { EDGE_SAMPLES };
+        let sample = |index: usize| {
+            let place = [index % EDGE_SAMPLES, index / EDGE_SAMPLES];
+            let aside = |axis: usize| ((place[axis] as f64 + 0.5) / EDGE_SAMPLES as f64 - 0.5) * cell;
+            [middle[0] + aside(0), middle[1] + if axes == 2 { aside(1) } else { 0.0 }]
+        };
+        (0..count).filter(|&index| cut.is_open(sample(index))).count() as f64 / count as f64
+    };
+    let shares: Vec<f64> = (0..cells.len()).into_par_iter().map(share).collect();
+    let size = cell.powi(axes as i32);
+    let slope = |at: usize, axis: usize| {
+        let [before, behind] = next(at, axis);
+        (shares[behind] - shares[before]) / (2.0 * cell)
+    };
+    let area = shares.iter().sum::<f64>() * size;
+    let perimeter = (0..cells.len()).map(|at| slope(at, 0).hypot(slope(at, 1))).sum::<f64>() * size;
+    MeasuredRaster { raster: SectionRaster::new(cell, counts, &cells), area, perimeter }
 }
 
 /// Returns the section of the patch extruded out of the domain.
@@ -115,10 +271,11 @@ pub fn zone(
     dimensions: usize,
 ) -> Shape {
     let [a, b] = patch.half_extent;
-    let aside = -1e-3 * spacing * outwards;
-    let outline = match dimensions {
-        2 => Outline::Rectangle,
-        _ => outline(patch, covered(patch, aside, domain)),
+    let is_disc = (patch.area - PI * a * b).abs() < 1e-9 * patch.area;
+    let outline = match &patch.raster {
+        None => Outline::Rectangle,
+        Some(_) if is_disc => Outline::Disc,
+        Some(_) => Outline::Other,
     };
     match outline {
         Outline::Rectangle => {
@@ -147,6 +304,7 @@ pub fn zone(
             outwards,
             length,
             inset: 2.0 * spacing,
+            clip: patch.raster.clone().map(|raster| Clip { raster, across: patch.across }),
         },
     }
 }

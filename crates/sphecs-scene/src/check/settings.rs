@@ -7,7 +7,7 @@ use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill;
 use crate::model::{
-    BodyForce, OutputSettings, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
+    BodyForce, OutputSettings, Patch, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
 };
 use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
 use crate::summary;
@@ -160,8 +160,13 @@ pub fn derive(scene: &mut Scene, file: &SceneFile) {
 
 /// Returns the width of the narrowest patch, or of the domain across periodic directions, m.
 fn narrowest(scene: &Scene) -> f64 {
-    let patches = fill::patches(scene).map(|(patch, _)| 2.0 * patch.half_extent[0]);
-    let narrowest = patches.fold(f64::INFINITY, f64::min);
+    let width = |patch: &Patch| {
+        let plates = if scene.dimensions == 2 { 0.5 } else { 1.0 };
+        let (width, hydraulic) = (2.0 * patch.half_extent[0], plates * patch.hydraulic_diameter());
+        // Of a section in parts or with a hole. The measures of others agree up to rounding.
+        if patch.raster.is_some() && hydraulic < 0.999 * width { hydraulic } else { width }
+    };
+    let narrowest = fill::patches(scene).map(|(patch, _)| width(patch)).fold(f64::INFINITY, f64::min);
     if narrowest.is_finite() {
         return narrowest;
     }

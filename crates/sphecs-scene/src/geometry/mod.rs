@@ -9,7 +9,10 @@
 //! of an intersection or difference it is a lower bound in size; its sign is correct everywhere. To
 //! add a shape: a module with its distance, a variant and an arm here, a variant in the schema.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec2, DVec3};
+use sphecs_core::boundary::section_raster::SectionRaster;
 
 pub mod bend;
 pub mod measure;
@@ -84,7 +87,29 @@ pub enum Shape {
         length: f64,
         /// Distance inside the shape at which the section is taken, m.
         inset: f64,
+        /// Parts of the section that are extruded; None for all of them.
+        clip: Option<Clip>,
     },
+}
+
+/// Parts of a section about a point of its plane.
+#[derive(Clone, Debug)]
+pub struct Clip {
+    /// The parts.
+    pub raster: Arc<SectionRaster>,
+    /// Unit vectors that span the plane.
+    pub across: [DVec3; 2],
+}
+
+impl Clip {
+    /// Returns a distance from the section, m, raised to that from its extruded parts; `offset` is
+    /// the offset from the point of the plane, m.
+    fn raised(&self, lateral: f64, offset: DVec3) -> f64 {
+        let distance = self.raster.distance(self.across.map(|across| offset.dot(across)));
+        // The raster is exact to half a cell, the distance from a section of one part is exact.
+        let bound = distance - self.raster.cell();
+        if bound > 0.0 { lateral.max(bound) } else { lateral }
+    }
 }
 
 impl Shape {
@@ -105,12 +130,13 @@ impl Shape {
                 let local = rotation.transpose() * (point - *origin) / *scale;
                 shape.signed_distance(local) * scale
             }
-            Shape::Extension { shape, at, outwards, length, inset } => {
+            Shape::Extension { shape, at, outwards, length, inset, clip } => {
                 let along = (point - *at).dot(*outwards);
                 let projected = point - (along + inset) * *outwards;
                 // The end of the extrusion limits the depth inside to `inset`; only the sign
                 // matters.
                 let lateral = shape.signed_distance(projected);
+                let lateral = clip.as_ref().map_or(lateral, |clip| clip.raised(lateral, point - *at));
                 let axial = (-along).max(along - length);
                 primitives::corner(lateral, axial)
             }

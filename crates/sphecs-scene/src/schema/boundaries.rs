@@ -8,6 +8,7 @@ use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
 use sphecs_core::boundary::inlet::{Feed, InletPressure};
 use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::boundary::patch::Extent;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
 /// The walls.
@@ -85,6 +86,12 @@ pub struct InletFile {
     pub name: Option<Text>,
     /// A point of its plane inside the domain's section, m.
     pub at: Vector,
+    /// Parts of the domain's end in this plane that belong to it, default `Connected`.
+    #[serde(default)]
+    pub extent: Extent,
+    /// True if the other parts of the end are deliberately walls, default false: a note names them.
+    #[serde(default)]
+    pub closed: bool,
     /// Direction of the flow into the domain, dimensionless.
     pub towards: Vector,
     /// Length of its zone, m, rounded up to whole spacings; default five spacings or the support.
@@ -170,6 +177,12 @@ pub struct OutletFile {
     pub name: Option<Text>,
     /// A point of its plane inside the domain's section, m.
     pub at: Vector,
+    /// Parts of the domain's end in this plane that belong to it, default `Connected`.
+    #[serde(default)]
+    pub extent: Extent,
+    /// True if the other parts of the end are deliberately walls, default false: a note names them.
+    #[serde(default)]
+    pub closed: bool,
     /// Direction of the flow out of the domain, dimensionless.
     pub towards: Vector,
     /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.

@@ -22,6 +22,7 @@ use crate::schema::SceneFile;
 use crate::seeds;
 use sphecs_core::boundary::inlet::{Feed, InletPressure};
 use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::boundary::patch::Extent;
 use sphecs_core::math::kernel::Kernel;
 use sphecs_core::physics::integrator::Integrator;
 use sphecs_core::physics::shifting::Shifting;
@@ -204,8 +205,13 @@ fn complete() -> SceneBuilder {
         .fill(rings);
     let body = Body::new("drum").about((0.0, 0.0)).velocity(1.0).area("2*R").length(0.1);
     let walls = Walls::new().model(WallModel::default()).slip(Slip::NoSlip).velocity((0.0, 0.0)).part(part);
-    let opening =
-        Inlet::default().name("left").depth("5*R").pressure(InletPressure::default()).feed(Feed::Once);
+    let opening = Inlet::default()
+        .name("left")
+        .depth("5*R")
+        .pressure(InletPressure::default())
+        .feed(Feed::Once)
+        .extent(Extent::Whole)
+        .closed(true);
     let scene = quickstart()
         .precision(Precision::F32)
         .constant("R", 0.1)
@@ -223,7 +229,13 @@ fn complete() -> SceneBuilder {
         .walls(walls)
         .body(body.mean((0.5, "10*R")).five_point_mean(true))
         .initial(Initial::new().velocity(("y", 0.0)).pressure("1000*y").tag(1.0))
-        .outlet(Outlet::new((0.0, 0.0), (1.0, 0.0)).name("right").depth(1.0))
+        .outlet(
+            Outlet::new((0.0, 0.0), (1.0, 0.0))
+                .name("right")
+                .depth(1.0)
+                .extent(Extent::Connected)
+                .closed(false),
+        )
         .periodic("y")
         .body_force((0.0, "-9.81"))
         .reservoir(Reservoir::new().particles(100).when_empty(WhenEmpty::Stop).recycle(false))
@@ -294,6 +306,7 @@ fn every_field_of_a_scene_file_can_be_built() {
         shared::<ProbeSight>(),
         shared::<FirstRing>(),
         shared::<Feed>(),
+        shared::<Extent>(),
         shared::<InletPressure>(),
         shared::<OutletCondition>(),
         shared::<Kernel>(),

@@ -6,6 +6,7 @@ mod filling;
 #[cfg(feature = "schema")]
 mod manual;
 mod mutations;
+mod openings;
 mod schema_fields;
 mod sets;
 mod shapes;

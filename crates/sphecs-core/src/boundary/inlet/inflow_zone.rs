@@ -21,6 +21,9 @@ pub trait InflowMotion: Sync {
     /// Returns the velocity at a point (m) at the present time, m/s.
     fn velocity(&self, point: DVec3) -> DVec3;
 
+    /// Returns the body force at a point (m) at the present time, m/s².
+    fn body_force(&self, point: DVec3) -> DVec3;
+
     /// Returns g − dv/dt + ν ∇²v at a point (m) at the present time, m/s²: ∇p/ρ0 of the prescribed
     /// motion.
     fn pressure_force(&self, point: DVec3) -> DVec3;

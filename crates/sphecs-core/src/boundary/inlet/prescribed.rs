@@ -1,8 +1,13 @@
 //! Given pressure at an inlet.
 //!
 //! ```text
-//! p_o = p_given
+//! p_o = p_given + ρ0 f·(x_f − x_c)
 //! ```
+//!
+//! f is the body force and x_f the foot of the particle on the plane: the pressure is given at the
+//! centre x_c of the section.
+
+use glam::DVec3;
 
 use super::InletMethod;
 use super::inflow_zone::InflowZone;
@@ -15,8 +20,13 @@ pub struct Prescribed(pub f64);
 
 impl InletMethod for Prescribed {
     fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
-        let pressure = self.0;
-        zone.set(1.0, |_, _, _| pressure);
+        let (pressure, density, motion, patch) = (self.0, zone.density, zone.motion, zone.patch);
+        let weight = |point: DVec3| {
+            let foot = point - patch.towards * patch.along(point);
+            // The force at the middle is exact for a linear one.
+            motion.body_force(0.5 * (patch.at + foot)).dot(foot - patch.at) * density
+        };
+        zone.set(1.0, |_, point, _| pressure + weight(point));
     }
 
     fn faults(&self) -> Vec<ParameterFault> {

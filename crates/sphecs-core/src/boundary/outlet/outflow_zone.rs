@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::method::OutflowState;
+use super::non_reflecting::prescribed_flow::Inflow;
 use crate::boundary::flow::FlowProperties;
 use crate::boundary::patch::Patch;
 use crate::math::grid::CellGrid;
@@ -32,6 +33,10 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     pub patch: &'a Patch,
     /// Extent of the domain along the outlet's normal, m.
     pub extent: f64,
+    /// Slow part of the volume flow that all inlets prescribe; None without inlets.
+    pub prescribed: Option<Inflow>,
+    /// Area of the outlet over that of all outlets.
+    pub area_share: f64,
     /// Rows of the outflow particles in the arrays.
     pub rows: &'a [u32],
     /// Rows of the fluid upstream that the condition requested in its

@@ -14,7 +14,8 @@ pub enum OutletPressure {
     /// The pressure that the particle had when it crossed the plane. Take it to compare with
     /// conditions that keep it.
     Frozen,
-    /// A given pressure, Pa. Take it for a mean flow that accelerates for good.
+    /// A given pressure, Pa. Take it for a mean flow that the outlets alone determine and that
+    /// accelerates for good.
     Reference(f64),
     /// The pressure of the crossing, relaxed towards `target` (Pa) over `time` (s). Take it to
     /// compare with the nonreflecting pressure.
@@ -24,14 +25,16 @@ pub enum OutletPressure {
         /// Time constant, s.
         time: f64,
     },
-    /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) and the mean
-    /// velocity followed over `time` (s). Take it for other flows.
+    /// Transmits acoustic waves: the incoming characteristic is held at `target` (Pa) about the
+    /// mean velocity. Take it for other flows.
     NonReflecting {
         /// Mean pressure approached, Pa, default 0.
         #[serde(default)]
         target: f64,
-        /// Time constant with which the mean velocity is followed, s, default four travel times of
-        /// sound through the domain along the outlet's normal.
+        /// Time constant with which the mean velocity is followed, s, default that of the flow from
+        /// the inlets: the outlet knows the mean velocity that they cause, so that a slow flow
+        /// leaves at `target`, and follows the rest over four travel times of sound through the
+        /// domain along its normal. With a long time the outlet acts as a long pipe does.
         #[serde(default)]
         time: Option<f64>,
         /// Acoustic waves that are transmitted.

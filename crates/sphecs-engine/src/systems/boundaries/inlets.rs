@@ -40,13 +40,17 @@ impl InflowMotion for SceneMotion<'_> {
         self.inlet.velocity_at(self.scene.fluid.viscosity, point, self.time)
     }
 
+    fn body_force(&self, point: DVec3) -> DVec3 {
+        body_force(&self.scene.body_force, point, self.time)
+    }
+
     fn pressure_force(&self, point: DVec3) -> DVec3 {
         let scene = self.scene;
         let moment = TIME_DIFFERENCE * scene.spacing / scene.fluid.sound_speed;
         let step = SPACE_DIFFERENCE * scene.spacing;
         let viscosity = if scene.scheme.is_viscous() { scene.fluid.viscosity } else { 0.0 };
         let inertia = self.inlet.inertia(viscosity, point, self.time, step, moment);
-        body_force(&scene.body_force, point, self.time) - inertia
+        self.body_force(point) - inertia
     }
 }
 

@@ -1,21 +1,25 @@
 //! Boundary particles: inflow, outflow and wall.
 //!
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
+//! - [`outlet_balance`]: balance of a body force at an outlet
 //! - [`outlet_diagnostics`]: signs that an outlet condition does not suit the flow
 //! - [`outlet_registry`]: outlet conditions that plugins add
 //! - [`outlets`]: state, pressure, rates and motion of outflow particles
 //! - [`patch_cells`]: grid cells near inlets and outlets
 //! - [`patch_rows`]: rows of the arrays that belong to each inlet and outlet
+//! - [`prescribed_inflow`]: volume flow that the inlets prescribe
 //! - [`wall_projection`]: return of particles from behind a wall to its surface
 //! - [`walls`]: velocity and pressure of wall particles
 //!
 //! The conditions are in `sphecs_core::boundary`; the systems here call them.
 
 pub mod inlets;
+pub mod outlet_balance;
 pub mod outlet_diagnostics;
 pub mod outlet_registry;
 pub mod outlets;
 pub mod patch_cells;
 pub mod patch_rows;
+pub mod prescribed_inflow;
 pub mod wall_projection;
 pub mod walls;

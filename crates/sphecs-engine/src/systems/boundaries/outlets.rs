@@ -12,8 +12,10 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::outlet_balance::{OutletBalance, OutletForce, ReducedBuffers};
 use super::outlet_registry::{AddedOutlets, OutletFaults};
 use super::patch_rows::PatchRows;
+use super::prescribed_inflow::PrescribedInflow;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
@@ -37,6 +39,7 @@ pub struct Outlets<R: PairReal<D>, const D: usize> {
     /// Outlets, in the order of the scene.
     pub all: Vec<RunningOutlet<R, D>>,
     needs: Vec<Needs>,
+    inflow: PrescribedInflow,
 }
 
 /// An outlet with its condition and the state of the present stage.
@@ -45,6 +48,8 @@ pub struct RunningOutlet<R: PairReal<D>, const D: usize> {
     pub adjacent: PointFlow,
     /// Speed along the normal of each outflow row of the outlet, m/s.
     pub speeds: Vec<f64>,
+    /// Balance of the body force.
+    pub balance: OutletBalance,
     condition: Box<dyn RunningCondition<R, D>>,
 }
 
@@ -159,13 +164,19 @@ pub fn insert_outlets<R: PairReal<D>, const D: usize>(
                 }
             },
         };
-        outlets.push(RunningOutlet { adjacent: PointFlow::default(), speeds: Vec::new(), condition });
+        outlets.push(RunningOutlet {
+            adjacent: PointFlow::default(),
+            speeds: Vec::new(),
+            balance: OutletBalance::default(),
+            condition,
+        });
     }
     if !faults.is_empty() {
         return Err(OutletFaults(faults));
     }
     let needs = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
-    world.insert_resource(Outlets::<R, D> { all: outlets, needs });
+    let inflow = PrescribedInflow::new(scene);
+    world.insert_resource(Outlets::<R, D> { all: outlets, needs, inflow });
     let mut saved = world.get_resource_or_init::<SavedResources>();
     saved.add_with::<Outlets<R, D>>("outlets", save::<R, D>, restore::<R, D>);
     Ok(())
@@ -185,6 +196,8 @@ struct SavedOutlet {
     fluid_pressure: f64,
     /// Speed along the normal of each outflow row, m/s.
     convective: Vec<f64>,
+    /// Balance of the body force.
+    balance: OutletBalance,
 }
 
 fn save<R: PairReal<D>, const D: usize>(world: &World) -> Option<Vec<u8>> {
@@ -196,6 +209,7 @@ fn save<R: PairReal<D>, const D: usize>(world: &World) -> Option<Vec<u8>> {
         fluid_velocity: running.adjacent.velocity,
         fluid_pressure: running.adjacent.pressure,
         convective: running.speeds.clone(),
+        balance: running.balance,
     });
     Some(encode_record(&saved.collect::<Vec<_>>()))
 }
@@ -218,6 +232,7 @@ fn restore<R: PairReal<D>, const D: usize>(world: &mut World, bytes: &[u8]) -> R
         running.adjacent.velocity = saved.fluid_velocity;
         running.adjacent.pressure = saved.fluid_pressure;
         running.speeds = saved.convective;
+        running.balance = saved.balance;
     }
     Ok(())
 }
@@ -260,22 +275,35 @@ fn flow_properties<'a>(
     }
 }
 
-/// Calls a function with the condition and the zone of each outlet.
+/// Parts of a running outlet that a system may change.
+struct OutletParts<'a, R: PairReal<D>, const D: usize> {
+    condition: &'a mut dyn RunningCondition<R, D>,
+    adjacent: &'a mut PointFlow,
+    balance: &'a mut OutletBalance,
+    /// Fluid rows in the last layers before the outlet.
+    before: &'a [u32],
+}
+
+/// Calls a function with the parts and the zone of each outlet.
 fn for_each_zone<R: PairReal<D>, const D: usize>(
     (scene, clock, pair, grid): (&Scene, &Clock, &Pair, &Grid<D>),
     rows: &PatchRows,
     outlets: &mut Outlets<R, D>,
     (buffers, sums, arrays): (&mut ZoneBuffers<R, D>, &mut Sums<R, D>, &mut ParticleArrays<R, D>),
-    mut work: impl FnMut(&mut dyn RunningCondition<R, D>, &mut OutflowZone<'_, R, D>),
+    mut work: impl FnMut(OutletParts<'_, R, D>, &mut OutflowZone<'_, R, D>),
 ) {
     let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
     let flow = flow_properties(scene, &is_in_domain);
+    outlets.inflow.find(scene, clock.time);
+    let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
-        let RunningOutlet { adjacent, speeds, condition } = running;
+        let RunningOutlet { adjacent, speeds, balance, condition } = running;
         let mut zone = OutflowZone {
             flow,
             patch: &outlet.patch,
             extent: scene.extent_along(outlet.patch.towards),
+            prescribed: outlets.inflow.at_outlet(index),
+            area_share: outlet.patch.area / area,
             rows: &rows.outflow[index],
             upstream: &rows.upstream[index],
             inflow: &rows.inflow,
@@ -288,7 +316,8 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             buffers: &mut *buffers,
             speeds,
         };
-        work(&mut **condition, &mut zone);
+        let before = &rows.before_outlet[index];
+        work(OutletParts { condition: &mut **condition, adjacent, balance, before }, &mut zone);
     }
 }
 
@@ -316,19 +345,25 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
     rows: Res<PatchRows>,
-    mut buffers: Local<ZoneBuffers<R, D>>,
+    (mut buffers, mut reduced): (Local<ZoneBuffers<R, D>>, Local<ReducedBuffers<R>>),
     mut outlets: ResMut<Outlets<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    let work = |condition: &mut dyn RunningCondition<R, D>, zone: &mut OutflowZone<'_, R, D>| {
-        condition.apply(zone);
+    let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
+        let force = OutletForce::new(scene, zone.patch, outlet.balance, clock.time);
+        if let Some(force) = &force {
+            reduced.reduce(force, zone.rows, zone.arrays);
+        }
+        find_adjacent(outlet.adjacent, zone.patch.towards, outlet.before, zone.arrays);
+        zone.adjacent = *outlet.adjacent;
+        zone.speeds.clear();
+        outlet.condition.apply(zone);
+        if let Some(force) = &force {
+            reduced.restore(force, zone.rows, zone.pair, zone.arrays);
+        }
     };
-    for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
-        find_adjacent(&mut running.adjacent, outlet.patch.towards, &rows.before_outlet[index], &arrays);
-        running.speeds.clear();
-    }
     let state = (&mut *buffers, &mut *sums, &mut **arrays);
     for_each_zone((scene, &clock, &pair, &grid), &rows, &mut outlets, state, work);
 }
@@ -344,9 +379,15 @@ pub fn find_outlet_rates<R: PairReal<D>, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    let work = |condition: &mut dyn RunningCondition<R, D>, zone: &mut OutflowZone<'_, R, D>| {
-        condition.find_rates(zone);
+    let scene = &*scene.0;
+    let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
+        outlet.condition.find_rates(zone);
+        if let Some(force) = OutletForce::new(scene, zone.patch, outlet.balance, clock.time) {
+            let passage = zone.extent / scene.fluid.sound_speed;
+            let motion = (zone.adjacent.velocity, passage, zone.time_step);
+            outlet.balance.accelerate(&force, motion, zone.rows, zone.arrays);
+        }
     };
     let state = (&mut *buffers, &mut *sums, &mut **arrays);
-    for_each_zone((&scene.0, &clock, &pair, &grid), &rows, &mut outlets, state, work);
+    for_each_zone((scene, &clock, &pair, &grid), &rows, &mut outlets, state, work);
 }

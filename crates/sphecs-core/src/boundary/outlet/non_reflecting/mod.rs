@@ -2,6 +2,7 @@
 //!
 //! - [`oblique_waves`]: waves at any angle to the normal
 //! - [`plane_waves`]: plane waves along the normal
+//! - [`prescribed_flow`]: mean velocity that the prescribed inflow causes
 //! - [`propagation`]: propagation of waves through the zone
 //!
 //! In each step the flow is sampled at points of the section. The outgoing waves there give the
@@ -9,6 +10,7 @@
 
 pub mod oblique_waves;
 pub mod plane_waves;
+pub mod prescribed_flow;
 pub mod propagation;
 
 use glam::DVec3;
@@ -24,6 +26,7 @@ use crate::pass::fits::PointFlow;
 use crate::pass::pair_real::PairReal;
 use oblique_waves::{ObliqueSetting, ObliqueWaves};
 use plane_waves::{PlaneSetting, PlaneWaves};
+use prescribed_flow::{InflowStep, Prescribed, PrescribedFlow};
 use propagation::Propagation;
 
 /// Travel times of sound along the section over which the velocity at its points is followed. A
@@ -39,6 +42,8 @@ const LAYERS_SEEN: f64 = 1.0;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NonReflecting {
+    /// Mean velocity that the prescribed inflow causes.
+    pub prescribed: PrescribedFlow,
     /// Plane waves.
     pub plane: PlaneWaves,
     /// Oblique waves.
@@ -58,6 +63,10 @@ pub struct NonReflecting {
     #[serde(skip)]
     deviation: [Vec<f64>; 2],
 }
+
+/// Distance inside the plane of the mean of the fluid, in spacings: one layer, and less than a
+/// third of one since a kernel that the plane cuts sees further inwards.
+const SAMPLED_LAYERS: f64 = 1.3;
 
 impl NonReflecting {
     /// Returns the points at which the fluid must be known.
@@ -80,10 +89,26 @@ impl NonReflecting {
         let (flow, patch, time_step) = (&zone.flow, zone.patch, zone.time_step);
         let (fitted, adjacent) = (&zone.fitted()[zone.rows.len()..], zone.adjacent);
         let (density, sound_speed) = (flow.density, flow.sound_speed);
+        let inflow = zone.prescribed.filter(|_| time.is_none());
         let time = time.unwrap_or_else(|| settling_time(zone.extent, sound_speed));
         let setting = PlaneSetting { target, time, density, sound_speed };
         let mean = self.split(fitted, adjacent);
-        let plane = self.plane.advance(&setting, mean.pressure, mean.velocity, time_step);
+        let prescribed = match inflow {
+            Some(inflow) => self.prescribed.advance(&InflowStep {
+                inflow,
+                velocity: mean.velocity,
+                area: patch.area,
+                area_share: zone.area_share,
+                passage: zone.extent / sound_speed,
+                time_step,
+            }),
+            None => Prescribed::default(),
+        };
+        // The mean is that of the fluid inside the plane; the pressure falls towards the plane
+        // while the flow accelerates.
+        let fall = density * prescribed.acceleration * SAMPLED_LAYERS * flow.spacing;
+        let velocity = mean.velocity - prescribed.velocity;
+        let plane = self.plane.advance(&setting, mean.pressure - fall, velocity, time_step);
         self.pressure.clear();
         self.pressure.resize(fitted.len(), plane);
         if waves == Waves::All {

@@ -1,12 +1,14 @@
 //! Outlet pressure that transmits plane acoustic waves along the normal.
 //!
 //! ```text
-//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − u)    outgoing
-//! J3 = (p  − p_t) − ρ0 c0 (v  − u)    incoming: 0
-//! p  = p_t + ½ J2,     du/dt = (w − u)/½τ,  dw/dt = (v̄ − w)/½τ
+//! J2 = (p̄ − p_t) + ρ0 c0 (v̄ − U − u)    outgoing
+//! J3 = (p  − p_t) − ρ0 c0 (v  − U − u)    incoming: 0
+//! p  = p_t + ½ J2,     du/dt = (w − u)/½τ,  dw/dt = (v̄ − U − w)/½τ
 //! ```
 //!
-//! p̄ and v̄ are means over uniform points of the section a layer inside the plane.
+//! p̄ and v̄ are means over uniform points of the section a layer inside the plane, U is the
+//! velocity that the prescribed inflow causes there, see
+//! [`prescribed_flow`](super::prescribed_flow).
 //!
 //! These are the characteristic variables of Negi et al. (2020), Eqs. 25–27, after Lastiwka et al.
 //! (2009), for the mean over the section only. In a nearly incompressible flow the velocity of a
@@ -15,9 +17,10 @@
 //! waves below its cut-on frequency c0/(2 width), and the mean over the section is exactly that
 //! part.
 //!
-//! The mean velocity u follows the flow over a time τ, so that the target p_t holds in the long
-//! run. It does so in two stages, so that a passing pulse leaves no offset. A fixed pressure would
-//! reflect every wave and, with a prescribed inlet velocity, turn the channel into a resonator.
+//! What remains of the mean velocity, u, follows the flow over a time τ, so that the target p_t
+//! holds in the long run. It does so in two stages, so that a passing pulse leaves no offset. A
+//! fixed pressure would reflect every wave and, with a prescribed inlet velocity, turn the channel
+//! into a resonator.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,8 +28,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneWaves {
-    /// Followed mean velocity u, m/s. None before the first step, which takes that of the flow: a
-    /// flow already in motion is not a wave.
+    /// Followed mean velocity u less the prescribed one, m/s. None before the first step, which
+    /// takes that of the flow: a flow already in motion is not a wave.
     pub mean_velocity: Option<f64>,
     /// First stage w of the following velocity, m/s.
     pub first_stage: f64,
@@ -34,8 +37,8 @@ pub struct PlaneWaves {
 
 impl PlaneWaves {
     /// Advances the followed velocity by a step (s) and returns the pressure at the outlet, Pa. It
-    /// follows from the section means of pressure (Pa) and normal velocity (m/s) of the adjacent
-    /// fluid.
+    /// follows from the section means of pressure (Pa) and of normal velocity, less the prescribed
+    /// one (m/s), of the adjacent fluid.
     pub fn advance(
         &mut self,
         setting: &PlaneSetting,

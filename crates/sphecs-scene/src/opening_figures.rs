@@ -1,0 +1,72 @@
+//! Figures of the openings of a scene before a run: section, mean velocity and flow.
+
+use super::model::{Patch, Scene};
+
+/// Figures of an opening.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OpeningFigures {
+    /// Name of the opening.
+    pub name: String,
+    /// Area, m² (width, m, in 2D).
+    pub area: f64,
+    /// Wetted perimeter, m (number of edges at walls in 2D).
+    pub perimeter: f64,
+    /// Hydraulic diameter, m.
+    pub hydraulic_diameter: f64,
+    /// Times, s, and mean velocities along the flow, m/s; none at one of several outlets, whose
+    /// shares of the flow are not known.
+    pub velocities: Vec<(f64, f64)>,
+}
+
+/// Least number of points along each side of an opening at which its velocity is evaluated.
+const POINTS: usize = 40;
+
+/// Number of intervals in which times of a run are sampled.
+const INTERVALS: u32 = 1000;
+
+/// Returns the figures of the inlets, then of the outlets, at the beginning of a run to `until`, s,
+/// and when all inlets together bring in least and most.
+///
+/// What all inlets bring in leaves by a single outlet, as the fluid is nearly incompressible.
+pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
+    let points: Vec<_> = scene.inlets.iter().map(|inlet| inlet.section_points(scene, POINTS)).collect();
+    let inflow = |number: usize, time: f64| {
+        scene.inlets[number].volume_flow(scene.fluid.viscosity, &points[number], time)
+    };
+    let times = extreme_times(until, |time| (0..points.len()).map(|number| inflow(number, time)).sum());
+    let figures = |patch: &Patch, flow: &dyn Fn(f64) -> Option<f64>| OpeningFigures {
+        name: patch.name.clone(),
+        area: patch.area,
+        perimeter: patch.perimeter,
+        hydraulic_diameter: patch.hydraulic_diameter(),
+        velocities: times.iter().filter_map(|&time| Some((time, flow(time)? / patch.area))).collect(),
+    };
+    let inlets = scene
+        .inlets
+        .iter()
+        .enumerate()
+        .map(|(number, inlet)| figures(&inlet.patch, &|time| Some(inflow(number, time))));
+    let is_only = scene.outlets.len() == 1 && !scene.inlets.is_empty();
+    let total = |time: f64| is_only.then(|| (0..scene.inlets.len()).map(|number| inflow(number, time)).sum());
+    let outlets = scene.outlets.iter().map(|outlet| figures(&outlet.patch, &total));
+    inlets.chain(outlets).collect()
+}
+
+/// Returns the times, s, of the beginning, of the smallest and of the largest value.
+fn extreme_times(until: f64, value: impl Fn(f64) -> f64) -> [f64; 3] {
+    let until = if until.is_finite() { until } else { 0.0 };
+    let times = (0..=INTERVALS).map(|index| until * f64::from(index) / f64::from(INTERVALS));
+    let mut found = [(0.0, value(0.0)); 2];
+    for time in times {
+        let value = value(time);
+        // Rounding must not move the time of a steady flow.
+        let slack = 1e-9 * value.abs();
+        if value < found[0].1 - slack {
+            found[0] = (time, value);
+        }
+        if value > found[1].1 + slack {
+            found[1] = (time, value);
+        }
+    }
+    [0.0, found[0].0, found[1].0]
+}
