@@ -67,7 +67,7 @@ impl RunState {
     }
 
     /// Records the largest speed of the last monitor row and returns a note, once in a run, when it
-    /// has stayed above a tenth of the sound speed for [`FAST_ROWS`] rows.
+    /// has stayed above a tenth of the sound speed for three rows.
     ///
     /// From there on the density varies by more than 1 % (Monaghan 1994). A scene whose reference
     /// velocity is above that has a note of its own.

@@ -22,7 +22,7 @@
 //! attempts, filters of the past, are in docs/notebook/2026-11-26-openings.md.
 //!
 //! Of several outlets each has the share s that it has had, a regression whose means ⟨⟩ fade over
-//! [`SHARE_PASSAGES`] of T. It begins with the share of the area.
+//! 40 T. It begins with the share of the area.
 
 use serde::{Deserialize, Serialize};
 
