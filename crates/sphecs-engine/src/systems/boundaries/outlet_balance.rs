@@ -44,6 +44,19 @@ pub struct OutletBalance {
     pub lagged_velocity: Option<f64>,
 }
 
+/// Motion of the fluid at the plane of an outlet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneMotion {
+    /// Mean velocity, m/s.
+    pub velocity: f64,
+    /// Acceleration that the inlets prescribe, m/s²; None without inlets, where it is measured.
+    pub acceleration: Option<f64>,
+    /// Travel time of sound through the domain, s.
+    pub passage: f64,
+    /// Time step, s.
+    pub time_step: f64,
+}
+
 /// Body force at one outlet in a step, with the balance of the outlet.
 pub struct OutletForce<'a> {
     scene: &'a Scene,
@@ -142,23 +155,21 @@ impl<R: Copy> ReducedBuffers<R> {
 impl OutletBalance {
     /// Follows the gradient and adds to the accelerations of the outflow rows the part of the body
     /// force that the pressure does not balance.
-    ///
-    /// `velocity` is the mean velocity at the plane, m/s, `passage` the travel time of sound
-    /// through the domain, s.
     pub fn accelerate<R: PairReal<D>, const D: usize>(
         &mut self,
         force: &OutletForce<'_>,
-        (velocity, passage, time_step): (f64, f64, f64),
+        motion: &PlaneMotion,
         outflow: &[u32],
         arrays: &mut ParticleArrays<R, D>,
     ) {
         if outflow.is_empty() {
             return;
         }
+        let PlaneMotion { velocity, acceleration, passage, time_step } = *motion;
         let (normal, density) = (force.patch.towards, force.scene.fluid.density);
         let share = -(-time_step / passage).exp_m1();
         let lagged = self.lagged_velocity.get_or_insert(velocity);
-        let acceleration = (velocity - *lagged) / passage;
+        let acceleration = acceleration.unwrap_or((velocity - *lagged) / passage);
         *lagged += share * (velocity - *lagged);
         let mut mean = 0.0;
         for &row in outflow {
@@ -257,7 +268,8 @@ mod tests {
         for _ in 0..2000 {
             arrays.acceleration[0].copy_from_slice(&friction);
             let force = OutletForce::new(&scene, &scene.outlets[0].patch, &balance, 0.0).unwrap();
-            balance.accelerate(&force, (0.1, 0.1, 1e-3), &rows, &mut arrays);
+            let motion = PlaneMotion { velocity: 0.1, acceleration: None, passage: 0.1, time_step: 1e-3 };
+            balance.accelerate(&force, &motion, &rows, &mut arrays);
         }
         assert!((balance.gradient - 1000.0 * 1.5).abs() < 1e-3, "{} Pa/m", balance.gradient);
         let mean = arrays.acceleration[0].iter().sum::<f64>() / 4.0;

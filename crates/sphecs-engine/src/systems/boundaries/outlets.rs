@@ -12,7 +12,7 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::outlet_balance::{OutletBalance, OutletForce, ReducedBuffers};
+use super::outlet_balance::{OutletBalance, OutletForce, PlaneMotion, ReducedBuffers};
 use super::outlet_registry::{AddedOutlets, OutletFaults};
 use super::patch_rows::PatchRows;
 use super::prescribed_inflow::PrescribedInflow;
@@ -282,6 +282,8 @@ struct OutletParts<'a, R: PairReal<D>, const D: usize> {
     balance: &'a mut OutletBalance,
     /// Fluid rows in the last layers before the outlet.
     before: &'a [u32],
+    /// Acceleration that the inlets prescribe, m/s²; None without inlets.
+    acceleration: Option<f64>,
 }
 
 /// Calls a function with the parts and the zone of each outlet.
@@ -317,12 +319,11 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             speeds,
         };
         let before = &rows.before_outlet[index];
-        work(OutletParts { condition: &mut **condition, adjacent, balance, before }, &mut zone);
+        // The share of an outlet in the change is taken for that of its area.
+        let acceleration = outlets.inflow.acceleration().map(|rate| rate / area);
+        let condition = &mut **condition;
+        work(OutletParts { condition, adjacent, balance, before, acceleration }, &mut zone);
     }
-}
-
-fn mean(rows: &[u32], value: impl Fn(usize) -> f64) -> f64 {
-    rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
 }
 
 /// Finds the mean flow next to an outlet; without fluid there the earlier mean is kept.
@@ -333,8 +334,11 @@ fn find_adjacent<R: PairReal<D>, const D: usize>(
     arrays: &ParticleArrays<R, D>,
 ) {
     if !rows.is_empty() {
-        adjacent.velocity = mean(rows, |row| arrays.velocity_of(row).dot(normal));
-        adjacent.pressure = mean(rows, |row| arrays.pressure[row].to_f64());
+        let mean = |value: &dyn Fn(usize) -> f64| {
+            rows.iter().map(|&row| value(row as usize)).sum::<f64>() / rows.len() as f64
+        };
+        adjacent.velocity = mean(&|row| arrays.velocity_of(row).dot(normal));
+        adjacent.pressure = mean(&|row| arrays.pressure[row].to_f64());
     }
 }
 
@@ -383,9 +387,13 @@ pub fn find_outlet_rates<R: PairReal<D>, const D: usize>(
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
         outlet.condition.find_rates(zone);
         if let Some(force) = OutletForce::new(scene, zone.patch, outlet.balance, clock.time) {
-            let passage = zone.extent / scene.fluid.sound_speed;
-            let motion = (zone.adjacent.velocity, passage, zone.time_step);
-            outlet.balance.accelerate(&force, motion, zone.rows, zone.arrays);
+            let motion = PlaneMotion {
+                velocity: zone.adjacent.velocity,
+                acceleration: outlet.acceleration,
+                passage: zone.extent / scene.fluid.sound_speed,
+                time_step: zone.time_step,
+            };
+            outlet.balance.accelerate(&force, &motion, zone.rows, zone.arrays);
         }
     };
     let state = (&mut *buffers, &mut *sums, &mut **arrays);

@@ -17,6 +17,9 @@ pub struct PrescribedInflow {
     filters: Vec<SlowPart>,
     /// Results of the present step.
     found: Vec<Inflow>,
+    /// Rate of change of the volume flow in the present step, m³/s² (m²/s² in 2D); None without
+    /// inlets.
+    acceleration: Option<f64>,
 }
 
 impl PrescribedInflow {
@@ -26,23 +29,33 @@ impl PrescribedInflow {
         let outlets = scene.outlets.iter().filter(|_| !scene.inlets.is_empty());
         let passage = |towards: DVec3| scene.extent_along(towards) / scene.fluid.sound_speed;
         let filters = outlets.map(|outlet| SlowPart::new(passage(outlet.patch.towards))).collect();
-        Self { points, filters, found: Vec::new() }
+        Self { points, filters, found: Vec::new(), acceleration: None }
     }
 
     /// Finds the inflow at a time, s.
     pub fn find(&mut self, scene: &Scene, time: f64) {
-        let Self { points, filters, found } = self;
+        let Self { points, filters, found, acceleration } = self;
         let flow = |time: f64| -> f64 {
             let of_inlet = |(inlet, points): (&Inlet, &Vec<DVec3>)| {
                 inlet.volume_flow(scene.fluid.viscosity, points, time)
             };
             scene.inlets.iter().zip(&*points).map(of_inlet).sum()
         };
+        // Short against any start.
+        let moment = 1e-3 * scene.spacing / scene.fluid.sound_speed;
+        let (before, after) = ((time - moment).max(0.0), time + moment);
+        let rate = || (flow(after) - flow(before)) / (after - before);
+        *acceleration = (!scene.inlets.is_empty()).then(rate);
         found.clear();
         found.extend(filters.iter_mut().map(|filter| {
             let (rate, acceleration) = filter.at(time, flow);
             Inflow { rate, acceleration }
         }));
+    }
+
+    /// Returns the rate of change of the volume flow, m³/s² (m²/s² in 2D); None without inlets.
+    pub fn acceleration(&self) -> Option<f64> {
+        self.acceleration
     }
 
     /// Returns the inflow for an outlet; None without inlets.
