@@ -5,7 +5,7 @@
 ///
 /// # Errors
 /// The reason why the bytes are no text.
-pub fn decoded(bytes: Vec<u8>) -> Result<String, String> {
+pub(crate) fn decoded(bytes: Vec<u8>) -> Result<String, String> {
     let mark = bytes.get(..2).map(|mark| [mark[0], mark[1]]);
     let text = match mark {
         Some([0xfe, 0xff]) => utf16(&bytes[2..], u16::from_be_bytes)?,

@@ -268,6 +268,24 @@ const TIMES: u32 = 1000;
 const FEW_TIMES: usize = 10;
 const PLACES: usize = 20;
 
+/// Returns a fault for a field that is not finite at one of the points (m) and times (s): all
+/// places are checked at a few times, and some places at all times.
+fn not_finite(expression: &Expression, formula: &Formula, points: &[DVec3], times: &[f64]) -> Option<Fault> {
+    let some = points.len().div_ceil(PLACES).max(1);
+    let few = times.len().div_ceil(FEW_TIMES).max(1);
+    let (at, time) = times.iter().enumerate().find_map(|(index, time)| {
+        let step = if index.is_multiple_of(few) { 1 } else { some };
+        let is_bad = |p: &&DVec3| !expression.value(p.x, p.y, p.z, *time).is_finite();
+        points.iter().step_by(step).find(is_bad).map(|bad| (*bad, *time))
+    })?;
+    let value = expression.value(at.x, at.y, at.z, time);
+    Some(Fault::new(
+        "a field is not finite",
+        formula.span,
+        format!("is `{value}` at ({:.6}, {:.6}, {:.6}) m, t = {time} s", at.x, at.y, at.z),
+    ))
+}
+
 /// Checks that fields are finite at all particles and at sampled times of the run.
 fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     let of = |zone: fn(Zone) -> bool| {
@@ -279,22 +297,7 @@ fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fa
     let end = scene.time.end;
     let all_times: Vec<f64> = (0..=TIMES).map(|k| end * f64::from(k) / f64::from(TIMES)).collect();
     let mut finite = |expression: &Expression, formula: &Formula, points: &[DVec3], times: &[f64]| {
-        // All places at a few times, and some places at all times.
-        let some = points.len().div_ceil(PLACES).max(1);
-        let few = times.len().div_ceil(FEW_TIMES).max(1);
-        let bad = times.iter().enumerate().find_map(|(index, time)| {
-            let step = if index.is_multiple_of(few) { 1 } else { some };
-            let is_bad = |p: &&DVec3| !expression.value(p.x, p.y, p.z, *time).is_finite();
-            points.iter().step_by(step).find(is_bad).map(|bad| (*bad, *time))
-        });
-        if let Some((at, time)) = bad {
-            let value = expression.value(at.x, at.y, at.z, time);
-            faults.push(Fault::new(
-                "a field is not finite",
-                formula.span,
-                format!("is `{value}` at ({:.6}, {:.6}, {:.6}) m, t = {time} s", at.x, at.y, at.z),
-            ));
-        }
+        faults.extend(not_finite(expression, formula, points, times));
     };
     let initial = &file.initial;
     if let Some(velocity) = &initial.velocity {
