@@ -49,6 +49,7 @@ pub mod schema;
 pub mod scheme;
 pub mod spawn;
 pub mod summary;
+mod text_file;
 pub mod wall_particles;
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use super::model::Scene;
 use super::notation::reader::{self, Parsed};
 use super::notation::{paths, typed};
 use super::schema::SceneFile;
+use super::text_file;
 
 /// A value of a scene, as RON text.
 ///
@@ -177,8 +178,7 @@ fn text_of(path: &Path) -> Result<String, SceneErrors> {
         SceneErrors::new(&shown, "", vec![fault])
     };
     let bytes = std::fs::read(path).map_err(|error| refused(format!("{shown}: {error}")))?;
-    String::from_utf8(bytes)
-        .map_err(|error| refused(format!("{shown} is not a text file: {}", error.utf8_error())))
+    text_file::decoded(bytes).map_err(|reason| refused(format!("{shown} is not a text file: {reason}")))
 }
 
 /// Returns the smoke spacing of a scene whose two spacings are valid, m, without filling the scene.

@@ -261,6 +261,31 @@ fn openings(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<
     }
 }
 
+/// Intervals of a run at whose ends fields are checked.
+const TIMES: u32 = 1000;
+
+/// Largest numbers of times at which all places are checked, and of places at all times.
+const FEW_TIMES: usize = 10;
+const PLACES: usize = 20;
+
+/// Returns a fault for a field that is not finite at one of the points (m) and times (s): all
+/// places are checked at a few times, and some places at all times.
+fn not_finite(expression: &Expression, formula: &Formula, points: &[DVec3], times: &[f64]) -> Option<Fault> {
+    let some = points.len().div_ceil(PLACES).max(1);
+    let few = times.len().div_ceil(FEW_TIMES).max(1);
+    let (at, time) = times.iter().enumerate().find_map(|(index, time)| {
+        let step = if index.is_multiple_of(few) { 1 } else { some };
+        let is_bad = |p: &&DVec3| !expression.value(p.x, p.y, p.z, *time).is_finite();
+        points.iter().step_by(step).find(is_bad).map(|bad| (*bad, *time))
+    })?;
+    let value = expression.value(at.x, at.y, at.z, time);
+    Some(Fault::new(
+        "a field is not finite",
+        formula.span,
+        format!("is `{value}` at ({:.6}, {:.6}, {:.6}) m, t = {time} s", at.x, at.y, at.z),
+    ))
+}
+
 /// Checks that fields are finite at all particles and at sampled times of the run.
 fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     let of = |zone: fn(Zone) -> bool| {
@@ -270,20 +295,9 @@ fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fa
     let flowing = of(|zone| zone != Zone::Wall);
     let walls = of(|zone| zone == Zone::Wall);
     let end = scene.time.end;
-    let all_times: Vec<f64> = (0..=10).map(|k| end * f64::from(k) / 10.0).collect();
+    let all_times: Vec<f64> = (0..=TIMES).map(|k| end * f64::from(k) / f64::from(TIMES)).collect();
     let mut finite = |expression: &Expression, formula: &Formula, points: &[DVec3], times: &[f64]| {
-        let bad = times.iter().find_map(|time| {
-            let bad = points.iter().find(|p| !expression.value(p.x, p.y, p.z, *time).is_finite())?;
-            Some((*bad, *time))
-        });
-        if let Some((at, time)) = bad {
-            let value = expression.value(at.x, at.y, at.z, time);
-            faults.push(Fault::new(
-                "a field is not finite",
-                formula.span,
-                format!("is `{value}` at ({:.6}, {:.6}, {:.6}) m, t = {time} s", at.x, at.y, at.z),
-            ));
-        }
+        faults.extend(not_finite(expression, formula, points, times));
     };
     let initial = &file.initial;
     if let Some(velocity) = &initial.velocity {
@@ -305,6 +319,18 @@ fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fa
     if let Some(velocity) = file.walls.as_ref().and_then(|walls| walls.value.velocity.as_ref()) {
         for (expression, formula) in scene.walls.parts[0].velocity.iter().zip(&velocity.value) {
             finite(expression, formula, &walls, &all_times);
+        }
+    }
+    let written_parts = file.walls.iter().flat_map(|walls| &walls.value.parts);
+    for ((part, region), written) in
+        scene.walls.parts.iter().skip(1).zip(&scene.layout.wall_regions).zip(written_parts)
+    {
+        let Some(velocity) = &written.velocity else { continue };
+        let reach = fill::wall_thickness(scene);
+        let of_part: Vec<DVec3> =
+            walls.iter().copied().filter(|point| region.signed_distance(*point) <= reach).collect();
+        for (expression, formula) in part.velocity.iter().zip(&velocity.value) {
+            finite(expression, formula, &of_part, &all_times);
         }
     }
     for (index, (inlet, written)) in scene.inlets.iter().zip(&file.inlets).enumerate() {

@@ -8,6 +8,7 @@ use crate::faults::Fault;
 use crate::model::InletVelocity;
 use crate::notation::tree::Span;
 use crate::schema::Text;
+use crate::text_file;
 
 /// A number of a table and its position.
 struct Cell {
@@ -82,7 +83,9 @@ fn text_of(path: &str, folder: &Path, check: &mut Checker<'_>) -> std::io::Resul
     if let Some((_, text)) = check.tables.iter().find(|(known, _)| known == path) {
         return Ok(text.clone());
     }
-    let text = std::fs::read_to_string(folder.join(path))?;
+    let bytes = std::fs::read(folder.join(path))?;
+    let invalid = |reason: String| std::io::Error::new(std::io::ErrorKind::InvalidData, reason);
+    let text = text_file::decoded(bytes).map_err(invalid)?;
     check.tables.push((path.to_owned(), text.clone()));
     Ok(text)
 }

@@ -114,6 +114,9 @@ impl Reader<'_> {
             }
             other => {
                 let here = self.cursor.here();
+                if let Some(fault) = other.and_then(|c| typographic(c, here)) {
+                    return Node { value: self.broken(fault), span: Span::new(start, self.cursor.at) };
+                }
                 let what = other.map_or("the text ends".to_owned(), |c| format!("found `{c}`"));
                 self.broken(Fault::new(
                     "a value is missing",
@@ -330,4 +333,17 @@ impl Reader<'_> {
         }
         self.depth -= 1;
     }
+}
+/// Returns a fault for a character that a word processor writes in place of one of RON.
+fn typographic(character: char, here: Span) -> Option<Fault> {
+    let (name, plain) = match character {
+        '“' | '”' | '„' | '‟' | '«' | '»' | '‘' | '’' | '‚' => ("quote", '"'),
+        '−' | '–' | '—' | '‐' | '‑' => ("minus sign", '-'),
+        _ => return None,
+    };
+    let code = u32::from(character);
+    let label = format!("is `{character}` (U+{code:04X}), must be `{plain}`");
+    let help =
+        format!("replace it in the whole file: an editor or web page has written it in place of `{plain}`");
+    Some(Fault::new(format!("a {name} is not plain"), here, label).help(help))
 }

@@ -41,6 +41,10 @@ fn values_of_the_wrong_kind_are_faults() {
 #[test]
 fn syntax_faults_mark_their_position() {
     check("spacing: 0.05,", "spacing: ,", "a value is missing", ",");
+    let report = check("spacing: 0.05,", "spacing: −0.05,", "a minus sign is not plain", "−");
+    assert!(report.contains("U+2212") && report.contains("must be `-`"), "{report}");
+    let report = check("name: \"p\"", "name: “p”", "a quote is not plain", "“");
+    assert!(report.contains("must be `\"`"), "{report}");
     check("spacing: 0.05,", "spacing: 0.0.5,", "`0.0.5` is not a number", "0.0.5");
     check("spacing: 0.05,", "spacing: 2*0.05,", "an expression has no quotes", "2*0.05");
     check("spacing: 0.05,", "spacing: 0.05", "a comma is missing", "s");

@@ -186,6 +186,15 @@ fn fields_that_are_not_finite_are_faults() {
         "a field is not finite",
         "\"ln(y - 0.1)\"",
     );
+    // A moment between any ten of the run.
+    let narrow = "\"v0 * sqrt(abs(t - 0.653) - 0.004)\"";
+    check("\"v0 * y\"", narrow, "a field is not finite", narrow);
+    let parts = "walls: (parts: [(name: \"lid\", region: Box(min: (-1.0, 0.3), max: (2.0, 1.0)), \
+                 velocity: (\"1e-5*sqrt(0.1 - t)\", 0.0))])";
+    check("walls: (slip: NoSlip)", parts, "a field is not finite", "\"1e-5*sqrt(0.1 - t)\"");
+    // The rest of the wall may be where the field of a part has no value.
+    let lid = parts.replace("sqrt(0.1 - t)", "ln(y - 0.2)");
+    assert!(Scene::from_text("lid", SOUND.replace("walls: (slip: NoSlip)", &lid)).load().is_ok());
 }
 
 #[test]
