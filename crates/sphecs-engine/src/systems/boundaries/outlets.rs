@@ -282,7 +282,7 @@ struct OutletParts<'a, R: PairReal<D>, const D: usize> {
     balance: &'a mut OutletBalance,
     /// Fluid rows in the last layers before the outlet.
     before: &'a [u32],
-    /// Acceleration that the inlets prescribe, m/s²; None without inlets.
+    /// Acceleration that the inlets prescribe, with shares by area, m/s²; None without inlets.
     acceleration: Option<f64>,
 }
 
@@ -319,7 +319,6 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             speeds,
         };
         let before = &rows.before_outlet[index];
-        // The share of an outlet in the change is taken for that of its area.
         let acceleration = outlets.inflow.acceleration().map(|rate| rate / area);
         let condition = &mut **condition;
         work(OutletParts { condition, adjacent, balance, before, acceleration }, &mut zone);
