@@ -170,8 +170,6 @@ pub struct UnopenedPart {
     pub opening: String,
     /// A point of the part, m.
     pub at: DVec3,
-    /// Unit normal of the end into the domain.
-    pub inwards: DVec3,
     /// Area, m² (length in m in 2D), to a quarter of a spacing along its edge.
     pub area: f64,
 }

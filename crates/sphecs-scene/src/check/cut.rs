@@ -192,8 +192,7 @@ impl<'a> Cut<'a> {
 
     /// Returns the number of the part at an offset, m, or next to it; 0 without any.
     fn number_at(&self, offset: [f64; 2]) -> usize {
-        let mut found = 0;
-        for (along, aside) in [
+        const NEAR: [(f64, f64); 9] = [
             (0.0, 0.0),
             (1.0, 0.0),
             (-1.0, 0.0),
@@ -203,14 +202,12 @@ impl<'a> Cut<'a> {
             (-1.0, 1.0),
             (1.0, -1.0),
             (-1.0, -1.0),
-        ] {
+        ];
+        let label = |(along, aside): (f64, f64)| {
             let near = [offset[0] + along * self.cell, offset[1] + aside * self.cell];
-            let label = self.cell_at(near).map_or(0, |cell| usize::from(self.labels[cell]));
-            if label > 0 && found == 0 {
-                found = label;
-            }
-        }
-        found
+            self.cell_at(near).map_or(0, |cell| usize::from(self.labels[cell]))
+        };
+        NEAR.into_iter().map(label).find(|label| *label > 0).unwrap_or(0)
     }
 
     /// Returns true if an offset, m, is in the domain and in an open part.

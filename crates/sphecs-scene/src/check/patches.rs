@@ -78,7 +78,7 @@ pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> 
     for part in measure(&mut patch, inwards, file.extent, site) {
         if !file.closed {
             let opening = patch.name.clone();
-            check.unopened.push(UnopenedPart { opening, at: part.at, inwards, area: part.area });
+            check.unopened.push(UnopenedPart { opening, at: part.at, area: part.area });
         }
     }
     outside_is_free(&patch, file, inwards, site, check)?;

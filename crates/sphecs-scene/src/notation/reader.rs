@@ -334,6 +334,7 @@ impl Reader<'_> {
         self.depth -= 1;
     }
 }
+
 /// Returns a fault for a character that a word processor writes in place of one of RON.
 fn typographic(character: char, here: Span) -> Option<Fault> {
     let (name, plain) = match character {

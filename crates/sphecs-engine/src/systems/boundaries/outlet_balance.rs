@@ -10,7 +10,8 @@
 //! balances the body force f is taken away. Along the plane this is the weight of the fluid (Φ of
 //! f = −∇Φ where f has a potential). Along the normal it is the part that neither friction takes
 //! up nor accelerates the mean flow: ⟨a·n⟩ is the mean over the zone of the acceleration by
-//! viscosity and force, U the mean velocity at the plane. In a flow that a force drives against
+//! viscosity and force, U the mean velocity that the inlets prescribe, or without inlets the one
+//! at the plane. In a flow that a force drives against
 //! friction G is 0, in a vertical pipe ρ0 f·n. The particles of the zone are accelerated by the
 //! rest, a'. So a full conduit flows with gravity as without it.
 //!

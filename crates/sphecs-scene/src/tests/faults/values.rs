@@ -194,7 +194,11 @@ fn fields_that_are_not_finite_are_faults() {
     check("walls: (slip: NoSlip)", parts, "a field is not finite", "\"1e-5*sqrt(0.1 - t)\"");
     // The rest of the wall may be where the field of a part has no value.
     let lid = parts.replace("sqrt(0.1 - t)", "ln(y - 0.2)");
-    assert!(Scene::from_text("lid", SOUND.replace("walls: (slip: NoSlip)", &lid)).load().is_ok());
+    let text = SOUND.replace("walls: (slip: NoSlip)", &lid);
+    let scene = Scene::from_text("lid", text).load().expect("a scene");
+    let [speed, ..] = &scene.walls.parts[1].velocity;
+    assert!(speed.value(0.5, 0.1, 0.0, 0.0).is_nan(), "the rest of the wall has a value");
+    assert!((speed.value(0.5, 0.4, 0.0, 0.0) - 1e-5 * 0.2_f64.ln()).abs() < 1e-15);
 }
 
 #[test]
