@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::model::{Inlet, InletVelocity, Scene};
+use super::time_value::interpolated;
 use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 
 impl Inlet {
@@ -94,24 +95,6 @@ impl Inlet {
             self.patch.across.into_iter().filter(|across| *across != DVec3::ZERO).map(second).sum();
         rate - curvature * viscosity
     }
-}
-
-/// Returns the linear interpolation between rising abscissae, constant beyond the ends.
-fn interpolated(count: usize, abscissa: impl Fn(usize) -> f64, at: f64, value: impl Fn(usize) -> f64) -> f64 {
-    let (mut next, mut end) = (0, count);
-    while next < end {
-        let middle = usize::midpoint(next, end);
-        if abscissa(middle) <= at { next = middle + 1 } else { end = middle }
-    }
-    if next == 0 {
-        return value(0);
-    }
-    if next == count {
-        return value(count - 1);
-    }
-    let (a, b) = (abscissa(next - 1), abscissa(next));
-    let weight = (at - a) / (b - a);
-    value(next - 1) * (1.0 - weight) + value(next) * weight
 }
 
 #[cfg(test)]

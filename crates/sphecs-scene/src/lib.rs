@@ -13,6 +13,8 @@
 //! * [`model`], [`scheme`]: the checked scene
 //! * [`lattice`], [`fill`], [`rows`], [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
+//! * [`time_value`], [`potential_flow`]: quantities of its openings in time, and weights that give
+//!   the flow through them
 //! * [`body`], [`probe`]: bodies and probes, which are measured
 //! * [`summary`]: figures of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`]: its narrowest passage, the flow from its
@@ -42,6 +44,7 @@ pub mod notation;
 pub mod opening_figures;
 pub mod outline;
 pub mod passage;
+pub mod potential_flow;
 pub mod probe;
 pub mod rings;
 pub mod rows;
@@ -50,6 +53,7 @@ pub mod scheme;
 pub mod spawn;
 pub mod summary;
 mod text_file;
+pub mod time_value;
 pub mod wall_particles;
 
 #[cfg(test)]

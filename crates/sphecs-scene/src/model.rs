@@ -14,6 +14,7 @@ use super::lattice::Lattice;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
+use super::time_value::TimeValue;
 use sphecs_core::boundary::inlet::{Feed, InletPressure};
 use sphecs_core::boundary::outlet::OutletCondition;
 pub use sphecs_core::boundary::patch::Patch;
@@ -260,6 +261,8 @@ pub struct Outlet {
     pub patch: Patch,
     /// Condition of its particles.
     pub condition: OutletCondition,
+    /// Quantity that its condition is given in time; None if it has none.
+    pub given: Option<TimeValue>,
 }
 
 /// Fields at t = 0.

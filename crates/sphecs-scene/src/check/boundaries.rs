@@ -9,8 +9,10 @@ use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::model::{Inlet, InletVelocity, Outlet};
 use crate::notation::typed::Spanned;
-use crate::schema::{Formula, InletFile, InletVelocityFile, Number, OutletFile, Text};
+use crate::schema::{Formula, FormulaText, InletFile, InletVelocityFile, Number, OutletFile, Text};
+use crate::time_value::TimeValue;
 use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::boundary::outlet::pressure_driven::time_function::{Given, TimeFunction};
 
 /// Layers of the zone of an inlet, as in Alvarado-Rodríguez et al. (2017).
 const INLET_LAYERS: f64 = 5.0;
@@ -87,7 +89,7 @@ fn velocity(
         }
         InletVelocityFile::TimeTable { rows, file: path } => {
             let rows = match (rows, path) {
-                (Some(rows), None) => written_rows(rows, check),
+                (Some(rows), None) => written_rows(rows, "m/s", check),
                 (None, Some(path)) => tables::time_table(path, folder, check)?,
                 _ => {
                     check.report(Fault::new(
@@ -145,10 +147,10 @@ fn mass_velocity(
     Some(InletVelocity::MassFlow { rate: found?, profile: shape?, scale: 1.0 })
 }
 
-fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64, f64)> {
+fn written_rows(rows: &[(Number, Number)], unit: &str, check: &mut Checker<'_>) -> Vec<(f64, f64)> {
     let mut result: Vec<(f64, f64)> = Vec::new();
     for (time, speed) in rows {
-        let row = (check.finite(time, "s"), check.finite(speed, "m/s"));
+        let row = (check.finite(time, "s"), check.finite(speed, unit));
         if result.last().is_some_and(|last| last.0 >= row.0) {
             check.report(Fault::new(
                 "the times of a table do not rise",
@@ -162,15 +164,18 @@ fn written_rows(rows: &[(Number, Number)], check: &mut Checker<'_>) -> Vec<(f64,
 }
 
 /// Returns all outlets; None if one has a fault.
-pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -> Option<Vec<Outlet>> {
+pub fn outlets(
+    files: &[OutletFile],
+    site: &Site<'_>,
+    folder: &Path,
+    check: &mut Checker<'_>,
+) -> Option<Vec<Outlet>> {
     names(files.iter().map(|file| file.name.as_ref()), "outlets", check);
     let outlets: Vec<Option<Outlet>> = files
         .iter()
         .enumerate()
         .map(|(index, file)| {
-            if let Some(file) = &file.condition {
-                condition(file, check);
-            }
+            let given = file.condition.as_ref().map(|file| condition(file, folder, check));
             let patch = patch(
                 &PatchFile {
                     name: file.name.as_ref(),
@@ -188,17 +193,63 @@ pub fn outlets(files: &[OutletFile], site: &Site<'_>, check: &mut Checker<'_>) -
             )?;
             let condition = file.condition.as_ref().map(|condition| condition.value.clone());
             let condition = condition.unwrap_or_default();
-            Some(Outlet { patch, condition })
+            Some(Outlet { patch, condition, given: given.unwrap_or(Some(None))? })
         })
         .collect();
     outlets.into_iter().collect()
 }
 
-/// Reports the parameters of an outlet condition that are out of range.
-fn condition(file: &Spanned<OutletCondition>, check: &mut Checker<'_>) {
+/// Reports the parameters of an outlet condition that are out of range, and returns the quantity
+/// that it is given in time; None if that has a fault.
+fn condition(
+    file: &Spanned<OutletCondition>,
+    folder: &Path,
+    check: &mut Checker<'_>,
+) -> Option<Option<TimeValue>> {
     let parameters = file.value.parameters();
     let condition = format!("the outlet condition `{}`", parameters.name());
-    for fault in parameters.faults() {
-        check.report_parameter(&fault, &condition, file.head);
+    let faults = parameters.faults();
+    for fault in &faults {
+        check.report_parameter(fault, &condition, file.head);
     }
+    match parameters.given() {
+        Some(given) if faults.is_empty() => time_value(given, file, folder, check).map(Some),
+        Some(_) => None,
+        None => Some(None),
+    }
+}
+
+/// Returns a quantity that a condition is given in time; None if it has a fault.
+fn time_value(
+    given: Given<'_>,
+    file: &Spanned<OutletCondition>,
+    folder: &Path,
+    check: &mut Checker<'_>,
+) -> Option<TimeValue> {
+    let before = check.fault_count();
+    let spanned = |text: &str, check: &Checker<'_>| check.span_of_text(text, file.span).unwrap_or(file.head);
+    let value = if let Some(path) = given.file {
+        let span = spanned(path, check);
+        let path = Text { value: path.to_owned(), span, head: span };
+        TimeValue::Table(tables::time_table(&path, folder, check)?)
+    } else if let Some(rows) = given.rows {
+        let number = |value: f64| Number { value, span: file.head, head: file.head };
+        let rows: Vec<_> = rows.iter().map(|row| (number(row.0), number(row.1))).collect();
+        if rows.is_empty() {
+            check.report(Fault::new("a table in time is empty", file.head, "must have rows"));
+        }
+        TimeValue::Table(written_rows(&rows, "Pa", check))
+    } else {
+        let (value, span) = match given.value? {
+            TimeFunction::Number(value) => (FormulaText::Number(*value), file.head),
+            TimeFunction::Text(text) => (FormulaText::Text(text.clone()), spanned(text, check)),
+        };
+        let expression = check.formula(&Formula { value, span, head: span });
+        if expression.depends_on(&[0, 1, 2]) {
+            let title = "the quantity of an opening depends on the place";
+            check.report(Fault::new(title, span, "must depend on t alone"));
+        }
+        TimeValue::Expression(expression)
+    };
+    (check.fault_count() == before).then_some(value)
 }

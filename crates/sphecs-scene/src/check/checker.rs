@@ -92,6 +92,13 @@ impl<'a> Checker<'a> {
         name.map_or("the number".to_owned(), |name| format!("`{name}`"))
     }
 
+    /// Returns the span, with its quotes, of the first quoted text of this content inside a span.
+    pub fn span_of_text(&self, content: &str, inside: Span) -> Option<Span> {
+        let quoted = format!("\"{content}\"");
+        let at = self.text.get(inside.start..inside.end)?.find(&quoted)?;
+        Some(Span::new(inside.start + at, inside.start + at + quoted.len()))
+    }
+
     /// Returns a finite number above zero.
     pub fn positive(&mut self, number: &Number, unit: &str) -> f64 {
         let holds = number.value.is_finite() && number.value > 0.0;

@@ -106,7 +106,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         is_valid,
     };
     let inlets = boundaries::inlets(&file.inlets, &site, source.folder, check);
-    let outlets = boundaries::outlets(&file.outlets, &site, check);
+    let outlets = boundaries::outlets(&file.outlets, &site, source.folder, check);
     settings::references(file, check);
     let (inlets, outlets) = (inlets?, outlets?);
     if !is_valid {

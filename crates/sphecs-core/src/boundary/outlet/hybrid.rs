@@ -89,7 +89,7 @@ impl OutletParameters for Hybrid {
     }
 
     fn needs(&self) -> Needs {
-        Needs { upstream_layers: Some(AVERAGED_LAYERS), is_one_way: true }
+        Needs { upstream_layers: Some(AVERAGED_LAYERS), is_one_way: true, ..Needs::default() }
     }
 
     fn references(&self) -> References {

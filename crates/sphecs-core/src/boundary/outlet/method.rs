@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::outflow_zone::OutflowZone;
+use super::pressure_driven::time_function::Given;
 use crate::pass::pair_real::PairReal;
 use crate::physics::parameter_fault::ParameterFault;
 
@@ -25,6 +26,11 @@ pub trait OutletParameters: Debug + Send + Sync {
     /// Returns velocity and pressure of the surroundings that the scene gives; 0 by default.
     fn references(&self) -> References {
         References::default()
+    }
+
+    /// Returns the quantity that the scene gives as a function of time; None by default.
+    fn given(&self) -> Option<Given<'_>> {
+        None
     }
 
     /// Returns the parameters that are out of range.
@@ -73,6 +79,11 @@ pub struct Needs {
     pub upstream_layers: Option<f64>,
     /// True if backflow would re-enter with frozen or prescribed values.
     pub is_one_way: bool,
+    /// True if the pressure gradient of the flow continues into the zone, so that the pressure at
+    /// the plane is that of the condition.
+    pub continues_gradient: bool,
+    /// True if the condition uses the flow rate that the whole domain has, without sound.
+    pub uses_through_flow: bool,
 }
 
 /// Velocity and pressure of the surroundings.

@@ -10,6 +10,7 @@
 //! - [`non_reflecting`]: acoustic waves at an outlet of nonreflecting pressure
 //! - [`orlanski`]: outgoing wave equation without diffusion
 //! - [`pressure`]: pressure under a wave equation
+//! - [`pressure_driven`]: openings that a pressure drives, through which fluid enters and leaves
 //! - [`wave_equation`]: outgoing wave equation with transverse diffusion
 //! - [`outflow_zone`]: the zone of outflow particles that a condition works on
 //!
@@ -29,6 +30,7 @@ pub mod non_reflecting;
 pub mod orlanski;
 pub mod outflow_zone;
 pub mod pressure;
+pub mod pressure_driven;
 pub mod wave_equation;
 
 use serde::{Deserialize, Serialize};
@@ -40,6 +42,11 @@ use method::{OutletMethod, OutletParameters};
 use mirror::Mirror;
 use modified_do_nothing::ModifiedDoNothing;
 use orlanski::Orlanski;
+use pressure_driven::flow_share::FlowShare;
+use pressure_driven::prescribed_pressure::Pressure;
+use pressure_driven::resistance::Resistance;
+use pressure_driven::total_pressure::TotalPressure;
+use pressure_driven::windkessel::Windkessel;
 use wave_equation::WaveEquation;
 
 /// Parameters of the conditions, for scenes that are described in Rust.
@@ -50,6 +57,13 @@ pub mod parameters {
     pub use super::modified_do_nothing::{ModifiedDoNothing, ShownVelocity};
     pub use super::orlanski::Orlanski;
     pub use super::pressure::{OutletPressure, Waves};
+    pub use super::pressure_driven::Acoustics;
+    pub use super::pressure_driven::flow_share::FlowShare;
+    pub use super::pressure_driven::prescribed_pressure::Pressure;
+    pub use super::pressure_driven::resistance::Resistance;
+    pub use super::pressure_driven::time_function::TimeFunction;
+    pub use super::pressure_driven::total_pressure::TotalPressure;
+    pub use super::pressure_driven::windkessel::Windkessel;
     pub use super::wave_equation::WaveEquation;
     pub use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator};
 }
@@ -81,6 +95,21 @@ pub enum OutletCondition {
     /// al. (2020), Eqs. 28–31. Take it if the flow must be right during the start and never
     /// reverses.
     Hybrid(Hybrid),
+    /// Given static pressure; fluid may enter and leave. Take it at both ends of a flow that a
+    /// pressure difference drives.
+    Pressure(Pressure),
+    /// Given total pressure; fluid may enter and leave. Take it for an intake from a reservoir at
+    /// rest.
+    TotalPressure(TotalPressure),
+    /// Pressure in proportion to the flow: Vignon-Clementel et al. (2006). Take it for conduits
+    /// beyond the outlet without elasticity.
+    Resistance(Resistance),
+    /// Pressure of elastic vessels beyond the outlet, of three elements: Westerhof et al. (2009).
+    /// Take it for a pulsating flow into arteries.
+    Windkessel(Windkessel),
+    /// Given share of the prescribed inflow. Take it at all but one of several outlets whose flows
+    /// are known.
+    FlowShare(FlowShare),
     /// A condition that a plugin adds under this name. Take it for a condition of your own.
     Custom(String),
 }
@@ -99,6 +128,11 @@ macro_rules! with_condition {
             OutletCondition::Mirror($method) => $result,
             OutletCondition::Characteristic($method) => $result,
             OutletCondition::Hybrid($method) => $result,
+            OutletCondition::Pressure($method) => $result,
+            OutletCondition::TotalPressure($method) => $result,
+            OutletCondition::Resistance($method) => $result,
+            OutletCondition::Windkessel($method) => $result,
+            OutletCondition::FlowShare($method) => $result,
             OutletCondition::Custom($name) => $custom,
         }
     };
@@ -150,6 +184,8 @@ mod tests {
     #[test]
     fn names_are_those_of_the_scene_notation() {
         let characteristic = Characteristic { velocity: 0.1, pressure: 0.0 };
+        let windkessel =
+            Windkessel { proximal: 1.0, compliance: 1.0, distal: 1.0, distal_pressure: 0.0, initial: None };
         let hybrid = Hybrid { velocity: None, pressure: 0.0, steps: 6.0 };
         for condition in [
             OutletCondition::default(),
@@ -159,6 +195,11 @@ mod tests {
             OutletCondition::Mirror(Mirror::default()),
             OutletCondition::Characteristic(characteristic),
             OutletCondition::Hybrid(hybrid),
+            OutletCondition::Pressure(Pressure::new(4.0)),
+            OutletCondition::TotalPressure(TotalPressure::new("4*t")),
+            OutletCondition::Resistance(Resistance { resistance: 0.0, distal_pressure: 0.0 }),
+            OutletCondition::Windkessel(windkessel),
+            OutletCondition::FlowShare(FlowShare { share: 0.5 }),
         ] {
             // The derived form begins with the variant, which is the name in a scene.
             let derived = format!("{condition:?}");

@@ -37,6 +37,14 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     pub prescribed: Option<Inflow>,
     /// Area of the outlet over that of all outlets.
     pub area_share: f64,
+    /// Volume flow that all inlets prescribe at the present time, m³/s (m²/s in 2D); None without
+    /// inlets.
+    pub total_inflow: Option<f64>,
+    /// Mean velocity through the section that the flow of the whole domain has without sound, m/s;
+    /// None if the condition does not use it.
+    pub through_velocity: Option<f64>,
+    /// Present value of the quantity that the scene gives as a function of time; else 0.
+    pub given: f64,
     /// Rows of the outflow particles in the arrays.
     pub rows: &'a [u32],
     /// Rows of the fluid upstream that the condition requested in its

@@ -155,9 +155,26 @@ impl WaveCondition {
         memory: &mut WaveMemory,
     ) {
         self.pressure.set(zone);
-        self.fit_fluid(zone, &mut memory.non_reflecting);
+        if let OutletPressure::NonReflecting { target, time, waves } = self.pressure {
+            fit_fluid(zone, Some(&mut memory.non_reflecting));
+            memory.non_reflecting.advance(zone, target, time, waves);
+        } else {
+            fit_fluid(zone, None);
+        }
+        self.move_zone(zone, memory, self.pressure.is_set_each_step());
+    }
+
+    /// Sets the outflow particles from the fitted fluid and the pressure of the plane.
+    ///
+    /// `enters_from_rest` is true if backflow loses its dynamic pressure.
+    pub fn move_zone<R: PairReal<D>, const D: usize>(
+        &self,
+        zone: &mut OutflowZone<'_, R, D>,
+        memory: &mut WaveMemory,
+        enters_from_rest: bool,
+    ) {
         let mut moves = std::mem::take(&mut memory.moves);
-        self.find_moves(zone, &memory.non_reflecting, &mut moves);
+        self.find_moves(zone, &memory.non_reflecting, enters_from_rest, &mut moves);
         let normal = zone.normal();
         for (&row, &ZoneMove { pressure, velocity, density }) in zone.rows.iter().zip(&moves) {
             let row = row as usize;
@@ -179,38 +196,17 @@ impl WaveCondition {
         memory.moves = moves;
     }
 
-    /// Fits the fluid upstream of the outflow particles and advances a nonreflecting pressure by a
-    /// step.
-    fn fit_fluid<R: PairReal<D>, const D: usize>(
-        &self,
-        zone: &mut OutflowZone<'_, R, D>,
-        non_reflecting: &mut NonReflecting,
-    ) {
-        let (flow, patch, normal) = (zone.flow, zone.patch, zone.normal());
-        let inside = |foot: DVec3| foot - normal * (LAYERS_INSIDE * flow.spacing);
-        let transmits = matches!(self.pressure, OutletPressure::NonReflecting { .. });
-        let offsets = if transmits { non_reflecting.section(&flow, patch).offsets.as_slice() } else { &[] };
-        zone.fit_fluid(
-            PointFit::Section { normal, across: patch.across },
-            |point| inside(point - normal * patch.along(point)),
-            offsets.iter().map(|&offset| inside(patch.at + offset)),
-        );
-        if let OutletPressure::NonReflecting { target, time, waves } = self.pressure {
-            non_reflecting.advance(zone, target, time, waves);
-        }
-    }
-
     /// Finds pressure, convective velocity and density of the outflow particles.
     fn find_moves<R: PairReal<D>, const D: usize>(
         &self,
         zone: &OutflowZone<'_, R, D>,
         non_reflecting: &NonReflecting,
+        enters_from_rest: bool,
         moves: &mut Vec<ZoneMove>,
     ) {
         let (flow, patch, mean, impedance) = (zone.flow, zone.patch, zone.adjacent, zone.flow.impedance());
         let (arrays, found, pair) = (&*zone.arrays, zone.fitted(), zone.pair);
         let transmits = matches!(self.pressure, OutletPressure::NonReflecting { .. });
-        let is_set_each_step = self.pressure.is_set_each_step();
         let all = zone.rows.par_iter().enumerate().with_min_len(CHUNK).map(|(at, &row)| {
             let row = row as usize;
             let fluid = found[at].unwrap_or(mean);
@@ -221,7 +217,7 @@ impl WaveCondition {
                 (own, convective_velocity(fluid.velocity, fluid.pressure, own, impedance))
             };
             let pressure =
-                if is_set_each_step { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
+                if enters_from_rest { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
             ZoneMove { pressure, velocity, density: pair.density_at(pressure) }
         });
         all.collect_into_vec(moves);
@@ -276,6 +272,22 @@ impl WaveCondition {
         };
         Advanced { velocity: next, speed }
     }
+}
+
+/// Fits the fluid a layer inside the feet of the outflow particles and, for a nonreflecting
+/// pressure, at the points of the section.
+pub fn fit_fluid<R: PairReal<D>, const D: usize>(
+    zone: &mut OutflowZone<'_, R, D>,
+    non_reflecting: Option<&mut NonReflecting>,
+) {
+    let (flow, patch, normal) = (zone.flow, zone.patch, zone.normal());
+    let inside = |foot: DVec3| foot - normal * (LAYERS_INSIDE * flow.spacing);
+    let offsets = non_reflecting.map_or(&[][..], |state| state.section(&flow, patch).offsets.as_slice());
+    zone.fit_fluid(
+        PointFit::Section { normal, across: patch.across },
+        |point| inside(point - normal * patch.along(point)),
+        offsets.iter().map(|&offset| inside(patch.at + offset)),
+    );
 }
 
 #[cfg(test)]

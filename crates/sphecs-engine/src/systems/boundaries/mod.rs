@@ -8,6 +8,7 @@
 //! - [`patch_cells`]: grid cells near inlets and outlets
 //! - [`patch_rows`]: rows of the arrays that belong to each inlet and outlet
 //! - [`prescribed_inflow`]: volume flow that the inlets prescribe
+//! - [`through_flow`]: flow through the openings from the velocities in the whole domain
 //! - [`wall_projection`]: return of particles from behind a wall to its surface
 //! - [`walls`]: velocity and pressure of wall particles
 //!
@@ -21,5 +22,6 @@ pub mod outlets;
 pub mod patch_cells;
 pub mod patch_rows;
 pub mod prescribed_inflow;
+pub mod through_flow;
 pub mod wall_projection;
 pub mod walls;

@@ -67,10 +67,17 @@ pub struct OutletForce<'a> {
 }
 
 impl<'a> OutletForce<'a> {
-    /// Returns the force at an outlet at a time, s; None in a scene without a body force.
-    pub fn new(scene: &'a Scene, patch: &'a Patch, balance: &OutletBalance, time: f64) -> Option<Self> {
+    /// Returns the force at an outlet at a time, s; None in a scene without a body force, unless
+    /// the pressure gradient of the flow `continues` into the zone.
+    pub fn new(
+        scene: &'a Scene,
+        patch: &'a Patch,
+        continues: bool,
+        balance: &OutletBalance,
+        time: f64,
+    ) -> Option<Self> {
         let is_absent = matches!(scene.body_force, BodyForce::Constant(DVec3::ZERO));
-        (!is_absent).then_some(Self { scene, patch, time, gradient: balance.gradient })
+        (continues || !is_absent).then_some(Self { scene, patch, time, gradient: balance.gradient })
     }
 
     fn at(&self, point: DVec3) -> DVec3 {

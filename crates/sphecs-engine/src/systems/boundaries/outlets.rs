@@ -16,6 +16,7 @@ use super::outlet_balance::{OutletBalance, OutletForce, PlaneMotion, ReducedBuff
 use super::outlet_registry::{AddedOutlets, OutletFaults};
 use super::patch_rows::PatchRows;
 use super::prescribed_inflow::PrescribedInflow;
+use super::through_flow::ThroughFlow;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
@@ -40,6 +41,7 @@ pub struct Outlets<R: PairReal<D>, const D: usize> {
     pub all: Vec<RunningOutlet<R, D>>,
     needs: Vec<Needs>,
     inflow: PrescribedInflow,
+    through: ThroughFlow,
 }
 
 /// An outlet with its condition and the state of the present stage.
@@ -174,9 +176,10 @@ pub fn insert_outlets<R: PairReal<D>, const D: usize>(
     if !faults.is_empty() {
         return Err(OutletFaults(faults));
     }
-    let needs = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
+    let needs: Vec<Needs> = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
     let inflow = PrescribedInflow::new(scene);
-    world.insert_resource(Outlets::<R, D> { all: outlets, needs, inflow });
+    let through = ThroughFlow::new(scene, &needs);
+    world.insert_resource(Outlets::<R, D> { all: outlets, needs, inflow, through });
     let mut saved = world.get_resource_or_init::<SavedResources>();
     saved.add_with::<Outlets<R, D>>("outlets", save::<R, D>, restore::<R, D>);
     Ok(())
@@ -280,6 +283,8 @@ struct OutletParts<'a, R: PairReal<D>, const D: usize> {
     condition: &'a mut dyn RunningCondition<R, D>,
     adjacent: &'a mut PointFlow,
     balance: &'a mut OutletBalance,
+    /// True if the pressure gradient of the flow continues into the zone.
+    continues_gradient: bool,
     /// Fluid rows in the last layers before the outlet.
     before: &'a [u32],
     /// Acceleration that the inlets prescribe, with shares by area, m/s²; None without inlets.
@@ -297,6 +302,7 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
     let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
     let flow = flow_properties(scene, &is_in_domain);
     outlets.inflow.find(scene, clock.time);
+    outlets.through.find(scene, &outlets.inflow, arrays);
     let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
         let RunningOutlet { adjacent, speeds, balance, condition } = running;
@@ -306,6 +312,9 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             extent: scene.extent_along(outlet.patch.towards),
             prescribed: outlets.inflow.at_outlet(index),
             area_share: outlet.patch.area / area,
+            total_inflow: outlets.inflow.rate(),
+            through_velocity: outlets.through.velocity(index),
+            given: outlet.given.as_ref().map_or(0.0, |given| given.at(clock.time)),
             rows: &rows.outflow[index],
             upstream: &rows.upstream[index],
             inflow: &rows.inflow,
@@ -319,9 +328,12 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             speeds,
         };
         let before = &rows.before_outlet[index];
-        let acceleration = outlets.inflow.acceleration().map(|rate| rate / area);
+        let continues_gradient = outlets.needs[index].continues_gradient;
+        let acceleration = outlets.inflow.acceleration().filter(|_| zone.through_velocity.is_none());
+        let acceleration = acceleration.map(|rate| rate / area);
         let condition = &mut **condition;
-        work(OutletParts { condition, adjacent, balance, before, acceleration }, &mut zone);
+        let parts = OutletParts { condition, adjacent, balance, continues_gradient, before, acceleration };
+        work(parts, &mut zone);
     }
 }
 
@@ -355,7 +367,8 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
 ) {
     let scene = &*scene.0;
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
-        let force = OutletForce::new(scene, zone.patch, outlet.balance, clock.time);
+        let force =
+            OutletForce::new(scene, zone.patch, outlet.continues_gradient, outlet.balance, clock.time);
         if let Some(force) = &force {
             reduced.reduce(force, zone.rows, zone.arrays);
         }
@@ -385,9 +398,11 @@ pub fn find_outlet_rates<R: PairReal<D>, const D: usize>(
     let scene = &*scene.0;
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
         outlet.condition.find_rates(zone);
-        if let Some(force) = OutletForce::new(scene, zone.patch, outlet.balance, clock.time) {
+        if let Some(force) =
+            OutletForce::new(scene, zone.patch, outlet.continues_gradient, outlet.balance, clock.time)
+        {
             let motion = PlaneMotion {
-                velocity: zone.adjacent.velocity,
+                velocity: zone.through_velocity.unwrap_or(zone.adjacent.velocity),
                 acceleration: outlet.acceleration,
                 passage: zone.extent / scene.fluid.sound_speed,
                 time_step: zone.time_step,

@@ -17,6 +17,8 @@ pub struct PrescribedInflow {
     filters: Vec<SlowPart>,
     /// Results of the present step.
     found: Vec<Inflow>,
+    /// Volume flow in the present step, m³/s (m²/s in 2D); None without inlets.
+    rate: Option<f64>,
     /// Rate of change of the volume flow in the present step, m³/s² (m²/s² in 2D); None without
     /// inlets.
     acceleration: Option<f64>,
@@ -29,12 +31,12 @@ impl PrescribedInflow {
         let outlets = scene.outlets.iter().filter(|_| !scene.inlets.is_empty());
         let passage = |towards: DVec3| scene.extent_along(towards) / scene.fluid.sound_speed;
         let filters = outlets.map(|outlet| SlowPart::new(passage(outlet.patch.towards))).collect();
-        Self { points, filters, found: Vec::new(), acceleration: None }
+        Self { points, filters, found: Vec::new(), rate: None, acceleration: None }
     }
 
     /// Finds the inflow at a time, s.
     pub fn find(&mut self, scene: &Scene, time: f64) {
-        let Self { points, filters, found, acceleration } = self;
+        let Self { points, filters, found, rate: present, acceleration } = self;
         let flow = |time: f64| -> f64 {
             let of_inlet = |(inlet, points): (&Inlet, &Vec<DVec3>)| {
                 inlet.volume_flow(scene.fluid.viscosity, points, time)
@@ -45,12 +47,18 @@ impl PrescribedInflow {
         let moment = 1e-3 * scene.spacing / scene.fluid.sound_speed;
         let (before, after) = ((time - moment).max(0.0), time + moment);
         let rate = || (flow(after) - flow(before)) / (after - before);
+        *present = (!scene.inlets.is_empty()).then(|| flow(time));
         *acceleration = (!scene.inlets.is_empty()).then(rate);
         found.clear();
         found.extend(filters.iter_mut().map(|filter| {
             let (rate, acceleration) = filter.at(time, flow);
             Inflow { rate, acceleration }
         }));
+    }
+
+    /// Returns the volume flow of the present step, m³/s (m²/s in 2D); None without inlets.
+    pub fn rate(&self) -> Option<f64> {
+        self.rate
     }
 
     /// Returns the rate of change of the volume flow, m³/s² (m²/s² in 2D); None without inlets.

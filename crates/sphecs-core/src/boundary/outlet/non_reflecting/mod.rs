@@ -87,12 +87,11 @@ impl NonReflecting {
         waves: Waves,
     ) {
         let (flow, patch, time_step) = (&zone.flow, zone.patch, zone.time_step);
-        let (fitted, adjacent) = (&zone.fitted()[zone.rows.len()..], zone.adjacent);
         let (density, sound_speed) = (flow.density, flow.sound_speed);
         let inflow = zone.prescribed.filter(|_| time.is_none());
         let time = time.unwrap_or_else(|| settling_time(zone.extent, sound_speed));
         let setting = PlaneSetting { target, time, density, sound_speed };
-        let mean = self.split(fitted, adjacent);
+        let mean = self.mean(zone);
         let prescribed = match inflow {
             Some(inflow) => self.prescribed.advance(&InflowStep {
                 inflow,
@@ -109,6 +108,25 @@ impl NonReflecting {
         let fall = density * prescribed.acceleration * SAMPLED_LAYERS * flow.spacing;
         let velocity = mean.velocity - prescribed.velocity;
         let plane = self.plane.advance(&setting, mean.pressure - fall, velocity, time_step);
+        self.spread(zone, plane, waves);
+    }
+
+    /// Returns the mean over the section of the flow fitted at its points.
+    pub fn mean<R: PairReal<D>, const D: usize>(&mut self, zone: &OutflowZone<'_, R, D>) -> PointFlow {
+        self.split(&zone.fitted()[zone.rows.len()..], zone.adjacent)
+    }
+
+    /// Sets the pressure at the points to that of the plane waves, Pa, and adds the oblique ones.
+    /// The waves then propagate through the zone. [`mean`](Self::mean) comes first.
+    pub fn spread<R: PairReal<D>, const D: usize>(
+        &mut self,
+        zone: &OutflowZone<'_, R, D>,
+        plane: f64,
+        waves: Waves,
+    ) {
+        let (flow, patch, time_step) = (&zone.flow, zone.patch, zone.time_step);
+        let (fitted, adjacent) = (&zone.fitted()[zone.rows.len()..], zone.adjacent);
+        let (density, sound_speed) = (flow.density, flow.sound_speed);
         self.pressure.clear();
         self.pressure.resize(fitted.len(), plane);
         if waves == Waves::All {
