@@ -10,6 +10,7 @@ use crate::components::{
 };
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
 use crate::resources::ledger::{InflowCapacity, Ledger};
+use crate::systems::transitions::refill::WaitingInjections;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::eos::Tait;
 use sphecs_scene::model::{ParticleSeed, Scene};
@@ -21,6 +22,7 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
     let mut index = EntityIndex(Vec::with_capacity(seeds.len()));
     let mut free = FreeParticles::default();
     let mut capacity = InflowCapacity(vec![0; scene.inlets.len()]);
+    let mut outflow = vec![0; scene.outlets.len()];
     let mut ledger = Ledger {
         initial: seeds.len() as u64,
         entered: vec![0; scene.inlets.len()],
@@ -46,13 +48,15 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
         match group[0].zone {
             Zone::Reservoir => free.0.extend(first..index.0.len() as u32),
             Zone::Inflow => group.iter().for_each(|seed| capacity.0[usize::from(seed.patch)] += 1),
-            Zone::Fluid | Zone::Wall | Zone::Outflow => {}
+            Zone::Outflow => group.iter().for_each(|seed| outflow[usize::from(seed.patch)] += 1),
+            Zone::Fluid | Zone::Wall => {}
         }
         ledger.by_zone[group[0].zone as usize] += group.len() as u64;
     }
     world.insert_resource(index);
     world.insert_resource(free);
     world.insert_resource(capacity);
+    world.insert_resource(WaitingInjections { capacity: outflow, waiting: Vec::new() });
     world.insert_resource(ledger);
 }
 

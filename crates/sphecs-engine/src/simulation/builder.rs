@@ -18,6 +18,7 @@ use crate::schedule::{stage_schedule, step_schedule};
 use crate::spawn::spawn_particles;
 use crate::systems::boundaries::outlet_registry::OutletFaults;
 use crate::systems::boundaries::outlets::insert_outlets;
+use crate::systems::transitions::refill::WaitingInjections;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::pass::pair_real::PairReal;
@@ -173,6 +174,7 @@ fn build_plugins<R: PairReal<D>, const D: usize>(
     context.world.init_resource::<EntityIndex>();
     context.world.init_resource::<FreeParticles>();
     context.save_resource::<InflowCapacity>("inflow_capacity");
+    context.save_resource::<WaitingInjections>("waiting_injections");
     context.save_resource::<Ledger>("ledger");
     match context.world.resource::<SavedResources>().collision() {
         Some([name, other]) => Err(BuildError::SavedTwice { name, other }),

@@ -79,9 +79,9 @@ pub struct Needs {
     pub upstream_layers: Option<f64>,
     /// True if backflow would re-enter with frozen or prescribed values.
     pub is_one_way: bool,
-    /// True if the pressure gradient of the flow continues into the zone, so that the pressure at
-    /// the plane is that of the condition.
-    pub continues_gradient: bool,
+    /// True if fluid may enter for good. The pressure gradient of the flow then continues into the
+    /// zone, so that the pressure at the plane is that of the condition, and the zone is kept full.
+    pub is_bidirectional: bool,
     /// True if the condition uses the flow rate that the whole domain has, without sound.
     pub uses_through_flow: bool,
 }

@@ -87,6 +87,15 @@ struct ZoneMove {
     density: Option<f64>,
 }
 
+/// Motion of the zone beside that of the fluid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZoneRule {
+    /// Speed in excess of that of the fluid, m/s.
+    pub excess_speed: f64,
+    /// True if backflow comes from a reservoir at rest, whose static pressure it lacks.
+    pub enters_from_rest: bool,
+}
+
 /// Parameters of an outgoing wave equation, with or without diffusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaveCondition {
@@ -161,20 +170,19 @@ impl WaveCondition {
         } else {
             fit_fluid(zone, None);
         }
-        self.move_zone(zone, memory, self.pressure.is_set_each_step());
+        let rule = ZoneRule { excess_speed: 0.0, enters_from_rest: self.pressure.is_set_each_step() };
+        self.move_zone(zone, memory, rule);
     }
 
     /// Sets the outflow particles from the fitted fluid and the pressure of the plane.
-    ///
-    /// `enters_from_rest` is true if backflow loses its dynamic pressure.
     pub fn move_zone<R: PairReal<D>, const D: usize>(
         &self,
         zone: &mut OutflowZone<'_, R, D>,
         memory: &mut WaveMemory,
-        enters_from_rest: bool,
+        rule: ZoneRule,
     ) {
         let mut moves = std::mem::take(&mut memory.moves);
-        self.find_moves(zone, &memory.non_reflecting, enters_from_rest, &mut moves);
+        self.find_moves(zone, &memory.non_reflecting, rule, &mut moves);
         let normal = zone.normal();
         for (&row, &ZoneMove { pressure, velocity, density }) in zone.rows.iter().zip(&moves) {
             let row = row as usize;
@@ -201,7 +209,7 @@ impl WaveCondition {
         &self,
         zone: &OutflowZone<'_, R, D>,
         non_reflecting: &NonReflecting,
-        enters_from_rest: bool,
+        rule: ZoneRule,
         moves: &mut Vec<ZoneMove>,
     ) {
         let (flow, patch, mean, impedance) = (zone.flow, zone.patch, zone.adjacent, zone.flow.impedance());
@@ -216,8 +224,12 @@ impl WaveCondition {
             } else {
                 (own, convective_velocity(fluid.velocity, fluid.pressure, own, impedance))
             };
-            let pressure =
-                if enters_from_rest { backflow_pressure(pressure, velocity, flow.density) } else { pressure };
+            let velocity = velocity + rule.excess_speed;
+            let pressure = if rule.enters_from_rest {
+                backflow_pressure(pressure, velocity, flow.density)
+            } else {
+                pressure
+            };
             ZoneMove { pressure, velocity, density: pair.density_at(pressure) }
         });
         all.collect_into_vec(moves);

@@ -284,7 +284,7 @@ struct OutletParts<'a, R: PairReal<D>, const D: usize> {
     adjacent: &'a mut PointFlow,
     balance: &'a mut OutletBalance,
     /// True if the pressure gradient of the flow continues into the zone.
-    continues_gradient: bool,
+    is_bidirectional: bool,
     /// Fluid rows in the last layers before the outlet.
     before: &'a [u32],
     /// Acceleration that the inlets prescribe, with shares by area, m/s²; None without inlets.
@@ -328,11 +328,11 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             speeds,
         };
         let before = &rows.before_outlet[index];
-        let continues_gradient = outlets.needs[index].continues_gradient;
+        let is_bidirectional = outlets.needs[index].is_bidirectional;
         let acceleration = outlets.inflow.acceleration().filter(|_| zone.through_velocity.is_none());
         let acceleration = acceleration.map(|rate| rate / area);
         let condition = &mut **condition;
-        let parts = OutletParts { condition, adjacent, balance, continues_gradient, before, acceleration };
+        let parts = OutletParts { condition, adjacent, balance, is_bidirectional, before, acceleration };
         work(parts, &mut zone);
     }
 }
@@ -367,8 +367,7 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
 ) {
     let scene = &*scene.0;
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
-        let force =
-            OutletForce::new(scene, zone.patch, outlet.continues_gradient, outlet.balance, clock.time);
+        let force = OutletForce::new(scene, zone.patch, outlet.is_bidirectional, outlet.balance, clock.time);
         if let Some(force) = &force {
             reduced.reduce(force, zone.rows, zone.arrays);
         }
@@ -399,7 +398,7 @@ pub fn find_outlet_rates<R: PairReal<D>, const D: usize>(
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
         outlet.condition.find_rates(zone);
         if let Some(force) =
-            OutletForce::new(scene, zone.patch, outlet.continues_gradient, outlet.balance, clock.time)
+            OutletForce::new(scene, zone.patch, outlet.is_bidirectional, outlet.balance, clock.time)
         {
             let motion = PlaneMotion {
                 velocity: zone.through_velocity.unwrap_or(zone.adjacent.velocity),

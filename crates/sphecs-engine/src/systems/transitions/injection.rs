@@ -3,6 +3,7 @@
 use bevy_ecs::query::Without;
 use bevy_ecs::world::World;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::reservoir::take_particle;
 use crate::components::{Inflow, Outflow, Position, Reservoir, Returned, Tracer, Velocity};
@@ -22,8 +23,9 @@ use sphecs_scene::model::Scene;
 const MIN_DISTANCE: f64 = 0.5;
 
 /// Injection of a particle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Injection {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Injection {
     /// Position, m.
     pub place: DVec3,
     /// Zone.
@@ -39,16 +41,28 @@ pub(super) struct Injection {
     pub returned: bool,
 }
 
-/// Injects a particle if its position is free and the reservoir has a particle.
+/// Injects a particle if its position is free and the reservoir has a particle; returns false if
+/// the position is not free.
 pub(super) fn inject<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
     injection: &Injection,
-) {
+) -> bool {
     if injection.returned && !is_possible(world, scene, arrays, injection) {
-        return;
+        return false;
     }
+    place(world, scene, arrays, injection);
+    true
+}
+
+/// Injects a particle if the reservoir has one.
+pub(super) fn place<R: PairReal<D>, const D: usize>(
+    world: &mut World,
+    scene: &Scene,
+    arrays: &mut ParticleArrays<R, D>,
+    injection: &Injection,
+) {
     let Some(id) = take_particle(world, scene) else { return };
     let &Injection { place, zone, patch, pressure, .. } = injection;
     let time = world.resource::<Clock>().time;
@@ -99,20 +113,18 @@ fn is_possible<R: PairReal<D>, const D: usize>(
     if injection.zone == Zone::Inflow && is_full(world, injection.patch) {
         return false;
     }
-    let sorted = world.resource::<Grid<D>>().0.starts().last().map_or(0, |&end| end as usize);
-    is_free(world, arrays, sorted, injection.place, MIN_DISTANCE * scene.spacing)
+    is_free(world, arrays, injection.place, MIN_DISTANCE * scene.spacing)
 }
 
 /// Returns true if no particle is within `distance`, m, of a position.
-///
-/// Rows from `sorted` on were added after the last sort.
-fn is_free<R: PairReal<D>, const D: usize>(
+pub(super) fn is_free<R: PairReal<D>, const D: usize>(
     world: &World,
     arrays: &ParticleArrays<R, D>,
-    sorted: usize,
     place: DVec3,
     distance: f64,
 ) -> bool {
+    // Rows from here on were added after the last sort.
+    let sorted = world.resource::<Grid<D>>().0.starts().last().map_or(0, |&end| end as usize);
     let mut free = true;
     // Since the sort, positions changed by less than the difference of the support and `distance`.
     let neighbours = Neighbours::new(&world.resource::<Grid<D>>().0, arrays);

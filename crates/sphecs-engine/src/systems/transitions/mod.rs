@@ -1,6 +1,7 @@
 //! Changes of zone; no other system changes the role of a particle.
 //!
 //! - `injection`: injection of a particle into a zone
+//! - `refill`: injections that wait for a free position
 //! - `reservoir`: storage and creation of particles
 //!
 //! ```text
@@ -17,11 +18,13 @@
 //! crossing (test `oscillation_across_a_plane_injects_once`). For a particle that returned, an
 //! injection therefore needs a free position within half a spacing. At an inlet the zone must also
 //! have lost particles at its upstream end. All other crossings always inject, since an omitted
-//! injection would leave a permanent gap in the zone. An oblique inlet keeps its lines of particles
+//! injection would leave a permanent gap in the zone. Where fluid may enter for good, an injection
+//! waits until its position is free. An oblique inlet keeps its lines of particles
 //! as long as its zone. An inlet that is filled once injects nothing, and the run stops when it is
 //! drained.
 
 pub(crate) mod injection;
+pub(crate) mod refill;
 pub(crate) mod reservoir;
 
 use bevy_ecs::change_detection::Mut;
@@ -38,6 +41,7 @@ use crate::resources::entity_index::EntityIndex;
 use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
 use injection::{Injection, inject};
+use refill::{defer, refill};
 use reservoir::store;
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::boundary::inlet::injection::{InflowLine, is_drained};
@@ -82,8 +86,11 @@ pub(crate) fn transition<R: PairReal<D>, const D: usize>(world: &mut World) {
                 apply(world, &scene, &mut arrays, change, injections);
             }
             for injection in injections.drain(..) {
-                inject(world, &scene, &mut arrays, &injection);
+                if !inject(world, &scene, &mut arrays, &injection) {
+                    defer::<R, D>(world, injection);
+                }
             }
+            refill(world, &scene, &mut arrays);
         });
     });
     wrap_periodic::<R, D>(world, &scene);
