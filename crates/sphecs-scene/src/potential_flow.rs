@@ -30,12 +30,14 @@ const LEAST_DISTANCE: f64 = 0.1;
 /// No cell.
 const NONE: u32 = u32::MAX;
 
-/// Potential flow towards one opening.
+/// Potential flow towards one opening: ∇φ_i as a function of the place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PotentialFlow {
     cells: Cells,
     /// ∇φ by cell, 1/m; 0 outside the domain.
     gradient: Vec<[f32; 3]>,
+    /// ∫ |∇φ|² dV, m (dimensionless in 2D).
+    pub square: f64,
     /// Mean of φ over the planes of all inlets, weighted by area; 0 without inlets.
     pub inlet_potential: f64,
 }
@@ -278,7 +280,9 @@ pub fn potential_flows(scene: &Scene, is_wanted: impl Fn(usize) -> bool) -> Vec<
         let potential = laplace.solve(outlet as u16);
         let gradient = laplace.gradient(&potential, outlet as u16);
         let inlet_potential = inlet_potential(scene, &laplace, &potential);
-        PotentialFlow { cells: laplace.cells.clone(), gradient, inlet_potential }
+        let squares = gradient.iter().flatten().map(|slope| f64::from(*slope).powi(2));
+        let square = squares.sum::<f64>() * laplace.cells.size.powi(laplace.dimensions as i32);
+        PotentialFlow { cells: laplace.cells.clone(), gradient, square, inlet_potential }
     };
     (0..count).map(|outlet| is_wanted(outlet).then(|| flow_of(outlet))).collect()
 }
@@ -344,6 +348,9 @@ mod tests {
     fn flow_through_a_channel_is_its_mean_velocity_times_the_width() {
         let channel = scene("Box(min: (0.0, 0.0), max: (6.0, 1.0))", CHANNEL);
         let found = flows(&channel, |at| DVec3::X * (at.y * (1.0 - at.y)));
+        let square = potential_flows(&channel, |_| true)[0].as_ref().map(|flow| flow.square);
+        // |∇φ| is one over the length.
+        assert!(square.is_some_and(|square| (square - 1.0 / 6.0).abs() < 1e-6), "{square:?}");
         let exact: f64 = (0..20).map(|row| (f64::from(row) + 0.5) / 20.0).map(|y| 0.05 * y * (1.0 - y)).sum();
         assert!((found[0] - exact).abs() < 1e-6 && (found[1] + exact).abs() < 1e-6, "{found:?}");
     }
