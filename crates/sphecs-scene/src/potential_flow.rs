@@ -40,6 +40,8 @@ pub struct PotentialFlow {
     pub square: f64,
     /// Mean of φ over the planes of all inlets, weighted by area; 0 without inlets.
     pub inlet_potential: f64,
+    /// ∫ φ_i φ_j dV for each outlet j, m³ (m² in 2D); 0 for those without a potential flow.
+    pub overlaps: Vec<f64>,
 }
 
 impl PotentialFlow {
@@ -276,15 +278,28 @@ pub fn potential_flows(scene: &Scene, is_wanted: impl Fn(usize) -> bool) -> Vec<
         return vec![None; count];
     }
     let laplace = Laplace::new(scene);
-    let flow_of = |outlet: usize| {
-        let potential = laplace.solve(outlet as u16);
-        let gradient = laplace.gradient(&potential, outlet as u16);
-        let inlet_potential = inlet_potential(scene, &laplace, &potential);
+    let volume = laplace.cells.size.powi(laplace.dimensions as i32);
+    let potentials: Vec<Option<Vec<f64>>> =
+        (0..count).map(|outlet| is_wanted(outlet).then(|| laplace.solve(outlet as u16))).collect();
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * volume;
+    let flow_of = |(outlet, potential): (usize, &Vec<f64>)| {
+        let gradient = laplace.gradient(potential, outlet as u16);
         let squares = gradient.iter().flatten().map(|slope| f64::from(*slope).powi(2));
-        let square = squares.sum::<f64>() * laplace.cells.size.powi(laplace.dimensions as i32);
-        PotentialFlow { cells: laplace.cells.clone(), gradient, square, inlet_potential }
+        PotentialFlow {
+            cells: laplace.cells.clone(),
+            square: squares.sum::<f64>() * volume,
+            inlet_potential: inlet_potential(scene, &laplace, potential),
+            overlaps: potentials
+                .iter()
+                .map(|other| other.as_ref().map_or(0.0, |other| product(potential, other)))
+                .collect(),
+            gradient,
+        }
     };
-    (0..count).map(|outlet| is_wanted(outlet).then(|| flow_of(outlet))).collect()
+    let numbered = potentials.iter().enumerate();
+    numbered
+        .map(|(outlet, potential)| potential.as_ref().map(|potential| flow_of((outlet, potential))))
+        .collect()
 }
 
 /// Returns the mean of a potential over the cells next to the planes of the inlets.
@@ -349,7 +364,9 @@ mod tests {
         let channel = scene("Box(min: (0.0, 0.0), max: (6.0, 1.0))", CHANNEL);
         let found = flows(&channel, |at| DVec3::X * (at.y * (1.0 - at.y)));
         let square = potential_flows(&channel, |_| true)[0].as_ref().map(|flow| flow.square);
-        // |∇φ| is one over the length.
+        // |∇φ| is one over the length. φ is linear, over 6 m².
+        let overlaps = potential_flows(&channel, |_| true).remove(0).expect("a flow").overlaps;
+        assert!((overlaps[0] - 2.0).abs() < 1e-3 && (overlaps[1] - 1.0).abs() < 1e-3, "{overlaps:?}");
         assert!(square.is_some_and(|square| (square - 1.0 / 6.0).abs() < 1e-6), "{square:?}");
         let exact: f64 = (0..20).map(|row| (f64::from(row) + 0.5) / 20.0).map(|y| 0.05 * y * (1.0 - y)).sum();
         assert!((found[0] - exact).abs() < 1e-6 && (found[1] + exact).abs() < 1e-6, "{found:?}");

@@ -64,6 +64,12 @@ pub trait OutletMethod: OutletParameters + Clone + 'static {
         zone.clear_rates();
     }
 
+    /// Returns the rate of change of the mean pressure that the condition approaches, Pa/s; 0 by
+    /// default.
+    fn pressure_rate(&self, _memory: &Self::Memory) -> f64 {
+        0.0
+    }
+
     /// Advances an outflow particle by a time step. By default it moves at the speed that
     /// [`apply`](Self::apply) set.
     fn advance(&self, particle: &OutflowMotion) -> Advanced {

@@ -60,6 +60,8 @@ pub(super) trait RunningCondition<R: PairReal<D>, const D: usize>: Send + Sync {
     fn needs(&self) -> Needs;
     fn apply(&mut self, zone: &mut OutflowZone<'_, R, D>);
     fn find_rates(&mut self, zone: &mut OutflowZone<'_, R, D>);
+    /// Returns the rate of change of the pressure that the condition approaches, Pa/s.
+    fn pressure_rate(&self) -> f64;
     /// Moves rows, with the speed along the normal of each, by a time step (s).
     fn move_particles(
         &self,
@@ -98,6 +100,10 @@ impl<M: OutletMethod, R: PairReal<D>, const D: usize> RunningCondition<R, D> for
 
     fn find_rates(&mut self, zone: &mut OutflowZone<'_, R, D>) {
         self.method.find_rates(zone, &mut self.memory);
+    }
+
+    fn pressure_rate(&self) -> f64 {
+        self.method.pressure_rate(&self.memory)
     }
 
     fn move_particles(
@@ -302,7 +308,8 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
     let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
     let flow = flow_properties(scene, &is_in_domain);
     outlets.inflow.find(scene, clock.time);
-    outlets.through.find(scene, &outlets.inflow, arrays);
+    let Outlets { all, inflow, through, .. } = outlets;
+    through.find(scene, inflow, |outlet| all[outlet].condition.pressure_rate(), arrays);
     let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
         let RunningOutlet { adjacent, speeds, balance, condition } = running;

@@ -1,13 +1,17 @@
 //! Flow through the openings that follows from the velocities in the whole domain.
 //!
 //! ```text
-//! Q_i = V Σ_b v_b·∇φ_i(x_b) + ⟨φ_i⟩ Q̃_in        V = ∫ |∇φ_i|² dV/Σ_b |∇φ_i(x_b)|²
+//! Q_i = V Σ_b v_b·∇φ_i(x_b) + ⟨φ_i⟩ Q̃_in − Σ_j M_ij/(ρ0 c0²) dp_j/dt
+//! V   = ∫ |∇φ_i|² dV/Σ_b |∇φ_i(x_b)|²,   M_ij = ∫ φ_i φ_j dV
 //! ```
 //!
 //! The sums are over the fluid particles, with the weights of
 //! [`potential_flow`](sphecs_scene::potential_flow), in which sound does not count. Q̃_in is the
 //! slow part of the prescribed inflow. V is the mean volume of a particle: with m/ρ0 a flow would
-//! seem to vary with the number of particles in the domain, by a per cent or two.
+//! seem to vary with the number of particles in the domain, by a per cent or two. The last term is
+//! the fluid that is stored as the pressures p_j of the openings rise, since between them the
+//! pressure is Σ_j φ_j p_j: the divergence is −dp/dt/(ρ0 c0²). Without it a pressure that
+//! oscillates at the frequency ω over a length L is wrong by ω L/(4 c0).
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
@@ -41,15 +45,18 @@ impl ThroughFlow {
         Self { weights, velocities: Vec::new(), sums: Vec::new() }
     }
 
-    /// Finds the velocities of the present state.
+    /// Finds the velocities of the present state, from the rate of change of the pressure that each
+    /// condition approaches, Pa/s.
     pub fn find<R: PairReal<D>, const D: usize>(
         &mut self,
         scene: &Scene,
         inflow: &PrescribedInflow,
+        pressure_rate: impl Fn(usize) -> f64,
         arrays: &ParticleArrays<R, D>,
     ) {
         let Self { weights, velocities, sums } = self;
         velocities.clear();
+        let stiffness = scene.fluid.density * scene.fluid.sound_speed.powi(2);
         for (index, (outlet, weights)) in scene.outlets.iter().zip(&*weights).enumerate() {
             velocities.push(weights.as_ref().map(|weights| {
                 let of_chunk = |chunk: usize| {
@@ -61,7 +68,13 @@ impl ThroughFlow {
                 let [flow, square] = sums.iter().copied().fold([0.0; 2], joined);
                 let volume = if square > 0.0 { weights.square / square } else { 0.0 };
                 let prescribed = inflow.at_outlet(index).map_or(0.0, |inflow| inflow.rate);
-                (volume * flow + weights.inlet_potential * prescribed) / outlet.patch.area
+                let stored: f64 = weights
+                    .overlaps
+                    .iter()
+                    .enumerate()
+                    .map(|(other, overlap)| overlap * pressure_rate(other) / stiffness)
+                    .sum();
+                (volume * flow + weights.inlet_potential * prescribed - stored) / outlet.patch.area
             }));
         }
     }

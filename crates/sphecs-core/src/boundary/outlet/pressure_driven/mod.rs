@@ -58,6 +58,10 @@ use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator};
 /// which sound has left the domain. A short one takes the start of a flow for a difference of both.
 const CORRECTION: f64 = 5.0;
 
+/// Lag of the rate of change of the pressure, in travel times of sound through the domain. The rate
+/// corrects the flow, on which the pressure of a resistance depends in its turn.
+const RATE_LAG: f64 = 2.0;
+
 /// Acoustic waves at an opening of given pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -131,6 +135,10 @@ pub struct DrivenMemory<S> {
     law: S,
     /// Waves at the plane and in the zone.
     wave: WaveMemory,
+    /// Pressure p_t, followed with a lag, Pa; None before the first step.
+    followed: Option<f64>,
+    /// Rate of change of p_t, Pa/s.
+    rate: f64,
     /// Speed e of the zone in excess of the fitted velocity of the fluid, m/s.
     excess_speed: f64,
 }
@@ -170,6 +178,10 @@ impl<L: PressureLaw> OutletMethod for L {
         wave().find_rates(zone, &mut memory.wave);
     }
 
+    fn pressure_rate(&self, memory: &DrivenMemory<L::State>) -> f64 {
+        memory.rate
+    }
+
     fn advance(&self, particle: &OutflowMotion) -> Advanced {
         let mut advanced = wave().advance(particle);
         if advanced.speed < 0.0 {
@@ -202,6 +214,10 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let prescribed = law.velocity(&opening);
     opening.velocity = prescribed.unwrap_or(opening.velocity);
     let target = law.pressure(&opening, &mut memory.law);
+    let lag = RATE_LAG * zone.extent / zone.flow.sound_speed;
+    let followed = memory.followed.get_or_insert(target);
+    memory.rate = (target - *followed) / lag;
+    *followed -= (target - *followed) * (-zone.time_step / lag).exp_m1();
     let outgoing = mean.pressure + impedance * mean.velocity;
     match (law.acoustics(), prescribed) {
         (Acoustics::Reflected, _) => (target, Waves::Plane),
