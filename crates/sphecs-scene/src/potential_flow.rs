@@ -42,6 +42,9 @@ pub struct PotentialFlow {
     pub inlet_potential: f64,
     /// ∫ φ_i φ_j dV for each outlet j, m³ (m² in 2D); 0 for those without a potential flow.
     pub overlaps: Vec<f64>,
+    /// ∫ ∇φ_i·∇φ_j dV for each outlet j, m (dimensionless in 2D); 0 as above. For j = i it is
+    /// ∫ |∇φ_i|² dV.
+    pub conductances: Vec<f64>,
 }
 
 impl PotentialFlow {
@@ -279,27 +282,32 @@ pub fn potential_flows(scene: &Scene, is_wanted: impl Fn(usize) -> bool) -> Vec<
     }
     let laplace = Laplace::new(scene);
     let volume = laplace.cells.size.powi(laplace.dimensions as i32);
-    let potentials: Vec<Option<Vec<f64>>> =
-        (0..count).map(|outlet| is_wanted(outlet).then(|| laplace.solve(outlet as u16))).collect();
+    let solved: Vec<Option<(Vec<f64>, Vec<[f32; 3]>)>> = (0..count)
+        .map(|outlet| {
+            is_wanted(outlet).then(|| {
+                let potential = laplace.solve(outlet as u16);
+                let gradient = laplace.gradient(&potential, outlet as u16);
+                (potential, gradient)
+            })
+        })
+        .collect();
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * volume;
-    let flow_of = |(outlet, potential): (usize, &Vec<f64>)| {
-        let gradient = laplace.gradient(potential, outlet as u16);
-        let squares = gradient.iter().flatten().map(|slope| f64::from(*slope).powi(2));
-        PotentialFlow {
-            cells: laplace.cells.clone(),
-            square: squares.sum::<f64>() * volume,
-            inlet_potential: inlet_potential(scene, &laplace, potential),
-            overlaps: potentials
-                .iter()
-                .map(|other| other.as_ref().map_or(0.0, |other| product(potential, other)))
-                .collect(),
-            gradient,
-        }
+    let dot = |a: &[[f32; 3]], b: &[[f32; 3]]| {
+        let pairs = a.iter().flatten().zip(b.iter().flatten());
+        pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>() * volume
     };
-    let numbered = potentials.iter().enumerate();
-    numbered
-        .map(|(outlet, potential)| potential.as_ref().map(|potential| flow_of((outlet, potential))))
-        .collect()
+    let over_all = |value: &dyn Fn(&(Vec<f64>, Vec<[f32; 3]>)) -> f64| {
+        solved.iter().map(|other| other.as_ref().map_or(0.0, value)).collect::<Vec<f64>>()
+    };
+    let flow_of = |(potential, gradient): &(Vec<f64>, Vec<[f32; 3]>)| PotentialFlow {
+        cells: laplace.cells.clone(),
+        square: dot(gradient, gradient),
+        inlet_potential: inlet_potential(scene, &laplace, potential),
+        overlaps: over_all(&|other| product(potential, &other.0)),
+        conductances: over_all(&|other| dot(gradient, &other.1)),
+        gradient: gradient.clone(),
+    };
+    solved.iter().map(|of_outlet| of_outlet.as_ref().map(flow_of)).collect()
 }
 
 /// Returns the mean of a potential over the cells next to the planes of the inlets.
@@ -366,6 +374,8 @@ mod tests {
         let square = potential_flows(&channel, |_| true)[0].as_ref().map(|flow| flow.square);
         // |∇φ| is one over the length. φ is linear, over 6 m².
         let overlaps = potential_flows(&channel, |_| true).remove(0).expect("a flow").overlaps;
+        let conductances = potential_flows(&channel, |_| true).remove(0).expect("a flow").conductances;
+        assert!((conductances[0] + conductances[1]).abs() < 1e-6, "{conductances:?}");
         assert!((overlaps[0] - 2.0).abs() < 1e-3 && (overlaps[1] - 1.0).abs() < 1e-3, "{overlaps:?}");
         assert!(square.is_some_and(|square| (square - 1.0 / 6.0).abs() < 1e-6), "{square:?}");
         let exact: f64 = (0..20).map(|row| (f64::from(row) + 0.5) / 20.0).map(|y| 0.05 * y * (1.0 - y)).sum();

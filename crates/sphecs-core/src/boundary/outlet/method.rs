@@ -5,8 +5,8 @@
 use std::fmt::Debug;
 
 use glam::DVec3;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::outflow_zone::OutflowZone;
 use super::pressure_driven::time_function::Given;
@@ -64,10 +64,9 @@ pub trait OutletMethod: OutletParameters + Clone + 'static {
         zone.clear_rates();
     }
 
-    /// Returns the rate of change of the mean pressure that the condition approaches, Pa/s; 0 by
-    /// default.
-    fn pressure_rate(&self, _memory: &Self::Memory) -> f64 {
-        0.0
+    /// Returns the pressure at the plane by its parts; 0 by default.
+    fn plane_pressure(&self, _memory: &Self::Memory) -> PlanePressure {
+        PlanePressure::default()
     }
 
     /// Advances an outflow particle by a time step. By default it moves at the speed that
@@ -99,6 +98,16 @@ pub struct References {
     pub velocity: f64,
     /// Pressure, Pa.
     pub pressure: f64,
+}
+
+/// Mean pressure at the plane of an outlet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanePressure {
+    /// Rate of change of the pressure that the condition approaches, Pa/s.
+    pub rate: f64,
+    /// Pressure of sound: that at the plane less the one that the condition approaches, Pa.
+    pub sound: f64,
 }
 
 /// State of an outflow particle that a condition prescribes.

@@ -26,7 +26,7 @@ use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, decode_record, encode_record};
 use sphecs_core::boundary::flow::FlowProperties;
 use sphecs_core::boundary::outlet::OutletVisitor;
-use sphecs_core::boundary::outlet::method::{Advanced, Needs, OutflowMotion, OutletMethod};
+use sphecs_core::boundary::outlet::method::{Advanced, Needs, OutflowMotion, OutletMethod, PlanePressure};
 use sphecs_core::boundary::outlet::outflow_zone::{OutflowZone, ZoneBuffers};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{real_vector, set_real_vector};
@@ -60,8 +60,8 @@ pub(super) trait RunningCondition<R: PairReal<D>, const D: usize>: Send + Sync {
     fn needs(&self) -> Needs;
     fn apply(&mut self, zone: &mut OutflowZone<'_, R, D>);
     fn find_rates(&mut self, zone: &mut OutflowZone<'_, R, D>);
-    /// Returns the rate of change of the pressure that the condition approaches, Pa/s.
-    fn pressure_rate(&self) -> f64;
+    /// Returns the pressure at the plane by its parts.
+    fn plane_pressure(&self) -> PlanePressure;
     /// Moves rows, with the speed along the normal of each, by a time step (s).
     fn move_particles(
         &self,
@@ -102,8 +102,8 @@ impl<M: OutletMethod, R: PairReal<D>, const D: usize> RunningCondition<R, D> for
         self.method.find_rates(zone, &mut self.memory);
     }
 
-    fn pressure_rate(&self) -> f64 {
-        self.method.pressure_rate(&self.memory)
+    fn plane_pressure(&self) -> PlanePressure {
+        self.method.plane_pressure(&self.memory)
     }
 
     fn move_particles(
@@ -207,18 +207,21 @@ struct SavedOutlet {
     convective: Vec<f64>,
     /// Balance of the body force.
     balance: OutletBalance,
+    /// Velocity S that sound adds to the flow of the whole domain, m/s.
+    sound_velocity: f64,
 }
 
 fn save<R: PairReal<D>, const D: usize>(world: &World) -> Option<Vec<u8>> {
     let scene = &world.resource::<ActiveScene>().0;
-    let outlets = &world.get_resource::<Outlets<R, D>>()?.all;
-    let saved = scene.outlets.iter().zip(outlets).map(|(outlet, running)| SavedOutlet {
+    let Outlets { all, through, .. } = world.get_resource::<Outlets<R, D>>()?;
+    let saved = scene.outlets.iter().zip(all).enumerate().map(|(index, (outlet, running))| SavedOutlet {
         condition: outlet.condition.parameters().name().to_owned(),
         memory: running.condition.save(),
         fluid_velocity: running.adjacent.velocity,
         fluid_pressure: running.adjacent.pressure,
         convective: running.speeds.clone(),
         balance: running.balance,
+        sound_velocity: through.sound_velocity[index],
     });
     Some(encode_record(&saved.collect::<Vec<_>>()))
 }
@@ -226,11 +229,14 @@ fn save<R: PairReal<D>, const D: usize>(world: &World) -> Option<Vec<u8>> {
 fn restore<R: PairReal<D>, const D: usize>(world: &mut World, bytes: &[u8]) -> Result<(), String> {
     let scene = world.resource::<ActiveScene>().0.clone();
     let saved: Vec<SavedOutlet> = decode_record(bytes)?;
-    let mut outlets = world.resource_mut::<Outlets<R, D>>();
+    let Outlets { all, through, .. } = &mut *world.resource_mut::<Outlets<R, D>>();
     if saved.len() != scene.outlets.len() {
         return Err(format!("it has {} outlets, the scene has {}", saved.len(), scene.outlets.len()));
     }
-    for ((outlet, running), saved) in scene.outlets.iter().zip(&mut outlets.all).zip(saved) {
+    let sound_velocities = through.sound_velocity.iter_mut();
+    for (((outlet, running), sound_velocity), saved) in
+        scene.outlets.iter().zip(all).zip(sound_velocities).zip(saved)
+    {
         let (patch, condition) = (&outlet.patch.name, outlet.condition.parameters().name());
         if saved.condition != condition {
             let found = &saved.condition;
@@ -242,6 +248,7 @@ fn restore<R: PairReal<D>, const D: usize>(world: &mut World, bytes: &[u8]) -> R
         running.adjacent.pressure = saved.fluid_pressure;
         running.speeds = saved.convective;
         running.balance = saved.balance;
+        *sound_velocity = saved.sound_velocity;
     }
     Ok(())
 }
@@ -307,9 +314,6 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
 ) {
     let is_in_domain = |point: DVec3| scene.domain.contains(point, 0.0);
     let flow = flow_properties(scene, &is_in_domain);
-    outlets.inflow.find(scene, clock.time);
-    let Outlets { all, inflow, through, .. } = outlets;
-    through.find(scene, inflow, |outlet| all[outlet].condition.pressure_rate(), arrays);
     let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
         let RunningOutlet { adjacent, speeds, balance, condition } = running;
@@ -373,6 +377,9 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
+    outlets.inflow.find(scene, clock.time);
+    let Outlets { all, inflow, through, .. } = &mut *outlets;
+    through.find((scene, clock.time_step), inflow, |outlet| all[outlet].condition.plane_pressure(), &arrays);
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
         let force = OutletForce::new(scene, zone.patch, outlet.is_bidirectional, outlet.balance, clock.time);
         if let Some(force) = &force {

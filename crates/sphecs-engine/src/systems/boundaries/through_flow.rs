@@ -1,7 +1,7 @@
 //! Flow through the openings that follows from the velocities in the whole domain.
 //!
 //! ```text
-//! Q_i = V Σ_b v_b·∇φ_i(x_b) + ⟨φ_i⟩ Q̃_in − Σ_j M_ij/(ρ0 c0²) dp_j/dt
+//! Q_i = V Σ_b v_b·∇φ_i(x_b) + ⟨φ_i⟩ Q̃_in − Σ_j M_ij/(ρ0 c0²) dp_j/dt − A_i S_i
 //! V   = ∫ |∇φ_i|² dV/Σ_b |∇φ_i(x_b)|²,   M_ij = ∫ φ_i φ_j dV
 //! ```
 //!
@@ -12,11 +12,20 @@
 //! the fluid that is stored as the pressures p_j of the openings rise, since between them the
 //! pressure is Σ_j φ_j p_j: the divergence is −dp/dt/(ρ0 c0²). Without it a pressure that
 //! oscillates at the frequency ω over a length L is wrong by ω L/(4 c0).
+//!
+//! ```text
+//! A_i dS_i/dt = −Σ_j K_ij p'_j/ρ0 − A_i S_i/τ,   K_ij = ∫ ∇φ_i·∇φ_j dV
+//! ```
+//!
+//! Sound inside the domain adds to the first sum in the ratio of its length to that of the domain,
+//! until it leaves with the pressures p'_j at the openings. S_i counts what left. Without it a pulse
+//! that leaves through one opening is answered by the others.
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use super::prescribed_inflow::PrescribedInflow;
-use sphecs_core::boundary::outlet::method::Needs;
+use sphecs_core::boundary::outlet::method::{Needs, PlanePressure};
+use sphecs_core::boundary::outlet::outflow_zone::settling_time;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
@@ -27,11 +36,15 @@ use sphecs_scene::potential_flow::{PotentialFlow, potential_flows};
 /// threads.
 const CHUNK: usize = 4096;
 
-/// Flow through the openings whose condition uses it: a function of the present state, which a
-/// checkpoint need not save.
+/// Time over which the velocity of sound fades, in times after which sound has left the domain.
+const SOUND_FADES: f64 = 5.0;
+
+/// Flow through the openings whose condition uses it.
 #[derive(Debug, Default)]
 pub struct ThroughFlow {
     weights: Vec<Option<PotentialFlow>>,
+    /// Velocity S that sound adds for each outlet, m/s, which a checkpoint saves.
+    pub sound_velocity: Vec<f64>,
     /// Mean velocity through each section in the present step, m/s.
     velocities: Vec<Option<f64>>,
     /// Σ v·∇φ (1/s) and Σ |∇φ|² (1/m²) of each part of the rows.
@@ -42,19 +55,20 @@ impl ThroughFlow {
     /// Returns the flow of a scene whose outlets have these requirements.
     pub fn new(scene: &Scene, needs: &[Needs]) -> Self {
         let weights = potential_flows(scene, |outlet| needs[outlet].uses_through_flow);
-        Self { weights, velocities: Vec::new(), sums: Vec::new() }
+        let sound_velocity = vec![0.0; scene.outlets.len()];
+        Self { weights, sound_velocity, velocities: Vec::new(), sums: Vec::new() }
     }
 
-    /// Finds the velocities of the present state, from the rate of change of the pressure that each
-    /// condition approaches, Pa/s.
+    /// Finds the velocities of the present state after a time step (s), from the pressures at the
+    /// planes.
     pub fn find<R: PairReal<D>, const D: usize>(
         &mut self,
-        scene: &Scene,
+        (scene, time_step): (&Scene, f64),
         inflow: &PrescribedInflow,
-        pressure_rate: impl Fn(usize) -> f64,
+        plane_pressure: impl Fn(usize) -> PlanePressure,
         arrays: &ParticleArrays<R, D>,
     ) {
-        let Self { weights, velocities, sums } = self;
+        let Self { weights, sound_velocity, velocities, sums } = self;
         velocities.clear();
         let stiffness = scene.fluid.density * scene.fluid.sound_speed.powi(2);
         for (index, (outlet, weights)) in scene.outlets.iter().zip(&*weights).enumerate() {
@@ -68,13 +82,21 @@ impl ThroughFlow {
                 let [flow, square] = sums.iter().copied().fold([0.0; 2], joined);
                 let volume = if square > 0.0 { weights.square / square } else { 0.0 };
                 let prescribed = inflow.at_outlet(index).map_or(0.0, |inflow| inflow.rate);
-                let stored: f64 = weights
-                    .overlaps
-                    .iter()
-                    .enumerate()
-                    .map(|(other, overlap)| overlap * pressure_rate(other) / stiffness)
-                    .sum();
-                (volume * flow + weights.inlet_potential * prescribed - stored) / outlet.patch.area
+                let sum = |factors: &[f64], value: &dyn Fn(PlanePressure) -> f64| -> f64 {
+                    factors
+                        .iter()
+                        .enumerate()
+                        .map(|(other, factor)| factor * value(plane_pressure(other)))
+                        .sum()
+                };
+                let stored = sum(&weights.overlaps, &|pressure| pressure.rate) / stiffness;
+                let push = sum(&weights.conductances, &|pressure| pressure.sound) / scene.fluid.density;
+                let sound = &mut sound_velocity[index];
+                let extent = scene.extent_along(outlet.patch.towards);
+                let fading = SOUND_FADES * settling_time(extent, scene.fluid.sound_speed);
+                *sound -= time_step * (push / outlet.patch.area + *sound / fading);
+                let rate = volume * flow + weights.inlet_potential * prescribed - stored;
+                rate / outlet.patch.area - *sound
             }));
         }
     }

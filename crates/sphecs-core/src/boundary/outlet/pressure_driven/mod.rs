@@ -44,7 +44,7 @@ pub mod windkessel;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::method::{Advanced, Needs, OutflowMotion, OutletMethod, OutletParameters};
+use super::method::{Advanced, Needs, OutflowMotion, OutletMethod, OutletParameters, PlanePressure};
 use super::non_reflecting::plane_waves::PlaneSetting;
 use super::outflow_zone::{OutflowZone, settling_time};
 use super::pressure::{OutletPressure, Waves};
@@ -137,8 +137,8 @@ pub struct DrivenMemory<S> {
     wave: WaveMemory,
     /// Pressure p_t, followed with a lag, Pa; None before the first step.
     followed: Option<f64>,
-    /// Rate of change of p_t, Pa/s.
-    rate: f64,
+    /// Rate of change of p_t, and pressure of sound.
+    plane: PlanePressure,
     /// Speed e of the zone in excess of the fitted velocity of the fluid, m/s.
     excess_speed: f64,
 }
@@ -178,8 +178,8 @@ impl<L: PressureLaw> OutletMethod for L {
         wave().find_rates(zone, &mut memory.wave);
     }
 
-    fn pressure_rate(&self, memory: &DrivenMemory<L::State>) -> f64 {
-        memory.rate
+    fn plane_pressure(&self, memory: &DrivenMemory<L::State>) -> PlanePressure {
+        memory.plane
     }
 
     fn advance(&self, particle: &OutflowMotion) -> Advanced {
@@ -216,10 +216,10 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let target = law.pressure(&opening, &mut memory.law);
     let lag = RATE_LAG * zone.extent / zone.flow.sound_speed;
     let followed = memory.followed.get_or_insert(target);
-    memory.rate = (target - *followed) / lag;
+    let rate = (target - *followed) / lag;
     *followed -= (target - *followed) * (-zone.time_step / lag).exp_m1();
     let outgoing = mean.pressure + impedance * mean.velocity;
-    match (law.acoustics(), prescribed) {
+    let (pressure, waves) = match (law.acoustics(), prescribed) {
         (Acoustics::Reflected, _) => (target, Waves::Plane),
         (_, Some(velocity)) => (0.5 * (outgoing + target - impedance * velocity), Waves::All),
         _ => {
@@ -232,7 +232,9 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
             let rest = mean.velocity - through;
             (plane.advance(&setting, mean.pressure, rest, zone.time_step), Waves::All)
         }
-    }
+    };
+    memory.plane = PlanePressure { rate, sound: pressure - target };
+    (pressure, waves)
 }
 
 /// Returns the requirements of a law that follows the flow.
