@@ -9,9 +9,12 @@
 //! sentence.
 
 /// Units of the scene file, a longer one before its beginning.
-const UNITS: [&str; 15] = [
+const UNITS: [&str; 18] = [
     "s of wall time",
     "s and m/s",
+    "s and Pa",
+    "Pa s/m³",
+    "m³/Pa",
     "in any unit",
     "dimensionless",
     "kg/(s m²)",

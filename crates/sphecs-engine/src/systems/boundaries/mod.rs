@@ -3,6 +3,7 @@
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
 //! - [`outlet_balance`]: balance of a body force at an outlet
 //! - [`outlet_diagnostics`]: signs that an outlet condition does not suit the flow
+//! - [`outlet_records`]: saved state of the outlets
 //! - [`outlet_registry`]: outlet conditions that plugins add
 //! - [`outlets`]: state, pressure, rates and motion of outflow particles
 //! - [`patch_cells`]: grid cells near inlets and outlets
@@ -17,6 +18,7 @@
 pub mod inlets;
 pub mod outlet_balance;
 pub mod outlet_diagnostics;
+pub mod outlet_records;
 pub mod outlet_registry;
 pub mod outlets;
 pub mod patch_cells;

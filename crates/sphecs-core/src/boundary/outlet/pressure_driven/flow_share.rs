@@ -21,7 +21,7 @@ use crate::physics::parameter_fault::ParameterFault;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FlowShare {
-    /// Share s of the volume flow of all inlets, 0 to 1.
+    /// Share s of the volume flow of all inlets, dimensionless, from 0 to 1.
     pub share: f64,
 }
 

@@ -23,7 +23,7 @@ pub struct Pressure {
     /// Pressure, Pa: a number or an expression of t; default none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<TimeFunction>,
-    /// Rows of time and pressure, s and Pa, linear between rows, default none.
+    /// Rows of time and pressure, linear between rows, s and Pa, default none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rows: Option<Vec<(f64, f64)>>,
     /// CSV file in the folder of the scene with the columns time (s) and pressure (Pa), default

@@ -18,7 +18,7 @@ use crate::physics::parameter_fault::ParameterFault;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Resistance {
-    /// Resistance R, Pa s/m³ (in 2D per metre of depth, Pa s/m²), ≥ 0.
+    /// Resistance R of a volume flow, Pa s/m³, in 2D Pa s/m²; at least 0.
     pub resistance: f64,
     /// Pressure p_d beyond the resistance, Pa, default 0.
     #[serde(default)]

@@ -25,11 +25,11 @@ use crate::physics::parameter_fault::ParameterFault;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Windkessel {
-    /// Proximal resistance R_p, Pa s/m³ (in 2D per metre of depth, Pa s/m²), ≥ 0.
+    /// Proximal resistance R_p, Pa s/m³, in 2D Pa s/m²; at least 0.
     pub proximal: f64,
-    /// Compliance C, m³/Pa (in 2D m²/Pa), > 0.
+    /// Compliance C, m³/Pa, in 2D m²/Pa; greater than 0.
     pub compliance: f64,
-    /// Distal resistance R_d, Pa s/m³ (in 2D Pa s/m²), > 0.
+    /// Distal resistance R_d, Pa s/m³, in 2D Pa s/m²; greater than 0.
     pub distal: f64,
     /// Pressure p_d behind the vessels, Pa, default 0.
     #[serde(default)]
