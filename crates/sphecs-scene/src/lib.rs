@@ -17,8 +17,8 @@
 //!   the flow through them
 //! * [`body`], [`probe`]: bodies and probes, which are measured
 //! * [`summary`]: figures of `sphecs check`
-//! * [`passage`], [`flow_path`], [`opening_figures`]: its narrowest passage, the flow from its
-//!   inlets, and its openings
+//! * [`passage`], [`flow_path`], [`opening_figures`], [`driven_flow`]: its narrowest passage, the
+//!   flow from its inlets, its openings, and the flow that pressures drive
 //! * [`disk_estimate`]: disk space of its run
 //! * [`faults`]: faults of its text
 //! * `manual`: reference of the file from the doc lines of its types, behind the feature `schema`
@@ -29,6 +29,7 @@ pub mod builder;
 pub mod check;
 pub mod constants;
 pub mod disk_estimate;
+pub mod driven_flow;
 pub mod expression;
 pub mod faults;
 pub mod fill;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::driven_flow::{driven_speed, largest_pressure, pressure_difference};
 use super::geometry::Shape;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use sphecs_core::boundary::inlet::Feed;
@@ -91,6 +92,9 @@ fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
     Some((axis, worst.coordinate, worst.misfit))
 }
 
+/// Relative change of the density above which a note says so.
+const COMPRESSION_NOTED: f64 = 0.01;
+
 fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
     let mut notes = Vec::new();
     if scene.reference_velocity > 0.1 * scene.fluid.sound_speed {
@@ -103,8 +107,20 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
     if !scene.inlets.is_empty() && scene.outlets.is_empty() {
         notes.push("there is no outlet: the inflow accumulates and the pressure rises".to_owned());
     }
-    if scene.inlets.is_empty() && !scene.outlets.is_empty() {
+    let is_driven = pressure_difference(scene) > 0.0;
+    if scene.inlets.is_empty() && !scene.outlets.is_empty() && !is_driven {
         notes.push("there is no inlet: the outlets alone determine the inflow and the outflow".to_owned());
+    }
+    let compression = largest_pressure(scene) / (scene.fluid.density * scene.fluid.sound_speed.powi(2));
+    if compression > COMPRESSION_NOTED {
+        notes.push(format!(
+            "the pressures of the openings, up to {} Pa, change the density by {} %: a sound speed of {} m/s \
+             would keep it below {} %",
+            significant(largest_pressure(scene)),
+            significant(100.0 * compression),
+            significant(scene.fluid.sound_speed * (compression / COMPRESSION_NOTED).sqrt()),
+            100.0 * COMPRESSION_NOTED
+        ));
     }
     if let Some((axis, coordinate, misfit)) = worst_fit.filter(|(_, _, misfit)| *misfit > 0.1) {
         notes.push(format!(
@@ -155,7 +171,7 @@ fn rounded(point: DVec3, scene: &Scene) -> String {
 /// Returns the largest speed that inlets, walls and initial fields prescribe, from samples, m/s.
 pub fn largest_given_speed(scene: &Scene) -> f64 {
     let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
-    inlets.max(initial_speed(scene)).max(forced_speed(scene))
+    inlets.max(initial_speed(scene)).max(forced_speed(scene)).max(driven_speed(scene))
 }
 
 /// Returns the largest speed that an inlet prescribes, from samples, m/s.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{bodies, compressibility};
+use super::{bodies, compressibility, driven};
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill::{self, Place};
@@ -44,6 +44,7 @@ pub fn check(scene: &Scene, file: &SceneFile, is_complete: bool, faults: &mut Ve
     // These checks would misread placeholders.
     if is_complete && faults.is_empty() {
         compressibility::check_limits(scene, file, faults);
+        driven::check_openings(scene, file, faults);
         probes(scene, file, faults);
         bodies::have_particles(scene, file, &places, faults);
         fields(scene, file, &places, faults);

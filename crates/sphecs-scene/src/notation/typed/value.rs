@@ -186,6 +186,10 @@ fn elsewhere(field: &str, name: &str) -> Option<String> {
         ("condition", "Periodic") => {
             "a periodic flow has neither inlet nor outlet: leave them out and write `periodic: [\"x\"]` in the scene"
         }
+        ("pressure", "Pressure" | "TotalPressure" | "Windkessel" | "Resistance") => {
+            "an opening of given pressure is an outlet whichever way it flows: write it under `outlets`, \
+             with `towards` out of the domain and this as `condition`"
+        }
         ("pressure", "Absorbing") => "it is now called `NonReflecting`, with the same fields",
         _ => return None,
     };
@@ -200,6 +204,11 @@ fn former_field(name: &str, known: &[&str]) -> Option<String> {
             "write `drift_correction: On` for `drift: Removed`, `drift_correction: Off` for `drift: Kept`",
         ),
         "printed" => ("as_published", "it is now called `as_published`, with the same values"),
+        "condition" => (
+            "feed",
+            "an opening of given pressure is an outlet whichever way it flows: write it under `outlets`, with \
+             `towards` out of the domain",
+        ),
         _ => return None,
     };
     known.contains(&new).then(|| advice.to_owned())
