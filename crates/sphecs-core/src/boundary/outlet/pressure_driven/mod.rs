@@ -162,8 +162,9 @@ impl<L: PressureLaw> OutletMethod for L {
     ) {
         fit_fluid(zone, Some(&mut memory.wave.non_reflecting));
         let mean = memory.wave.non_reflecting.mean(zone);
-        let (pressure, waves) = plane_pressure(self, zone, mean, memory);
-        memory.wave.non_reflecting.spread(zone, pressure, waves);
+        let Plane { pressure, dynamic, waves } = plane_pressure(self, zone, mean, memory);
+        // The zone takes the dynamic pressure of inflow away again, at each point by itself.
+        memory.wave.non_reflecting.spread(zone, pressure + dynamic, waves);
         let compliance = zone.flow.impedance() * settling_time(zone.extent, zone.flow.sound_speed);
         memory.excess_speed += (mean.pressure - pressure) * zone.time_step / compliance;
         let rule = ZoneRule { excess_speed: memory.excess_speed, enters_from_rest: self.enters_from_rest() };
@@ -191,13 +192,30 @@ impl<L: PressureLaw> OutletMethod for L {
     }
 }
 
-/// Returns the pressure of the plane waves at the opening, Pa, and the waves added to it.
+/// Returns the mean over the section of the dynamic pressure of inflow, Pa.
+fn dynamic_pressure<R: PairReal<D>, const D: usize>(zone: &OutflowZone<'_, R, D>) -> f64 {
+    let points = &zone.fitted()[zone.rows.len()..];
+    let of_point = |flow: &Option<PointFlow>| flow.map_or(0.0, |flow| flow.velocity.min(0.0).powi(2));
+    0.5 * zone.flow.density * points.iter().map(of_point).sum::<f64>() / points.len().max(1) as f64
+}
+
+/// Pressure at the plane in a step.
+struct Plane {
+    /// Mean pressure of the plane waves, Pa.
+    pressure: f64,
+    /// The part of it that inflow lacks in the mean, Pa.
+    dynamic: f64,
+    /// Waves added to it.
+    waves: Waves,
+}
+
+/// Returns the pressure at the plane.
 fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     law: &L,
     zone: &OutflowZone<'_, R, D>,
     mean: PointFlow,
     memory: &mut DrivenMemory<L::State>,
-) -> (f64, Waves) {
+) -> Plane {
     let impedance = zone.flow.impedance();
     let plane = &mut memory.wave.non_reflecting.plane;
     let through = zone.through_velocity.unwrap_or(0.0);
@@ -213,7 +231,9 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     };
     let prescribed = law.velocity(&opening);
     opening.velocity = prescribed.unwrap_or(opening.velocity);
-    let target = law.pressure(&opening, &mut memory.law);
+    let level = law.pressure(&opening, &mut memory.law);
+    let dynamic = if law.enters_from_rest() { dynamic_pressure(zone) } else { 0.0 };
+    let target = level - dynamic;
     let lag = RATE_LAG * zone.extent / zone.flow.sound_speed;
     let followed = memory.followed.get_or_insert(target);
     let rate = (target - *followed) / lag;
@@ -234,7 +254,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
         }
     };
     memory.plane = PlanePressure { rate, sound: pressure - target };
-    (pressure, waves)
+    Plane { pressure, dynamic, waves }
 }
 
 /// Returns the requirements of a law that follows the flow.
