@@ -18,8 +18,8 @@
 //! crossing (test `oscillation_across_a_plane_injects_once`). For a particle that returned, an
 //! injection therefore needs a free position within half a spacing. At an inlet the zone must also
 //! have lost particles at its upstream end. All other crossings always inject, since an omitted
-//! injection would leave a permanent gap in the zone. Where fluid may enter for good, an injection
-//! waits until its position is free. An oblique inlet keeps its lines of particles
+//! injection would leave a permanent gap in the zone. At an outlet that expects backflow an
+//! injection waits until its position is free. An oblique inlet keeps its lines of particles
 //! as long as its zone. An inlet that is filled once injects nothing, and the run stops when it is
 //! drained.
 
