@@ -87,6 +87,8 @@ fn many_rows_are_bitwise_identical_for_any_number_of_threads() {
     check_threads(&[]);
     check_threads(&[("outlets.0.condition", "Hybrid()"), ("scheme", "EdacTvf()")]);
     check_threads(&[("outlets.0.condition", "Mirror()")]);
+    let windkessel = "Windkessel(proximal: 10.0, compliance: 1e-4, distal: 100.0)";
+    check_threads(&[("outlets.0.condition", windkessel)]);
 }
 
 #[track_caller]

@@ -191,6 +191,8 @@ fn sound_is_transmitted_or_reflected_as_the_condition_states() {
     let expected = [
         ("Characteristic(velocity: 0.2, pressure: 0.0)", [(0.0, 0.03), (0.0, 0.03)]),
         ("Hybrid()", [(0.0, 0.06), (0.0, 0.08)]),
+        ("Pressure(value: 0.0)", [(0.0, 0.03), (0.0, 0.03)]),
+        ("Pressure(value: 0.0, acoustics: Reflected)", [(0.9, 1.05), (0.9, 1.05)]),
         ("DoNothing", [(0.1, 2.0), (0.1, 0.5)]),
         ("ModifiedDoNothing()", [(0.7, 1.1), (0.1, 0.5)]),
         ("ModifiedDoNothing(shown: Carried)", [(0.7, 1.1), (0.7, 1.1)]),
@@ -233,6 +235,16 @@ const WAVE_EQUATIONS: [&str; 7] = [
     "WaveEquation(pressure: NonReflecting(time: 0.5, waves: Plane))",
 ];
 
+/// Openings that a pressure drives. The stream has a dynamic pressure of 5 Pa.
+const PRESSURE_DRIVEN: [&str; 6] = [
+    "Pressure(value: 0.0)",
+    "Pressure(value: \"0.1*sin(20*t)\", acoustics: Reflected)",
+    "Pressure(rows: [(0.0, 0.0), (1.0, 0.1)])",
+    "TotalPressure(value: 0.0)",
+    "Resistance(resistance: 1.0)",
+    "Windkessel(proximal: 1.0, compliance: 1e-3, distal: 10.0)",
+];
+
 /// All choices of a scene at an oblique outlet: condition, scheme, dimensions, precision, and
 /// particles that are stored or deleted when they leave. The particles at the walls settle
 /// meanwhile.
@@ -240,6 +252,7 @@ const WAVE_EQUATIONS: [&str; 7] = [
 fn every_condition_works_with_every_scheme_dimension_and_precision() {
     let mut all = conditions("0.1");
     all.extend(WAVE_EQUATIONS.map(str::to_owned));
+    all.extend(PRESSURE_DRIVEN.map(str::to_owned));
     let schemes = SCHEMES.into_iter().chain(["Wcsph(integrator: Verlet())"]);
     let mut failed = Vec::new();
     for condition in &all {

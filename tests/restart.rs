@@ -124,7 +124,7 @@ fn every_shipped_scene_resumes_bitwise_identically() {
 fn other_precisions_stresses_and_outlets_resume_bitwise_identically() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut faults = Vec::new();
-    let variants: [(&str, &[(&str, &str)]); 15] = [
+    let variants: [(&str, &[(&str, &str)]); 19] = [
         ("quickstart.ron", &[("precision", "F32")]),
         ("duct3d.ron", &[("precision", "F32")]),
         ("quickstart.ron", &[("scheme", "Wcsph(viscosity: Sps())")]),
@@ -143,6 +143,10 @@ fn other_precisions_stresses_and_outlets_resume_bitwise_identically() {
         ("quickstart.ron", &[("outlets.0.condition", "ModifiedDoNothing()"), ("precision", "F32")]),
         ("quickstart.ron", &[("outlets.0.condition", "Mirror()"), ("scheme", "EdacTvf()")]),
         ("quickstart.ron", &[("outlets.0.condition", "Characteristic(velocity: 0.1, pressure: 0.0)")]),
+        ("windkessel.ron", &[("scheme", "EdacTvf()"), ("precision", "F32")]),
+        ("pressure_poiseuille.ron", &[("scheme", "EdacTvf()")]),
+        ("intake.ron", &[("precision", "F32")]),
+        ("quickstart.ron", &[("outlets.0.condition", "Resistance(resistance: 10.0)")]),
     ];
     for (name, sets) in variants {
         check(&format!("{name} {sets:?}"), || smoke_scene(&scenes.join(name), sets), &mut faults);

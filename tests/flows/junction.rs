@@ -61,6 +61,8 @@ fn two_outlets_with_different_conditions_share_the_flow() {
         ("WaveEquation()", "Hybrid()", None),
         ("Hybrid()", "WaveEquation(pressure: Reference(0.0))", None),
         ("Characteristic(velocity: 0.06, pressure: 0.0)", "WaveEquation()", Some(0.6)),
+        ("FlowShare(share: 0.6)", "WaveEquation()", Some(0.6)),
+        ("FlowShare(share: 0.6)", "Pressure(value: 0.0)", Some(0.6)),
     ];
     for scheme in ["Wcsph()", "EdacTvf()"] {
         for (straight, aside, expected) in pairs {

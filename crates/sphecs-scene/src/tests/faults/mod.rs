@@ -1,5 +1,6 @@
 //! Faults of every kind: message, marked token, line and column.
 
+mod driven;
 mod geometry;
 mod notation;
 mod values;
