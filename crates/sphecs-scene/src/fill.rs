@@ -81,7 +81,8 @@ impl<'a> Filler<'a> {
             let step = |place: i32| f64::from(index / place % 3 - 1);
             let direction = DVec3::new(step(1), step(3), step(9));
             if direction != DVec3::ZERO && (scene.dimensions == 3 || direction.z == 0.0) {
-                probes.push(direction.normalize() * 0.25 * scene.spacing);
+                let direction = scene.layout.fill.turned(direction.normalize());
+                probes.push(direction * 0.25 * scene.spacing);
             }
         }
         Self { scene, reach: wall_thickness(scene), probes }
@@ -89,7 +90,11 @@ impl<'a> Filler<'a> {
 
     fn lattice(&self, lattice: &Lattice) -> Vec<Place> {
         let dimensions = self.scene.dimensions;
-        let (mut low, mut high) = self.scene.layout.confines.bounds();
+        let confines = &self.scene.layout.confines;
+        let (mut low, mut high) = match lattice.is_turned() {
+            true => confines.rotated(lattice.rotation.transpose()).bounds(),
+            false => confines.bounds(),
+        };
         let ranges: [std::ops::Range<i64>; 3] = std::array::from_fn(|axis| {
             if axis >= dimensions {
                 return 0..1;

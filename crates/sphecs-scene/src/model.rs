@@ -190,6 +190,24 @@ pub enum Fill {
     },
 }
 
+impl Fill {
+    /// Returns a vector of the arrangement in the coordinates of the scene.
+    pub fn turned(&self, vector: DVec3) -> DVec3 {
+        match self {
+            Fill::Lattice(lattice) => lattice.turned(vector),
+            Fill::WallFitted { .. } => vector,
+        }
+    }
+
+    /// Returns true if the particles form no rows along a direction.
+    pub fn is_oblique(&self, direction: DVec3) -> bool {
+        match self {
+            Fill::Lattice(lattice) => lattice.is_oblique(direction),
+            Fill::WallFitted { .. } => direction.abs().max_element() < 1.0 - 1e-9,
+        }
+    }
+}
+
 /// A part of the wall.
 #[derive(Clone, Debug)]
 pub struct WallPart {

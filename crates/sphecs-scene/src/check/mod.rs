@@ -114,7 +114,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     }
     let BoundaryZones { zones, container, confines } = boundary_zones(&inlets, &outlets, &site);
     let patches = patches_of(&inlets, &outlets);
-    let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
+    let fill = layout::fill((file.fill.as_ref(), file.walls.is_some()), &site, &patches, check)?;
     let unopened = unopened(check, &patches, spacing);
     let mut scene = Scene {
         name: source.name.to_owned(),

@@ -225,7 +225,7 @@ fn complete() -> SceneBuilder {
                 .tensile_control(false)
                 .integrator(Integrator::KickDrift),
         )
-        .fill(Lattice::new().anchor((0.0, "R")).jitter(0.1))
+        .fill(Lattice::new().angle(0.0).axis((0.0, 0.0, 1.0)).anchor((0.0, "R")).jitter(0.1))
         .walls(walls)
         .body(body.mean((0.5, "10*R")).five_point_mean(true))
         .initial(Initial::new().velocity(("y", 0.0)).pressure("1000*y").tag(1.0))
