@@ -108,12 +108,13 @@ fn a_uniform_stream_is_preserved_in_3d_and_single_precision() {
     }
 }
 
-/// A plug between free-slip walls, oblique to the lattice.
+/// A plug between free-slip walls, on a lattice oblique to them.
 const TURNED: &str = r#"Scene(
     title: "An oblique plug", dimensions: 2, spacing: 0.01, smoke: 0.01,
     constants: { "angle": 20.0, "c": "cos(angle*pi/180)", "s": "sin(angle*pi/180)", "L": 0.3, "D": 0.16 },
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 1.5),
     domain: Rotated(angle: "angle", shape: Box(min: (0.0, "-D/2"), max: ("L", "D/2"))),
+    fill: Lattice(angle: 0.0),
     walls: (slip: FreeSlip),
     initial: (velocity: ("0.1*c", "0.1*s")),
     inlets: [(at: (0.0, 0.0), towards: ("c", "s"), velocity: Normal(0.1))],
@@ -205,7 +206,7 @@ fn sound_is_transmitted_or_reflected_as_the_condition_states() {
     }
 }
 
-/// A plug in 3D, turned about a diagonal.
+/// A plug in 3D, turned about a diagonal from its lattice.
 const TURNED_3D: &str = r#"Scene(
     title: "An oblique plug in 3D", dimensions: 3, spacing: 0.01, smoke: 0.01,
     constants: {
@@ -215,6 +216,7 @@ const TURNED_3D: &str = r#"Scene(
     },
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 1.5),
     domain: Rotated(angle: "angle", axis: (1.0, 1.0, 0.0), shape: Box(min: (0.0, "-D/2", "-D/2"), max: ("L", "D/2", "D/2"))),
+    fill: Lattice(angle: 0.0),
     walls: (slip: FreeSlip),
     initial: (velocity: ("0.1*nx", "0.1*ny", "0.1*nz")),
     inlets: [(at: (0.0, 0.0, 0.0), towards: ("nx", "ny", "nz"), velocity: Normal(0.1))],

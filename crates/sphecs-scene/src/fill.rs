@@ -13,7 +13,7 @@ use rayon::slice::ParallelSliceMut;
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
-use super::rings;
+use super::{layers, rings};
 use sphecs_core::particles::zone::Zone;
 
 /// Tolerance of comparisons with planes and surfaces, in spacings: lattice points on a plane count
@@ -39,6 +39,10 @@ pub fn places(scene: &Scene) -> Vec<Place> {
             let mut places = filler.lattice(lattice);
             if !scene.layout.rings.is_empty() {
                 rings::replace(scene, &mut places);
+            }
+            if !scene.layout.layered.is_empty() {
+                let is_wall = |point| filler.classify(point).is_some_and(|place| place.zone == Zone::Wall);
+                layers::replace(scene, &mut places, is_wall);
             }
             places
         }

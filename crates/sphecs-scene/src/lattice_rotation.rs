@@ -43,11 +43,15 @@ pub fn rotation_to_walls(
     let Some(&(first, _)) = walls.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
         return DMat3::IDENTITY;
     };
-    let second = walls.iter().filter(|wall| wall.0.dot(first).abs() < ALIKE).max_by(|a, b| a.1.total_cmp(&b.1));
+    // The direction of a round pipe leaves its roll open: its rows are those of its opening.
+    let across = patches.iter().map(|patch| (patch.across[0], 0.0));
+    let second = (walls.iter().copied().chain(across))
+        .filter(|(direction, _)| direction.dot(first).abs() < ALIKE)
+        .reduce(|best, other| if other.1 > best.1 { other } else { best });
     let rotation = match (dimensions, second) {
         (2, _) => plane_frame(first),
         (_, None) => nearest_frame(first),
-        (_, Some(&(second, _))) => frame(first, second),
+        (_, Some((second, _))) => frame(first, second),
     };
     let serves = |direction: DVec3| (rotation.transpose() * direction).abs().max_element() > 1.0 - ALIKE;
     let served: f64 = walls.iter().filter(|wall| serves(wall.0)).map(|wall| wall.1).sum();

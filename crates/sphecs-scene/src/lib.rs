@@ -11,7 +11,8 @@
 //! * [`expression`], [`geometry`]: fields and shapes
 //! * [`check`]: every check of values
 //! * [`model`], [`scheme`]: the checked scene
-//! * [`lattice`], [`lattice_rotation`], [`fill`], [`rows`], [`wall_particles`], [`spawn`]: its particles
+//! * [`lattice`], [`lattice_rotation`], [`fill`], [`rows`], [`rings`], [`layers`],
+//!   [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`body`], [`probe`]: bodies and probes, which are measured
 //! * [`summary`]: figures of `sphecs check`
@@ -35,6 +36,7 @@ pub mod geometry;
 pub mod inflow;
 pub mod lattice;
 pub mod lattice_rotation;
+pub mod layers;
 pub mod loader;
 #[cfg(feature = "schema")]
 pub mod manual;

@@ -157,6 +157,8 @@ pub struct Layout {
     pub wall_regions: Vec<Shape>,
     /// Cylinders whose wall particles lie on rings.
     pub rings: Vec<Rings>,
+    /// Indices of the wall parts whose particles lie in layers along the surface.
+    pub layered: Vec<u16>,
     /// Parts of ends of the domain that are walls because no opening covers them.
     pub unopened: Vec<UnopenedPart>,
     /// True if there are walls at all.

@@ -130,7 +130,10 @@ pub fn fill(
             Lattice::turned_and_fitted(rotation, domain, patches, periodic, spacing, anchor, dimensions)
         };
         let lattice = fitted(rotation.unwrap_or(DMat3::IDENTITY));
-        if rotation.is_some() || !walled || !lattice.fits.is_empty() {
+        // The tangents of round walls count as planes of less than a spacing or two.
+        let least = 4.0 * spacing.powi(dimensions as i32 - 1);
+        let lies_along_axes = lattice.fits.iter().any(|wall| wall.area > least);
+        if rotation.is_some() || !walled || lies_along_axes {
             return lattice;
         }
         let rotation = rotation_to_walls(domain, patches, periodic, spacing, dimensions);

@@ -94,7 +94,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     let time = settings::time(&file.time, &scheme, check);
     let end = (check.fault_count() == before_time).then_some(time.end);
     let output = settings::output(&file.output, end, check);
-    let (walls, wall_regions, rings) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
+    let (walls, wall_regions, rings, layered) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
     let bodies = bodies::bodies(file, (&walls, &wall_regions, &domain), time.end, check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), is_valid, check);
     let site = patches::Site {
@@ -130,7 +130,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         scheme,
         body_force,
         container,
-        layout: Layout { fill, confines, zones, wall_regions, rings, unopened, walled: file.walls.is_some() },
+        layout: Layout { fill, confines, zones, wall_regions, rings, layered, unopened, walled: file.walls.is_some() },
         domain,
         walls,
         bodies,

@@ -17,6 +17,8 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Extent",
             "Fill.Lattice.angle",
             "Fill.Lattice.axis",
+            "Walls.fill",
+            "WallFill.Layers",
         ],
     ),
     (
