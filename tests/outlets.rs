@@ -6,11 +6,12 @@ mod census;
 mod plug;
 
 use census::{census, of};
+use sphecs::bevy_ecs::query::With;
 use sphecs::glam::DVec3;
 use sphecs::outlet::PairReal;
 use sphecs::{Scene, Simulation, Zone};
 use sphecs_engine::arrays::Arrays;
-use sphecs_engine::components::ParticleId;
+use sphecs_engine::components::{Outflow, ParticleId, Velocity};
 use sphecs_engine::resources::grid::Grid;
 use sphecs_engine::resources::scene::ActiveScene;
 use sphecs_engine::systems::boundaries::outlets::Outlets;
@@ -152,6 +153,31 @@ fn a_plug_leaves_through_an_oblique_plane() {
         let along = row.momentum.dot(towards) / row.mass[Zone::Fluid as usize];
         let across = row.momentum.perp_dot_2d(towards).abs() / row.mass[Zone::Fluid as usize];
         assert!((along - 0.1).abs() < 0.02 && across < 0.01, "{condition}: {along} and {across} m/s");
+    }
+}
+
+/// A plug between free-slip walls stays one in the zone of its outlet. With images of no-slip walls
+/// the rows beside the walls had 0.27 of its speed at the end of the zone.
+#[test]
+fn free_slip_walls_do_not_brake_the_zone_of_an_outlet() {
+    for condition in ["WaveEquation()", "Orlanski()"] {
+        for model in ["Image()", "Dummy", "Ghost"] {
+            let walls = format!("(slip: FreeSlip, model: {model})");
+            let sets = [
+                ("constants.angle", "0.0"),
+                ("fluid.viscosity", "1.0e-4"),
+                ("outlets.0.condition", condition),
+                ("walls", walls.as_str()),
+            ];
+            let mut simulation = simulation(TURNED, &sets);
+            simulation.run_until(2.0).unwrap_or_else(|stop| panic!("{condition}: {stop}"));
+            let world = simulation.world_mut();
+            let mut zone = world.query_filtered::<&Velocity, With<Outflow>>();
+            for velocity in zone.iter(world) {
+                let share = velocity.0.x / 0.1;
+                assert!((share - 1.0).abs() < 0.03, "{condition}, {model}: {share} of the stream");
+            }
+        }
     }
 }
 

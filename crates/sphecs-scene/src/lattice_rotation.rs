@@ -55,12 +55,13 @@ pub fn rotation_to_walls(
     };
     let serves = |direction: DVec3| (rotation.transpose() * direction).abs().max_element() > 1.0 - ALIKE;
     let served: f64 = walls.iter().filter(|wall| serves(wall.0)).map(|wall| wall.1).sum();
-    let keeps_periods = (0..3).all(|axis| periodic[axis].is_none() || rotation.col(axis) == DVec3::AXES[axis]);
+    let keeps_periods =
+        (0..3).all(|axis| periodic[axis].is_none() || rotation.col(axis) == DVec3::AXES[axis]);
     if served >= LEAST_SHARE * total && keeps_periods { rotation } else { DMat3::IDENTITY }
 }
 
-/// Returns the directions of the walls with their areas.
-fn wall_directions(
+/// Returns the directions of the plane walls and of the sides of cylinders with their areas, m².
+pub fn wall_directions(
     domain: &Shape,
     patches: &[&Patch],
     spacing: f64,

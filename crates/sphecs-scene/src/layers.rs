@@ -33,7 +33,8 @@ const APART: f64 = 0.7;
 pub fn replace(scene: &Scene, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -> bool) {
     let is_layered = |point: DVec3| scene.layout.layered.contains(&surface(scene, point).part);
     places.retain(|place| place.zone != Zone::Wall || !is_layered(place.position));
-    let kept: Vec<DVec3> = places.iter().filter(|place| place.zone == Zone::Wall).map(|place| place.position).collect();
+    let kept: Vec<DVec3> =
+        places.iter().filter(|place| place.zone == Zone::Wall).map(|place| place.position).collect();
     let grid = DistanceGrid::new(scene);
     let mut found: Vec<DVec3> = kept;
     let first = found.len();
@@ -44,7 +45,8 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -
             let others = found.len();
             for point in spread(&curve, scene.spacing) {
                 let point = moved_to(scene, point, depth);
-                let is_free = found[..others].iter().all(|other| other.distance(point) > APART * scene.spacing);
+                let is_free =
+                    found[..others].iter().all(|other| other.distance(point) > APART * scene.spacing);
                 if is_free && is_wall(point) && is_layered(point) {
                     found.push(point);
                 }
@@ -96,8 +98,11 @@ impl DistanceGrid {
         let (low, high) = scene.layout.confines.bounds();
         let (low, high) = ((low - margin).with_z(0.0), (high + margin).with_z(0.0));
         let counts = [0, 1].map(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 1);
-        let node = |index: usize| low + cell * DVec3::new((index % counts[0]) as f64, (index / counts[0]) as f64, 0.0);
-        let distances = (0..counts[0] * counts[1]).map(|index| confined_distance(scene, node(index))).collect();
+        let node = |index: usize| {
+            low + cell * DVec3::new((index % counts[0]) as f64, (index / counts[0]) as f64, 0.0)
+        };
+        let distances =
+            (0..counts[0] * counts[1]).map(|index| confined_distance(scene, node(index))).collect();
         Self { low, cell, counts, distances }
     }
 
@@ -162,9 +167,94 @@ impl DistanceGrid {
             [a, b, c, d] => {
                 let middle = corners.iter().map(|node| self.distance(*node)).sum::<f64>() / 4.0;
                 // The middle joins the pair of corners on its own side.
-                if (middle < level) == inside[0] { [Some((a, b)), Some((c, d))] } else { [Some((d, a)), Some((b, c))] }
+                if (middle < level) == inside[0] {
+                    [Some((a, b)), Some((c, d))]
+                } else {
+                    [Some((d, a)), Some((b, c))]
+                }
             }
             _ => [None, None],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::spawn::seeds;
+
+    fn walls(fields: &str) -> (Scene, Vec<crate::model::ParticleSeed>) {
+        let text = format!(
+            "Scene(title: \"t\", dimensions: 2, spacing: 0.05, smoke: 0.1,
+                fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 15.0),
+                initial: (velocity: (0.1, 0.0)), time: (end: 1.0), output: (every: 1.0), {fields})"
+        );
+        let scene = Scene::from_text("walls", &text).load().unwrap_or_else(|faults| panic!("{faults:?}"));
+        let walls = seeds(&scene).into_iter().filter(|seed| seed.zone == Zone::Wall).collect();
+        (scene, walls)
+    }
+
+    /// Checks that all particles lie in the middle of a layer and none is too near to another.
+    fn check(scene: &Scene, walls: &[crate::model::ParticleSeed]) {
+        for (index, wall) in walls.iter().enumerate() {
+            let layer = wall.wall_distance / scene.spacing - 0.5;
+            assert!((layer - layer.round()).abs() < 1e-3, "{layer} spacings at {}", wall.position);
+            let nearest = walls[..index].iter().map(|other| other.position.distance(wall.position));
+            let nearest = nearest.fold(f64::INFINITY, f64::min) / scene.spacing;
+            assert!(nearest > 0.69, "{nearest} spacings at {}", wall.position);
+        }
+    }
+
+    #[test]
+    fn layers_around_a_drum_have_the_lengths_of_their_circles() {
+        let (scene, walls) =
+            walls("domain: Circle(center: (0.01, 0.02), radius: 0.6), walls: (slip: FreeSlip, fill: Layers)");
+        check(&scene, &walls);
+        let expected: f64 =
+            [0.625, 0.675, 0.725].map(|radius: f64| (TAU * radius / 0.05).round()).iter().sum();
+        assert_eq!(walls.len() as f64, expected);
+    }
+
+    /// A wedge has four corners; along its sides the particles are a spacing apart.
+    #[test]
+    fn layers_of_a_wedge_follow_both_sides() {
+        let (scene, walls) = walls(
+            "domain: Polygon(points: [(0.0, -0.3), (1.5, -0.5), (1.5, 0.5), (0.0, 0.3)]), walls: (fill: Layers)",
+        );
+        check(&scene, &walls);
+        let side = (2.0 / 15.0_f64).atan().sin_cos();
+        let normal = DVec3::new(side.0, side.1, 0.0);
+        let along = DVec3::new(side.1, -side.0, 0.0);
+        let mut first: Vec<f64> = walls
+            .iter()
+            .filter(|wall| wall.wall_distance < scene.spacing && wall.wall_normal.distance(normal) < 1e-6)
+            .map(|wall| wall.position.dot(along))
+            .collect();
+        first.sort_by(f64::total_cmp);
+        assert!((first.len() as f64 - 1.5 / side.1 / 0.05).abs() < 1.5, "{} particles", first.len());
+        for pair in first.windows(2) {
+            assert!(((pair[1] - pair[0]) / 0.05 - 1.0).abs() < 0.02, "{} m apart", pair[1] - pair[0]);
+        }
+    }
+
+    /// Only the part has layers; a thin plate holds those of both its sides without close pairs.
+    #[test]
+    fn parts_and_thin_plates_have_layers_of_their_own() {
+        let (scene, walls) = walls(
+            "domain: Difference([Box(min: (-1.0, -1.0), max: (1.0, 1.0)),
+                Rotated(angle: 20.0, shape: Box(min: (-0.5, -0.08), max: (0.5, 0.08)))]),
+            walls: (parts: [(name: \"plate\", region: Circle(center: (0.0, 0.0), radius: 0.7), fill: Layers)])",
+        );
+        let (plate, rest): (Vec<_>, Vec<_>) = walls.into_iter().partition(|wall| wall.patch == 1);
+        check(&scene, &plate);
+        assert!(
+            rest.iter().all(|wall| wall.wall_normal.x == 0.0
+                || wall.wall_normal.y == 0.0
+                || wall.wall_distance > 0.03)
+        );
+        // 1.0 m by 0.16 m at 0.0025 m² a particle.
+        assert!((plate.len() as f64 / 64.0 - 1.0).abs() < 0.2, "{} particles", plate.len());
     }
 }

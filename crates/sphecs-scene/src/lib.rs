@@ -15,7 +15,7 @@
 //!   [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`body`], [`probe`]: bodies and probes, which are measured
-//! * [`summary`]: figures of `sphecs check`
+//! * [`summary`], [`oblique_walls`]: figures and notes of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`]: its narrowest passage, the flow from its
 //!   inlets, and its openings
 //! * [`disk_estimate`]: disk space of its run
@@ -42,6 +42,7 @@ pub mod loader;
 pub mod manual;
 pub mod model;
 pub mod notation;
+pub mod oblique_walls;
 pub mod opening_figures;
 pub mod outline;
 pub mod passage;

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::geometry::Shape;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
+use super::oblique_walls;
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::format::significant;
 
@@ -63,7 +64,7 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> SceneSummary {
         steps,
         memory: seeds.len() as f64 * BYTES_PER_PARTICLE,
         worst_fit,
-        notes: notes(scene, worst_fit),
+        notes: notes(scene, seeds, worst_fit),
     }
 }
 
@@ -91,7 +92,7 @@ fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
     Some((axis, worst.coordinate, worst.misfit))
 }
 
-fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
+fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
     let mut notes = Vec::new();
     if scene.reference_velocity > 0.1 * scene.fluid.sound_speed {
         notes.push(format!(
@@ -114,6 +115,7 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
             (coordinate / scene.spacing * 1e6).round() * 1e-6 * scene.spacing + 0.0
         ));
     }
+    notes.extend(oblique_walls::notes(scene, seeds));
     for part in &scene.layout.unopened {
         let unit = if scene.dimensions == 2 { "m wide" } else { "m² large" };
         notes.push(format!(

@@ -67,7 +67,6 @@ impl Patch {
     pub fn hydraulic_diameter(&self) -> f64 {
         4.0 * self.area / self.perimeter
     }
-
 }
 
 /// Returns a patch of a channel, 0.162 m wide and rotated by an angle, for tests.

@@ -160,7 +160,8 @@ pub fn fill(
                 }
                 jitter.value
             });
-            (check.fault_count() == before).then(|| Fill::Lattice(Lattice { jitter, ..lattice(rotation, anchor) }))
+            (check.fault_count() == before)
+                .then(|| Fill::Lattice(Lattice { jitter, ..lattice(rotation, anchor) }))
         }
         FillFile::WallFitted { lower, upper } => {
             let (low, high) = (check.formula(lower), check.formula(upper));

@@ -28,7 +28,8 @@ pub fn across(domain: &Shape, towards: DVec3, dimensions: usize) -> [DVec3; 2] {
         .min_by(|a, b| a.dot(towards).abs().total_cmp(&b.dot(towards).abs()))
         .unwrap_or(DVec3::Y);
     let first = (least - least.dot(towards) * towards).normalize();
-    let first = if towards.abs().max_element() < 1.0 - ALONG { nearest_side(domain, towards, first) } else { first };
+    let first =
+        if towards.abs().max_element() < 1.0 - ALONG { nearest_side(domain, towards, first) } else { first };
     [first, towards.cross(first)]
 }
 

@@ -37,8 +37,12 @@ pub fn walls(
             WallFillFile::Layers if has_layers(fill, check) => layered.push(0),
             WallFillFile::Layers => {}
             WallFillFile::Concentric { .. } => check.report(
-                Fault::new("`Concentric` of all walls", fill.head, "must be the `fill` of a part of the walls")
-                    .help("`parts: [(name: \"cylinder\", region: …, fill: Concentric(…))]`"),
+                Fault::new(
+                    "`Concentric` of all walls",
+                    fill.head,
+                    "must be the `fill` of a part of the walls",
+                )
+                .help("`parts: [(name: \"cylinder\", region: …, fill: Concentric(…))]`"),
             ),
         }
     }

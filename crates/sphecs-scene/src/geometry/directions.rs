@@ -30,7 +30,9 @@ impl Shape {
         match self {
             Shape::Box { min, max } => {
                 for (axis, unit) in DVec3::AXES.into_iter().enumerate() {
-                    found.extend([min[axis], max[axis]].map(|offset| Direction::Plane { normal: unit, offset }));
+                    found.extend(
+                        [min[axis], max[axis]].map(|offset| Direction::Plane { normal: unit, offset }),
+                    );
                 }
             }
             Shape::Ball { .. } | Shape::Extension { .. } => {}
@@ -87,9 +89,10 @@ impl Shape {
         match self {
             Shape::Union(shapes) => Shape::Union(each(shapes)),
             Shape::Intersection(shapes) => Shape::Intersection(each(shapes)),
-            Shape::Difference(shape, hole) => {
-                Shape::Difference(std::boxed::Box::new(shape.rotated(by)), std::boxed::Box::new(hole.rotated(by)))
-            }
+            Shape::Difference(shape, hole) => Shape::Difference(
+                std::boxed::Box::new(shape.rotated(by)),
+                std::boxed::Box::new(hole.rotated(by)),
+            ),
             Shape::Placed { shape, rotation, scale, origin } => Shape::Placed {
                 shape: shape.clone(),
                 rotation: clean(by * *rotation),
