@@ -211,7 +211,7 @@ fn layers_along_oblique_walls_do_not_brake_a_plug() {
                 ("fill", "Lattice(angle: 0.0)"),
                 ("walls", "(slip: FreeSlip, fill: Layers)"),
                 ("inlets.0.velocity", "Normal(0.06)"),
-                ("initial.velocity", r#"("0.06*c", "0.06*s")"#),
+                ("initial", r#"(velocity: ("0.06*c", "0.06*s"))"#),
                 ("scheme", scheme),
             ],
         );

@@ -5,10 +5,10 @@ use super::shapes;
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::geometry::Shape;
-use crate::model::{Rings, WallPart, Walls};
+use crate::model::{Fill, Rings, Scene, WallPart, Walls};
 use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
-use crate::schema::{Number, Vector, WallFillFile, WallsFile};
+use crate::schema::{Number, SceneFile, Vector, WallFillFile, WallsFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
@@ -74,6 +74,23 @@ pub fn walls(
         }
     }
     (Walls { model: file.model, parts }, regions, rings, layered)
+}
+
+/// Reports walls with an arrangement of their own beside `WallFitted`, whose rows continue into the
+/// walls.
+pub fn fitted_twice(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
+    let Some(walls) = file.walls.as_ref().filter(|_| matches!(scene.layout.fill, Fill::WallFitted { .. }))
+    else {
+        return;
+    };
+    let of_parts = walls.value.parts.iter().filter_map(|part| part.fill.as_ref());
+    for fill in walls.value.fill.iter().chain(of_parts) {
+        let label = "must be left out: the rows of `WallFitted` continue into the walls";
+        faults.push(
+            Fault::new("walls cannot have a `fill` beside `WallFitted`", fill.head, label)
+                .help("or leave out `fill: WallFitted(…)` of the scene"),
+        );
+    }
 }
 
 /// Reports layers in 3D.
