@@ -16,6 +16,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::fill::{Place, confined_distance, wall_thickness};
 use super::model::Scene;
@@ -30,30 +31,59 @@ const APART: f64 = 0.7;
 
 /// Replaces the wall particles of the lattice behind the layered parts of a scene by layers;
 /// `is_wall` says whether a point is wall.
-pub fn replace(scene: &Scene, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -> bool) {
+pub fn replace(scene: &Scene, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -> bool + Sync) {
     let is_layered = |point: DVec3| scene.layout.layered.contains(&surface(scene, point).part);
-    places.retain(|place| place.zone != Zone::Wall || !is_layered(place.position));
-    let kept: Vec<DVec3> =
-        places.iter().filter(|place| place.zone == Zone::Wall).map(|place| place.position).collect();
+    let keeps = |place: &Place| place.zone != Zone::Wall || !is_layered(place.position);
+    let kept: Vec<bool> = places.par_iter().map(keeps).collect();
+    let mut kept = kept.into_iter();
+    places.retain(|_| kept.next().unwrap_or(true));
+    let mut taken = TakenPlaces::new(APART * scene.spacing);
+    places.iter().filter(|place| place.zone == Zone::Wall).for_each(|place| taken.add(place.position));
     let grid = DistanceGrid::new(scene);
-    let mut found: Vec<DVec3> = kept;
-    let first = found.len();
     let deepest = wall_thickness(scene) - 1e-9 * scene.spacing;
     let depths = (0..).map(|layer| (f64::from(layer) + 0.5) * scene.spacing);
     for depth in depths.take_while(|depth| *depth < deepest) {
         for curve in grid.curves(depth) {
-            let others = found.len();
-            for point in spread(&curve, scene.spacing) {
-                let point = moved_to(scene, point, depth);
-                let is_free =
-                    found[..others].iter().all(|other| other.distance(point) > APART * scene.spacing);
-                if is_free && is_wall(point) && is_layered(point) {
-                    found.push(point);
-                }
+            let points: Vec<DVec3> = spread(&curve, scene.spacing)
+                .into_par_iter()
+                .map(|point| moved_to(scene, point, depth))
+                .filter(|point| taken.is_free(*point) && is_wall(*point) && is_layered(*point))
+                .collect();
+            for position in points {
+                taken.add(position);
+                places.push(Place { position, zone: Zone::Wall, patch: 0 });
             }
         }
     }
-    places.extend(found.drain(first..).map(|position| Place { position, zone: Zone::Wall, patch: 0 }));
+}
+
+/// Places of wall particles, by cells of the distance that others must keep.
+struct TakenPlaces {
+    distance: f64,
+    cells: BTreeMap<[i64; 2], Vec<DVec3>>,
+}
+
+impl TakenPlaces {
+    fn new(distance: f64) -> Self {
+        Self { distance, cells: BTreeMap::new() }
+    }
+
+    fn cell(&self, point: DVec3) -> [i64; 2] {
+        [point.x, point.y].map(|x| (x / self.distance).floor() as i64)
+    }
+
+    fn add(&mut self, point: DVec3) {
+        self.cells.entry(self.cell(point)).or_default().push(point);
+    }
+
+    /// Returns true if no place is nearer than the distance.
+    fn is_free(&self, point: DVec3) -> bool {
+        let [x, y] = self.cell(point);
+        let near = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x + i, y + j]));
+        near.filter_map(|cell| self.cells.get(&cell))
+            .flatten()
+            .all(|other| other.distance(point) > self.distance)
+    }
 }
 
 /// Moves a point near a layer onto it.
@@ -101,8 +131,8 @@ impl DistanceGrid {
         let node = |index: usize| {
             low + cell * DVec3::new((index % counts[0]) as f64, (index / counts[0]) as f64, 0.0)
         };
-        let distances =
-            (0..counts[0] * counts[1]).map(|index| confined_distance(scene, node(index))).collect();
+        let nodes = (0..counts[0] * counts[1]).into_par_iter();
+        let distances = nodes.map(|index| confined_distance(scene, node(index))).collect();
         Self { low, cell, counts, distances }
     }
 
