@@ -1,7 +1,8 @@
 //! Roles of the points of the lattice (or of wall-fitted rows): fluid, wall, inflow or outflow.
 //!
 //! A point counts as inside if it and all points Δ/4 around it are. So a wall that misses the
-//! middle between two rows by less than Δ/4 still has one row on each side. Inside points beyond
+//! middle between two rows by less than Δ/4 still has one row on each side. Before layers of wall
+//! particles a point is inside if it is so itself, so that the fluid has its mass. Inside points beyond
 //! the plane of a patch belong to its zone, up to its depth. Outside points within the support plus
 //! half a spacing are wall, except behind the far end of a zone. `jitter` then displaces the fluid
 //! points; zones and walls stay on the lattice.
@@ -13,7 +14,7 @@ use rayon::slice::ParallelSliceMut;
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
-use super::{layers, rings};
+use super::{layers, rings, wall_particles};
 use sphecs_core::particles::zone::Zone;
 
 /// Tolerance of comparisons with planes and surfaces, in spacings: lattice points on a plane count
@@ -221,9 +222,16 @@ impl<'a> Filler<'a> {
         // decide.
         distance < -self.margin()
             || (distance <= TOLERANCE * self.scene.spacing
-                && self.probes.iter().all(|probe| {
-                    confined_distance(self.scene, point + *probe) <= TOLERANCE * self.scene.spacing
-                }))
+                && (self.is_before_layers(point)
+                    || self.probes.iter().all(|probe| {
+                        confined_distance(self.scene, point + *probe) <= TOLERANCE * self.scene.spacing
+                    })))
+    }
+
+    /// Returns true if the surface next to a point has layers of wall particles.
+    fn is_before_layers(&self, point: DVec3) -> bool {
+        let layered = &self.scene.layout.layered;
+        !layered.is_empty() && layered.contains(&wall_particles::surface_at(self.scene, point).2)
     }
 
     /// Returns true if a point lies behind the far end of a zone, where no wall must stand.

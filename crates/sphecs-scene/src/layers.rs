@@ -237,6 +237,16 @@ mod tests {
         }
     }
 
+    /// The fluid reaches to the surface, not a quarter of a spacing less as before stairs.
+    #[test]
+    fn fluid_before_layers_has_its_mass() {
+        let (scene, _) =
+            walls("domain: Circle(center: (0.01, 0.02), radius: 0.8), walls: (slip: FreeSlip, fill: Layers)");
+        let fluid = seeds(&scene).iter().filter(|seed| seed.zone == Zone::Fluid).count() as f64;
+        let share = fluid * 0.0025 / (std::f64::consts::PI * 0.64);
+        assert!((share - 1.0).abs() < 0.01, "{share} of the area");
+    }
+
     #[test]
     fn layers_around_a_drum_have_the_lengths_of_their_circles() {
         let (scene, walls) =
