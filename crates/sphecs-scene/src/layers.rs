@@ -9,9 +9,9 @@
 //! it are stairs, along which the pressure of the wall has hills and valleys: they brake a flow
 //! past a free-slip wall as roughness does. The layers have none.
 //!
-//! The curves are found by marching squares, Lorensen & Cline (1987), on a grid of Δ/4 and moved to
-//! the layer by a step along the gradient. Where layers of two surfaces meet in a thin wall, the
-//! nearer ones to their surface stay. In 2D.
+//! In 2D the curves are found by marching squares, Lorensen & Cline (1987), on a grid of Δ/4 and
+//! moved to the layer by a step along the gradient; for 3D see [`sheets`]. Where layers of two
+//! surfaces meet in a thin wall, the nearer ones to their surface stay.
 
 use std::collections::BTreeMap;
 
@@ -20,6 +20,7 @@ use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterato
 
 use super::fill::{Place, confined_distance, wall_thickness};
 use super::model::Scene;
+use super::sheets;
 use super::wall_particles::surface;
 use sphecs_core::particles::zone::Zone;
 
@@ -35,32 +36,44 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -
     let is_layered = |point: DVec3| scene.layout.layered.contains(&surface(scene, point).part);
     let keeps = |place: &Place| place.zone != Zone::Wall || !is_layered(place.position);
     let kept: Vec<bool> = places.par_iter().map(keeps).collect();
+    let replaced = places.iter().zip(&kept).filter(|(_, kept)| !**kept).map(|(place, _)| place.position);
+    let replaced: Vec<DVec3> = replaced.collect();
     let mut kept = kept.into_iter();
     places.retain(|_| kept.next().unwrap_or(true));
     let mut taken = TakenPlaces::new(APART * scene.spacing);
     places.iter().filter(|place| place.zone == Zone::Wall).for_each(|place| taken.add(place.position));
-    let grid = DistanceGrid::new(scene);
     let deepest = wall_thickness(scene) - 1e-9 * scene.spacing;
     let depths = (0..).map(|layer| (f64::from(layer) + 0.5) * scene.spacing);
-    for depth in depths.take_while(|depth| *depth < deepest) {
-        for curve in grid.curves(depth) {
-            let points: Vec<DVec3> = spread(&curve, scene.spacing)
-                .into_par_iter()
-                .map(|point| moved_to(scene, point, depth))
-                .filter(|point| taken.is_free(*point) && is_wall(*point) && is_layered(*point))
-                .collect();
-            for position in points {
-                taken.add(position);
-                places.push(Place { position, zone: Zone::Wall, patch: 0 });
-            }
+    let depths: Vec<f64> = depths.take_while(|depth| *depth < deepest).collect();
+    let sheets: Vec<Vec<DVec3>> = if scene.dimensions == 2 {
+        let grid = DistanceGrid::new(scene);
+        depths.iter().flat_map(|depth| curves(scene, &grid, *depth)).collect()
+    } else {
+        sheets::spread(scene, &replaced, &depths)
+    };
+    // Sheets come from the surface inwards; the particles of one are not too near to each other.
+    for sheet in sheets {
+        let is_place = |point: &DVec3| taken.is_free(*point) && is_wall(*point) && is_layered(*point);
+        let points: Vec<DVec3> = sheet.into_par_iter().filter(is_place).collect();
+        for position in points {
+            taken.add(position);
+            places.push(Place { position, zone: Zone::Wall, patch: 0 });
         }
     }
+}
+
+/// Returns the particles of the curves of a layer, m.
+fn curves(scene: &Scene, grid: &DistanceGrid, depth: f64) -> Vec<Vec<DVec3>> {
+    let on_it = |curve: &Vec<DVec3>| {
+        spread(curve, scene.spacing).into_iter().map(|point| moved_to(scene, point, depth)).collect()
+    };
+    grid.curves(depth).iter().map(on_it).collect()
 }
 
 /// Places of wall particles, by cells of the distance that others must keep.
 struct TakenPlaces {
     distance: f64,
-    cells: BTreeMap<[i64; 2], Vec<DVec3>>,
+    cells: BTreeMap<[i64; 3], Vec<DVec3>>,
 }
 
 impl TakenPlaces {
@@ -68,8 +81,8 @@ impl TakenPlaces {
         Self { distance, cells: BTreeMap::new() }
     }
 
-    fn cell(&self, point: DVec3) -> [i64; 2] {
-        [point.x, point.y].map(|x| (x / self.distance).floor() as i64)
+    fn cell(&self, point: DVec3) -> [i64; 3] {
+        (point / self.distance).floor().as_i64vec3().to_array()
     }
 
     fn add(&mut self, point: DVec3) {
@@ -78,16 +91,15 @@ impl TakenPlaces {
 
     /// Returns true if no place is nearer than the distance.
     fn is_free(&self, point: DVec3) -> bool {
-        let [x, y] = self.cell(point);
-        let near = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x + i, y + j]));
-        near.filter_map(|cell| self.cells.get(&cell))
+        sheets::around(self.cell(point))
+            .filter_map(|cell| self.cells.get(&cell))
             .flatten()
             .all(|other| other.distance(point) > self.distance)
     }
 }
 
 /// Moves a point near a layer onto it.
-fn moved_to(scene: &Scene, point: DVec3, depth: f64) -> DVec3 {
+pub fn moved_to(scene: &Scene, point: DVec3, depth: f64) -> DVec3 {
     let normal = scene.layout.confines.gradient(point, 1e-4 * scene.spacing, scene.dimensions);
     point - normal * (confined_distance(scene, point) - depth)
 }

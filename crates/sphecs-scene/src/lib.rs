@@ -51,6 +51,7 @@ pub mod rings;
 pub mod rows;
 pub mod schema;
 pub mod scheme;
+pub mod sheets;
 pub mod spawn;
 pub mod summary;
 mod text_file;

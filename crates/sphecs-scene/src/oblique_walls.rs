@@ -1,9 +1,9 @@
 //! Notes on walls oblique to the lattice, before a run.
 //!
 //! The particles of such a wall are stairs. Measured with 20 particles across, Re = 20, at 37°
-//! (docs/validation/orientation.md): a plug between free-slip walls had 0.22 to 1.24 of the
-//! stream's speed, and the pressure of a no-slip channel swung six times as much as along the
-//! lattice, with a gradient 4 % too steep.
+//! (docs/validation/orientation.md): a plug between free-slip walls had 0.82 to 1.17 of the
+//! stream's speed, and the pressure of a no-slip channel swung eight times as much as along the
+//! lattice, with a gradient 3 % too steep.
 
 use super::lattice::Lattice;
 use super::lattice_rotation::wall_directions;
@@ -23,11 +23,7 @@ pub fn notes(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
     if !scene.layout.walled {
         return Vec::new();
     }
-    let cure = if scene.dimensions == 2 {
-        "`fill: Layers` of the wall avoids them"
-    } else {
-        "`fill: Lattice(angle: …, axis: …)` along the wall avoids them"
-    };
+    let cure = "`fill: Layers` of the wall avoids them";
     let parts = scene.walls.parts.iter().enumerate();
     let mut notes: Vec<String> = parts
         .filter(|(_, part)| part.slip != Slip::NoSlip)

@@ -60,7 +60,7 @@ impl WallPart {
 /// Arrangement of the particles of a wall part behind its surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum WallFill {
-    /// In layers along a surface of any shape, in 2D, a spacing apart.
+    /// In layers along a surface of any shape, a spacing apart.
     Layers,
     /// On rings in a cylinder, in 2D, a spacing apart.
     Concentric(Concentric),

@@ -34,8 +34,7 @@ pub fn walls(
     let all = file.fill.as_ref();
     if let Some(fill) = all {
         match fill.value {
-            WallFillFile::Layers if has_layers(fill, check) => layered.push(0),
-            WallFillFile::Layers => {}
+            WallFillFile::Layers => layered.push(0),
             WallFillFile::Concentric { .. } => check.report(
                 Fault::new(
                     "`Concentric` of all walls",
@@ -57,7 +56,7 @@ pub fn walls(
         }
         let is_layered = match part.fill.as_ref().map(|fill| (fill, &fill.value)) {
             None => layered.first() == Some(&0),
-            Some((fill, WallFillFile::Layers)) => has_layers(fill, check),
+            Some((_, WallFillFile::Layers)) => true,
             Some((fill, WallFillFile::Concentric { center, radius, first })) => {
                 let circle = (center, radius, *first);
                 rings.extend(concentric(circle, fill, (domain, spacing), check));
@@ -91,15 +90,6 @@ pub fn fitted_twice(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
                 .help("or leave out `fill: WallFitted(…)` of the scene"),
         );
     }
-}
-
-/// Reports layers in 3D.
-fn has_layers(file: &Spanned<WallFillFile>, check: &mut Checker<'_>) -> bool {
-    if check.dimensions != 2 {
-        let label = "must be left out in 3D";
-        check.report(Fault::new("`Layers` is for walls in 2D", file.head, label));
-    }
-    check.dimensions == 2
 }
 
 /// Largest distance of the circle of `Concentric` from the surface of the domain, over Δ.

@@ -164,9 +164,4 @@ fn arrangements_that_exclude_each_other_are_faults() {
         "walls cannot have a `fill` beside `WallFitted`",
         "Layers",
     );
-    let text = "Scene(title: \"t\", dimensions: 3, spacing: 0.05, smoke: 0.1,
-        fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 10.0),
-        domain: Sphere(center: (0.0, 0.0, 0.0), radius: 0.3), walls: (fill: Layers),
-        initial: (velocity: (0.1, 0.0, 0.0)), time: (end: 1.0), output: (every: 0.1))";
-    assert_eq!(faults_of(text).faults()[0].title, "`Layers` is for walls in 2D");
 }
