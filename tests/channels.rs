@@ -134,8 +134,8 @@ fn channel_rotated_by_a_right_angle_has_the_same_flow() {
     }
 }
 
-/// The lattice turns with the channel, whose flow is then that of one along x. On a lattice along the
-/// axes the walls are stairs.
+/// The lattice turns with the channel, whose flow is then that of one along x. On a lattice along
+/// the axes the walls are stairs.
 #[test]
 fn oblique_channel_carries_the_plug_flow_of_one_along_x() {
     let plug = |angle, fill| {

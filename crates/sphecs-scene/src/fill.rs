@@ -2,7 +2,7 @@
 //!
 //! A point counts as inside if it and all points Δ/4 around it are. So a wall that misses the
 //! middle between two rows by less than Δ/4 still has one row on each side. Before layers of wall
-//! particles a point is inside if it is so itself, so that the fluid has its mass. Inside points beyond
+//! particles a point counts by itself, so that the fluid has its mass. Inside points beyond
 //! the plane of a patch belong to its zone, up to its depth. Outside points within the support plus
 //! half a spacing are wall, except behind the far end of a zone. `jitter` then displaces the fluid
 //! points; zones and walls stay on the lattice.

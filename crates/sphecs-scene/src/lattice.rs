@@ -66,8 +66,8 @@ impl Lattice {
         self.turned(point)
     }
 
-    /// Returns a vector of the lattice in the coordinates of the scene; the same bits if it is not
-    /// turned.
+    /// Returns a vector of the lattice in the coordinates of the scene; bitwise identical unless it
+    /// is turned.
     pub fn turned(&self, vector: DVec3) -> DVec3 {
         if self.is_turned() { self.rotation * vector } else { vector }
     }

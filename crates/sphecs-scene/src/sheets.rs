@@ -5,8 +5,8 @@
 //! x_i += β Δ P Σ_j (1 − r_ij/R)² x_ij/r_ij,   R = 1.7 Δ,  P: projection onto the layer
 //! ```
 //!
-//! A layer so has as many particles as its shell has volumes Δ³. The sum runs over the neighbours in
-//! the same layer, n times; φ is the signed distance behind the surface.
+//! A layer so has as many particles as its shell has volumes Δ³. The sum runs over the neighbours
+//! in the same layer; φ is the signed distance behind the surface.
 
 use std::collections::BTreeMap;
 
@@ -30,8 +30,8 @@ const STEPS: usize = 40;
 /// ends.
 const OFF_THE_LAYER: f64 = 0.05;
 
-/// Returns the particles of the layers at some depths, m, from the lattice's wall particles behind a
-/// surface.
+/// Returns the particles of the layers at some depths, m, from the lattice's wall particles behind
+/// a surface.
 pub fn spread(scene: &Scene, walls: &[DVec3], depths: &[f64]) -> Vec<Vec<DVec3>> {
     let mut layers: Vec<Vec<DVec3>> = vec![Vec::new(); depths.len()];
     for point in walls {

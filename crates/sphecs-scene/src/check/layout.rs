@@ -116,6 +116,29 @@ fn keeps_periods(rotation: DMat3, file: &Spanned<FillFile>, site: &Site<'_>, che
     }
 }
 
+/// Returns the lattice with a rotation and an anchor, or those that serve the walls if there are
+/// any.
+fn lattice(
+    (rotation, anchor): (Option<DMat3>, Option<DVec3>),
+    site: &Site<'_>,
+    patches: &[&Patch],
+    walled: bool,
+) -> Lattice {
+    let &Site { domain, periodic, spacing, dimensions, .. } = site;
+    let fitted = |rotation| {
+        Lattice::turned_and_fitted(rotation, domain, patches, periodic, spacing, anchor, dimensions)
+    };
+    let lattice = fitted(rotation.unwrap_or(DMat3::IDENTITY));
+    // The tangents of round walls count as planes of less than a spacing or two.
+    let least = 4.0 * spacing.powi(dimensions as i32 - 1);
+    let lies_along_axes = lattice.fits.iter().any(|wall| wall.area > least);
+    if rotation.is_some() || !walled || lies_along_axes {
+        return lattice;
+    }
+    let rotation = rotation_to_walls(domain, patches, periodic, spacing, dimensions);
+    if rotation == DMat3::IDENTITY { lattice } else { fitted(rotation) }
+}
+
 /// Returns the arrangement of particles, its lattice turned to the walls if there are any; None if
 /// it has a fault.
 pub fn fill(
@@ -124,21 +147,7 @@ pub fn fill(
     patches: &[&Patch],
     check: &mut Checker<'_>,
 ) -> Option<Fill> {
-    let lattice = |rotation: Option<DMat3>, anchor| {
-        let &Site { domain, periodic, spacing, dimensions, .. } = site;
-        let fitted = |rotation| {
-            Lattice::turned_and_fitted(rotation, domain, patches, periodic, spacing, anchor, dimensions)
-        };
-        let lattice = fitted(rotation.unwrap_or(DMat3::IDENTITY));
-        // The tangents of round walls count as planes of less than a spacing or two.
-        let least = 4.0 * spacing.powi(dimensions as i32 - 1);
-        let lies_along_axes = lattice.fits.iter().any(|wall| wall.area > least);
-        if rotation.is_some() || !walled || lies_along_axes {
-            return lattice;
-        }
-        let rotation = rotation_to_walls(domain, patches, periodic, spacing, dimensions);
-        if rotation == DMat3::IDENTITY { lattice } else { fitted(rotation) }
-    };
+    let lattice = |rotation, anchor| lattice((rotation, anchor), site, patches, walled);
     let Some(file) = file else {
         return Some(Fill::Lattice(lattice(None, None)));
     };

@@ -12,25 +12,35 @@ use crate::schema::{Number, SceneFile, Vector, WallFillFile, WallsFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
-/// Returns the wall parts, the regions of the parts after the first, the rings of their particles,
-/// and the indices of the parts whose particles lie in layers.
+/// Places of the particles of the wall parts.
+#[derive(Debug, Default)]
+pub struct WallLayout {
+    /// Regions of the parts after the first.
+    pub regions: Vec<Shape>,
+    /// Cylinders whose particles lie on rings.
+    pub rings: Vec<Rings>,
+    /// Indices of the parts whose particles lie in layers.
+    pub layered: Vec<u16>,
+}
+
+/// Returns the wall parts and the places of their particles.
 pub fn walls(
     file: Option<&Spanned<WallsFile>>,
     (domain, spacing): (&Shape, f64),
     check: &mut Checker<'_>,
-) -> (Walls, Vec<Shape>, Vec<Rings>, Vec<u16>) {
+) -> (Walls, WallLayout) {
     let rest = |slip: Slip, velocity: [Expression; 3]| WallPart { name: "walls".to_owned(), slip, velocity };
     let at_rest = || std::array::from_fn(|_| Expression::Constant(0.0));
     let Some(file) = file.map(|file| &file.value) else {
         let parts = vec![rest(Slip::NoSlip, at_rest())];
         let model = WallModel::default();
-        return (Walls { model, parts }, Vec::new(), Vec::new(), Vec::new());
+        return (Walls { model, parts }, WallLayout::default());
     };
     if let Some(fault) = file.model.fault() {
         check.report(Fault::placeless(fault));
     }
     let mut parts = vec![rest(file.slip, check.components_or_zero(file.velocity.as_ref()))];
-    let (mut regions, mut rings, mut layered) = (Vec::new(), Vec::new(), Vec::new());
+    let WallLayout { mut regions, mut rings, mut layered } = WallLayout::default();
     let all = file.fill.as_ref();
     if let Some(fill) = all {
         match fill.value {
@@ -72,7 +82,7 @@ pub fn walls(
             parts.push(WallPart { name: name.value.clone(), slip: part.slip.unwrap_or(file.slip), velocity });
         }
     }
-    (Walls { model: file.model, parts }, regions, rings, layered)
+    (Walls { model: file.model, parts }, WallLayout { regions, rings, layered })
 }
 
 /// Reports walls with an arrangement of their own beside `WallFitted`, whose rows continue into the

@@ -66,8 +66,8 @@ pub struct WallPartFile {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", schemars(rename = "WallFill"))]
 pub enum WallFillFile {
-    /// Layers a spacing apart along a surface of any shape. Take it for walls oblique to the lattice
-    /// or curved, above all if they slip.
+    /// Layers a spacing apart along a surface of any shape. Take it for walls oblique to the
+    /// lattice or curved, above all if they slip.
     Layers,
     /// Rings a spacing apart in a cylinder, in 2D. Take it for a circular cylinder whose surface
     /// the lattice would roughen.

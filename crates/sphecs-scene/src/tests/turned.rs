@@ -103,14 +103,14 @@ fn tilted_duct_and_pipe_are_filled_as_those_along_an_axis() {
     }
 }
 
-/// The tangents of a circle along the axes are no walls along them.
+/// The tangents of a circle do not count as walls along the axes.
 #[test]
 fn round_body_does_not_keep_the_lattice_from_turning() {
     let body = "Circle(center: (0.7, 0.1), radius: 0.2)";
     let text = CHANNEL
         .replace(&format!(", {body}"), "")
         .replace("domain: Rotated(", "domain: Difference([Rotated(")
-        .replace("])),\n", &format!("])), Circle(center: (\"0.7*c\", \"0.7*s\"), radius: 0.2)]),\n"));
+        .replace("])),\n", "])), Circle(center: (\"0.7*c\", \"0.7*s\"), radius: 0.2)]),\n");
     assert!(text.contains("0.7*s"), "{text}");
     let scene = loaded(&text, &[("constants.angle", "37.0")]);
     assert!((rotation(&scene).x_axis - scene.inlets[0].patch.towards).length() < 1e-9);
