@@ -117,7 +117,7 @@ fn round_body_does_not_keep_the_lattice_from_turning() {
 }
 
 /// Mixed directions have no frame of their own: the lattice stays along the axes, as do those of
-/// all shipped scenes.
+/// all shipped scenes but the one that is about it.
 #[test]
 fn lattice_stays_along_the_axes_unless_one_frame_serves_the_walls() {
     for (what, domain) in [
@@ -132,7 +132,7 @@ fn lattice_stays_along_the_axes_unless_one_frame_serves_the_walls() {
         );
         assert_eq!(rotation(&loaded(&text, &[])), DMat3::IDENTITY, "{what}");
     }
-    for name in names() {
+    for name in names().into_iter().filter(|name| name != "orientation.ron") {
         if let Fill::Lattice(lattice) = &smoke(&name).layout.fill {
             assert_eq!(lattice.rotation, DMat3::IDENTITY, "{name}");
         }
