@@ -124,7 +124,7 @@ fn every_shipped_scene_resumes_bitwise_identically() {
 fn other_precisions_stresses_and_outlets_resume_bitwise_identically() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut faults = Vec::new();
-    let variants: [(&str, &[(&str, &str)]); 19] = [
+    let variants: [(&str, &[(&str, &str)]); 21] = [
         ("quickstart.ron", &[("precision", "F32")]),
         ("duct3d.ron", &[("precision", "F32")]),
         ("quickstart.ron", &[("scheme", "Wcsph(viscosity: Sps())")]),
@@ -147,6 +147,15 @@ fn other_precisions_stresses_and_outlets_resume_bitwise_identically() {
         ("pressure_poiseuille.ron", &[("scheme", "EdacTvf()")]),
         ("intake.ron", &[("precision", "F32")]),
         ("quickstart.ron", &[("outlets.0.condition", "Resistance(resistance: 10.0)")]),
+        (
+            "orientation.ron",
+            &[
+                ("fill", "Lattice(angle: 0.0)"),
+                ("walls", "(slip: FreeSlip, fill: Layers)"),
+                ("precision", "F32"),
+            ],
+        ),
+        ("duct3d.ron", &[("walls", "(slip: FreeSlip, fill: Layers)")]),
     ];
     for (name, sets) in variants {
         check(&format!("{name} {sets:?}"), || smoke_scene(&scenes.join(name), sets), &mut faults);

@@ -14,6 +14,7 @@ const SLOPE: &str = r#"Scene(
     fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 1.5),
     scheme: EdacTvf(),
     domain: Rotated(angle: "angle", shape: Box(min: (0.0, "-D/2"), max: ("L", "D/2"))),
+    fill: Lattice(angle: 0.0),
     walls: (slip: FreeSlip),
     initial: (velocity: ("0.1*c", "0.1*s"), pressure: "1 + 20*x - 30*y"),
     inlets: [(at: (0.0, 0.0), towards: ("c", "s"), velocity: Normal(0.1))],

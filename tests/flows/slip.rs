@@ -86,6 +86,19 @@ fn rotating_fluid_between_slipping_cylinders_keeps_its_angular_momentum() {
     });
 }
 
+/// The same with layers of wall particles, along which the fluid of `Wcsph` flows as along the
+/// surface. Under `EdacTvf` the stairs are not the reason of the loss.
+#[test]
+fn rotating_fluid_keeps_its_angular_momentum_along_layers() {
+    check("turning fluid, layers", [[0.012; 3], [0.15, 0.15, 0.04]], |scheme, model| {
+        let sets = [("scheme", scheme), ("walls.model", model), ("walls.fill", "Layers")];
+        let mut simulation = flow(TURNING, &sets);
+        let before = angular_momentum(&mut simulation);
+        simulation.run_until(PI).expect("a flow in a ring");
+        1.0 - angular_momentum(&mut simulation) / before
+    });
+}
+
 /// Mean speed around the inner cylinder, which rotates and slips, over that of its surface after
 /// 2.5 s. By then a no-slip cylinder has set a viscous fluid in rotation.
 #[test]

@@ -1,7 +1,8 @@
 //! Roles of the points of the lattice (or of wall-fitted rows): fluid, wall, inflow or outflow.
 //!
 //! A point counts as inside if it and all points Δ/4 around it are. So a wall that misses the
-//! middle between two rows by less than Δ/4 still has one row on each side. Inside points beyond
+//! middle between two rows by less than Δ/4 still has one row on each side. Before layers of wall
+//! particles a point counts by itself, so that the fluid has its mass. Inside points beyond
 //! the plane of a patch belong to its zone, up to its depth. Outside points within the support plus
 //! half a spacing are wall, except behind the far end of a zone. `jitter` then displaces the fluid
 //! points; zones and walls stay on the lattice.
@@ -13,7 +14,7 @@ use rayon::slice::ParallelSliceMut;
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
-use super::rings;
+use super::{layers, rings, wall_particles};
 use sphecs_core::particles::zone::Zone;
 
 /// Tolerance of comparisons with planes and surfaces, in spacings: lattice points on a plane count
@@ -39,6 +40,10 @@ pub fn places(scene: &Scene) -> Vec<Place> {
             let mut places = filler.lattice(lattice);
             if !scene.layout.rings.is_empty() {
                 rings::replace(scene, &mut places);
+            }
+            if !scene.layout.layered.is_empty() {
+                let is_wall = |point| filler.classify(point).is_some_and(|place| place.zone == Zone::Wall);
+                layers::replace(scene, &mut places, is_wall);
             }
             places
         }
@@ -81,7 +86,8 @@ impl<'a> Filler<'a> {
             let step = |place: i32| f64::from(index / place % 3 - 1);
             let direction = DVec3::new(step(1), step(3), step(9));
             if direction != DVec3::ZERO && (scene.dimensions == 3 || direction.z == 0.0) {
-                probes.push(direction.normalize() * 0.25 * scene.spacing);
+                let direction = scene.layout.fill.turned(direction.normalize());
+                probes.push(direction * 0.25 * scene.spacing);
             }
         }
         Self { scene, reach: wall_thickness(scene), probes }
@@ -89,7 +95,11 @@ impl<'a> Filler<'a> {
 
     fn lattice(&self, lattice: &Lattice) -> Vec<Place> {
         let dimensions = self.scene.dimensions;
-        let (mut low, mut high) = self.scene.layout.confines.bounds();
+        let confines = &self.scene.layout.confines;
+        let (mut low, mut high) = match lattice.is_turned() {
+            true => confines.rotated(lattice.rotation.transpose()).bounds(),
+            false => confines.bounds(),
+        };
         let ranges: [std::ops::Range<i64>; 3] = std::array::from_fn(|axis| {
             if axis >= dimensions {
                 return 0..1;
@@ -212,9 +222,16 @@ impl<'a> Filler<'a> {
         // decide.
         distance < -self.margin()
             || (distance <= TOLERANCE * self.scene.spacing
-                && self.probes.iter().all(|probe| {
-                    confined_distance(self.scene, point + *probe) <= TOLERANCE * self.scene.spacing
-                }))
+                && (self.is_before_layers(point)
+                    || self.probes.iter().all(|probe| {
+                        confined_distance(self.scene, point + *probe) <= TOLERANCE * self.scene.spacing
+                    })))
+    }
+
+    /// Returns true if the surface next to a point has layers of wall particles.
+    fn is_before_layers(&self, point: DVec3) -> bool {
+        let layered = &self.scene.layout.layered;
+        !layered.is_empty() && layered.contains(&wall_particles::surface_at(self.scene, point).2)
     }
 
     /// Returns true if a point lies behind the far end of a zone, where no wall must stand.

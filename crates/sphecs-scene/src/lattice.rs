@@ -13,18 +13,26 @@
 //! A width that is not a multiple of Δ cannot fit on both sides. The geometry is kept, particles
 //! are up to Δ/4 closer to or farther from the wall, and `sphecs check` reports the misfit. On a
 //! periodic axis the spacing divides the period.
+//!
+//! The lattice may be turned: its axes, and the coordinates of all that this page says, are then
+//! those of its [`rotation`](Lattice::rotation).
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::geometry::Shape;
 use super::model::Patch;
 
+/// Largest 1 − |n·e| at which a direction n counts as parallel to an axis e.
+const PARALLEL: f64 = 1e-9;
+
 /// A square or cubic lattice of particles.
 #[derive(Clone, Debug)]
 pub struct Lattice {
-    /// A corner at which cells meet, m.
+    /// Directions of its axes, as columns; the identity for one along the axes of the scene.
+    pub rotation: DMat3,
+    /// A corner at which cells meet, m, in the coordinates of its axes.
     pub origin: DVec3,
     /// Distance of neighbours along each axis, m: Δ, or the nearest fraction of the period on
     /// periodic axes.
@@ -55,7 +63,23 @@ impl Lattice {
         for axis in 0..dimensions {
             point[axis] = self.origin[axis] + (cell[axis] as f64 + 0.5) * self.spacing[axis];
         }
-        point
+        self.turned(point)
+    }
+
+    /// Returns a vector of the lattice in the coordinates of the scene; bitwise identical unless it
+    /// is turned.
+    pub fn turned(&self, vector: DVec3) -> DVec3 {
+        if self.is_turned() { self.rotation * vector } else { vector }
+    }
+
+    /// Returns true if its axes are not those of the scene.
+    pub fn is_turned(&self) -> bool {
+        self.rotation != DMat3::IDENTITY
+    }
+
+    /// Returns true if a direction lies along none of its axes.
+    pub fn is_oblique(&self, direction: DVec3) -> bool {
+        (self.rotation.transpose() * direction).abs().max_element() < 1.0 - PARALLEL
     }
 
     /// Returns the jitter of the particle of a cell, m from its centre: uniform random numbers that
@@ -69,7 +93,7 @@ impl Lattice {
             let even = (state >> 11) as f64 / (1_u64 << 53) as f64;
             offset[axis] = self.jitter * (2.0 * even - 1.0) * self.spacing[axis];
         }
-        offset
+        self.turned(offset)
     }
 
     /// Returns the range of cells along an axis that an interval (m) touches.
@@ -78,8 +102,30 @@ impl Lattice {
         (index(low) - 1e-9).floor() as i64..(index(high) + 1e-9).ceil() as i64
     }
 
-    /// Returns the lattice of a domain, shifted to `anchor` or else to the walls.
-    pub fn fitted(
+    /// Returns the lattice of a domain with axes along the columns of `rotation`, shifted to
+    /// `anchor` or else to the walls.
+    pub fn turned_and_fitted(
+        rotation: DMat3,
+        domain: &Shape,
+        patches: &[&Patch],
+        periodic: &[Option<(f64, f64)>; 3],
+        spacing: f64,
+        anchor: Option<DVec3>,
+        dimensions: usize,
+    ) -> Self {
+        if rotation == DMat3::IDENTITY {
+            return Self::fitted(domain, patches, periodic, spacing, anchor, dimensions);
+        }
+        let back = rotation.transpose();
+        let patches: Vec<Patch> = patches.iter().map(|patch| rotated_patch(patch, back)).collect();
+        let patches: Vec<&Patch> = patches.iter().collect();
+        let anchor = anchor.map(|anchor| back * anchor);
+        let lattice = Self::fitted(&domain.rotated(back), &patches, periodic, spacing, anchor, dimensions);
+        Self { rotation, ..lattice }
+    }
+
+    /// Returns the lattice along the axes, shifted to `anchor` or else to the walls.
+    fn fitted(
         domain: &Shape,
         patches: &[&Patch],
         periodic: &[Option<(f64, f64)>; 3],
@@ -89,6 +135,7 @@ impl Lattice {
     ) -> Self {
         let walls = plane_walls(domain, patches, periodic, spacing, dimensions);
         let mut lattice = Self {
+            rotation: DMat3::IDENTITY,
             origin: domain.bounds().0.with_z(0.0),
             spacing: DVec3::splat(spacing),
             fits: Vec::new(),
@@ -180,27 +227,43 @@ fn plane_walls(
             coordinate,
             area: match periodic[axis] {
                 Some(_) => 0.0,
-                None => exposed_area(domain, patches, axis, coordinate, spacing, dimensions),
+                None => exposed_area(domain, patches, (axis, coordinate), spacing, dimensions, SAMPLES),
             },
             misfit: 0.0,
         })
         .collect()
 }
 
+/// Returns an opening rotated about the origin.
+pub fn rotated_patch(patch: &Patch, by: DMat3) -> Patch {
+    let straight = |vector: DVec3| {
+        let clean = (by * vector).map(|c| if c.abs() < 1e-12 { 0.0 } else { c });
+        clean.normalize_or_zero()
+    };
+    Patch {
+        at: by * patch.at,
+        towards: straight(patch.towards),
+        across: patch.across.map(straight),
+        ..patch.clone()
+    }
+}
+
 /// Samples on a plane along each axis, in 2D and in 3D.
 const SAMPLES: [usize; 2] = [2000, 64];
 
-fn exposed_area(
+/// Returns the area of the wall in a plane across an axis at a coordinate, m² (m in 2D), from
+/// samples along each other axis, in 2D and in 3D.
+pub fn exposed_area(
     domain: &Shape,
     patches: &[&Patch],
-    axis: usize,
-    coordinate: f64,
+    (axis, coordinate): (usize, f64),
     spacing: f64,
     dimensions: usize,
+    samples: [usize; 2],
 ) -> f64 {
     let (low, high) = domain.bounds();
     let others: Vec<usize> = (0..dimensions).filter(|other| *other != axis).collect();
-    let count = SAMPLES[others.len() - 1];
+    let count = samples[others.len() - 1];
     let step: Vec<f64> = others.iter().map(|&other| (high[other] - low[other]) / count as f64).collect();
     let aside = 1e-3 * spacing * DVec3::AXES[axis];
     let mut exposed = 0_usize;

@@ -11,12 +11,13 @@
 //! * [`expression`], [`geometry`]: fields and shapes
 //! * [`check`]: every check of values
 //! * [`model`], [`scheme`]: the checked scene
-//! * [`lattice`], [`fill`], [`rows`], [`wall_particles`], [`spawn`]: its particles
+//! * [`lattice`], [`lattice_rotation`], [`fill`], [`rows`], [`rings`], [`layers`],
+//!   [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`time_value`], [`potential_flow`]: quantities of its openings in time, and weights that give
 //!   the flow through them
 //! * [`body`], [`probe`]: bodies and probes, which are measured
-//! * [`summary`]: figures of `sphecs check`
+//! * [`summary`], [`oblique_walls`]: figures and notes of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`], [`driven_flow`]: its narrowest passage, the
 //!   flow from its inlets, its openings, and the flow that pressures drive
 //! * [`disk_estimate`]: disk space of its run
@@ -37,11 +38,14 @@ pub mod flow_path;
 pub mod geometry;
 pub mod inflow;
 pub mod lattice;
+pub mod lattice_rotation;
+pub mod layers;
 pub mod loader;
 #[cfg(feature = "schema")]
 pub mod manual;
 pub mod model;
 pub mod notation;
+pub mod oblique_walls;
 pub mod opening_figures;
 pub mod outline;
 pub mod passage;
@@ -51,6 +55,7 @@ pub mod rings;
 pub mod rows;
 pub mod schema;
 pub mod scheme;
+pub mod sheets;
 pub mod spawn;
 pub mod summary;
 mod text_file;

@@ -158,6 +158,8 @@ pub struct Layout {
     pub wall_regions: Vec<Shape>,
     /// Cylinders whose wall particles lie on rings.
     pub rings: Vec<Rings>,
+    /// Indices of the wall parts whose particles lie in layers along the surface.
+    pub layered: Vec<u16>,
     /// Parts of ends of the domain that are walls because no opening covers them.
     pub unopened: Vec<UnopenedPart>,
     /// True if there are walls at all.
@@ -189,6 +191,24 @@ pub enum Fill {
         /// Number of rows.
         rows: usize,
     },
+}
+
+impl Fill {
+    /// Returns a vector of the arrangement in the coordinates of the scene.
+    pub fn turned(&self, vector: DVec3) -> DVec3 {
+        match self {
+            Fill::Lattice(lattice) => lattice.turned(vector),
+            Fill::WallFitted { .. } => vector,
+        }
+    }
+
+    /// Returns true if the particles form no rows along a direction.
+    pub fn is_oblique(&self, direction: DVec3) -> bool {
+        match self {
+            Fill::Lattice(lattice) => lattice.is_oblique(direction),
+            Fill::WallFitted { .. } => direction.abs().max_element() < 1.0 - 1e-9,
+        }
+    }
 }
 
 /// A part of the wall.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::driven_flow::{driven_speed, largest_pressure, pressure_difference};
 use super::geometry::Shape;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
+use super::oblique_walls;
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::format::significant;
 
@@ -64,7 +65,7 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> SceneSummary {
         steps,
         memory: seeds.len() as f64 * BYTES_PER_PARTICLE,
         worst_fit,
-        notes: notes(scene, worst_fit),
+        notes: notes(scene, seeds, worst_fit),
     }
 }
 
@@ -95,7 +96,7 @@ fn worst_fit(scene: &Scene) -> Option<(char, f64, f64)> {
 /// Relative change of the density above which a note says so.
 const COMPRESSION_NOTED: f64 = 0.01;
 
-fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
+fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
     let mut notes = Vec::new();
     if scene.reference_velocity > 0.1 * scene.fluid.sound_speed {
         notes.push(format!(
@@ -130,6 +131,7 @@ fn notes(scene: &Scene, worst_fit: Option<(char, f64, f64)>) -> Vec<String> {
             (coordinate / scene.spacing * 1e6).round() * 1e-6 * scene.spacing + 0.0
         ));
     }
+    notes.extend(oblique_walls::notes(scene, seeds));
     for part in &scene.layout.unopened {
         let unit = if scene.dimensions == 2 { "m wide" } else { "m² large" };
         notes.push(format!(

@@ -7,9 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::section_raster::SectionRaster;
 
-/// Largest 1 − |n·e| at which the normal n of a patch counts as parallel to an axis e.
-const PARALLEL_TO_AXIS: f64 = 1e-9;
-
 /// Parts of the domain's end that belong to an opening.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -70,11 +67,6 @@ impl Patch {
     pub fn hydraulic_diameter(&self) -> f64 {
         4.0 * self.area / self.perimeter
     }
-
-    /// Returns true if the normal is oblique to the axes, and so to the lattice.
-    pub fn is_oblique(&self) -> bool {
-        self.towards.abs().max_element() < 1.0 - PARALLEL_TO_AXIS
-    }
 }
 
 /// Returns a patch of a channel, 0.162 m wide and rotated by an angle, for tests.
@@ -97,14 +89,6 @@ pub(super) fn turned_patch(angle: f64) -> Patch {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn only_rotated_patches_are_oblique() {
-        assert!(turned_patch(0.3).is_oblique());
-        for quarter in 0..4 {
-            assert!(!turned_patch(f64::from(quarter) * std::f64::consts::FRAC_PI_2).is_oblique());
-        }
-    }
 
     #[test]
     fn mirror_image_is_at_the_same_distance_on_the_other_side() {

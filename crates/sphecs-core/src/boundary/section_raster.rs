@@ -36,7 +36,8 @@ impl SectionRaster {
     }
 
     /// Returns the distance of a point of the plane from the section, m: 0 inside, exact to half a
-    /// cell outside. `offset` is its offset from the centre of the section, m.
+    /// cell in the bounding rectangle, at most the distance beyond it. `offset` is its offset from
+    /// the centre of the section, m.
     pub fn distance(&self, offset: [f64; 2]) -> f64 {
         let mut index = [0; 2];
         let mut beyond = 0.0_f64;
@@ -48,7 +49,11 @@ impl SectionRaster {
             beyond = beyond.hypot(((place - inside).abs() - 0.5).max(0.0));
             index[axis] = inside.round() as usize;
         }
-        f64::from(self.distances[index[0] + self.counts[0] * index[1]]) + beyond * self.cell
+        let (distance, beyond) =
+            (f64::from(self.distances[index[0] + self.counts[0] * index[1]]), beyond * self.cell);
+        // On a line both add up. In a plane the section lies at a right angle at least from the way
+        // to the rectangle: their sum would cut off walls beside the corners of a turned square.
+        if self.counts[1] == 1 { distance + beyond } else { distance.hypot(beyond) }
     }
 
     /// Returns the width of a cell, m.
@@ -102,6 +107,27 @@ mod tests {
         }
         assert_eq!(raster.distance([1.1, 0.0]), 0.0);
         assert!(raster.distance([0.0, 0.0]) > 0.6);
+    }
+
+    /// A square turned by 45° reaches its bounding rectangle at four points only.
+    #[test]
+    fn distance_beyond_the_rectangle_is_not_more_than_the_exact_one() {
+        let (count, cell) = (81, 0.025);
+        let place = |index: usize| (index as f64 - 40.0) * cell;
+        let diamond = |x: f64, y: f64| (x.abs() + y.abs() - 1.0) / 2.0_f64.sqrt();
+        let cells: Vec<bool> =
+            (0..count * count).map(|at| diamond(place(at % count), place(at / count)) <= 0.0).collect();
+        let raster = SectionRaster::new(cell, [count, count], &cells);
+        for at in 0..40 {
+            // Beside an edge, where the nearest point lies within it.
+            let along = 0.2 + 0.015 * f64::from(at);
+            for depth in [0.3, 0.6, 0.9] {
+                let [x, y] = [along, 1.0 - along].map(|edge| edge + depth / 2.0_f64.sqrt());
+                let found = raster.distance([x, y]);
+                assert!(found < depth + 1.5 * cell, "at ({x}, {y}): {found}, exact {depth}");
+                assert!(found > 0.7 * depth, "at ({x}, {y}): {found}, exact {depth}");
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@
 //! ([`gradients`](super::gradients)). Walls have no stress of their own. They take the kernel mean
 //! of T/ρ² of the flow, as they take its pressure, so a uniform stress exerts no force on the fluid
 //! next to a wall. With T = 0 in the wall the cut of the stress at the surface would push particles
-//! off it.
+//! off it. A free-slip wall takes the mirror image of the mean in its surface, so that it takes no
+//! shear; a wall with a wall function keeps the mean.
 
 use std::ops::Range;
 
@@ -19,7 +20,7 @@ use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
-use crate::math::symmetric::components;
+use crate::math::symmetric::{component, components};
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 use crate::physics::viscosity::Sps;
@@ -103,7 +104,7 @@ fn extrapolate_stress<R: Real, const D: usize>(
     }
     let columns = &neighbours[..=components(D)];
     let input = PassInput { pair, grid, position: &particles.position, columns, only: Only::All, packs };
-    input.run(&WallStressPass { zone }, wall_stress.each_mut().map(Vec::as_mut_slice));
+    input.run(&WallStressPass { pair, particles }, wall_stress.each_mut().map(Vec::as_mut_slice));
     // They are written only now, since the extrapolation reads stresses while it runs.
     for (column, found) in stress.iter_mut().zip(wall_stress.iter()) {
         for (row, (stress, found)) in column.iter_mut().zip(found).enumerate() {
@@ -114,18 +115,19 @@ fn extrapolate_stress<R: Real, const D: usize>(
     }
 }
 
-struct WallStressPass<'a> {
-    zone: &'a [Zone],
+struct WallStressPass<'a, R: Real, const D: usize> {
+    pair: &'a PairSettings,
+    particles: &'a ParticleArrays<R, D>,
 }
 
-impl<'a, R: Real, const D: usize> RowPass<R, D> for WallStressPass<'a> {
+impl<'a, R: Real, const D: usize> RowPass<R, D> for WallStressPass<'a, R, D> {
     type Outputs = [&'a mut [R]; 6];
     /// Mean T/ρ² by component, m⁵/(kg s²).
     type Sum = [f64; 6];
 
     #[inline(always)]
     fn includes(&self, row: usize) -> bool {
-        self.zone[row] == Zone::Wall
+        self.particles.zone[row] == Zone::Wall
     }
 
     #[inline(always)]
@@ -156,11 +158,33 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallStressPass<'a> {
     }
 
     #[inline(always)]
-    fn store(&self, _row: usize, slot: usize, means: [f64; 6], stress: &mut Self::Outputs) {
+    fn store(&self, row: usize, slot: usize, means: [f64; 6], stress: &mut Self::Outputs) {
+        let part = self.pair.wall_part(self.particles.patch[row]);
+        let means = if part.free_slip && !part.wall_function {
+            mirrored::<D>(means, std::array::from_fn(|d| self.particles.wall_normal[d][row].to_f64()))
+        } else {
+            means
+        };
         for (column, mean) in stress.iter_mut().zip(means).take(components(D)) {
             column[slot] = R::from_f64(mean);
         }
     }
+}
+
+/// Returns the mirror image S T S, S = I − 2 n nᵀ, of a symmetric tensor in the plane across a unit
+/// normal.
+fn mirrored<const D: usize>(tensor: [f64; 6], normal: [f64; D]) -> [f64; 6] {
+    let entry = |i: usize, j: usize| tensor[component::<D>(i, j)];
+    let along: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| entry(i, j) * normal[j]).sum());
+    let across: f64 = (0..D).map(|i| normal[i] * along[i]).sum();
+    let mut image = [0.0; 6];
+    for i in 0..D {
+        for j in i..D {
+            let shear = normal[i] * along[j] + along[i] * normal[j];
+            image[component::<D>(i, j)] = entry(i, j) - 2.0 * shear + 4.0 * normal[i] * normal[j] * across;
+        }
+    }
+    image
 }
 
 #[cfg(test)]
@@ -171,14 +195,16 @@ mod tests {
     use crate::pass::gradients::sum_gradients;
     use crate::pass::rates::TimeLevel;
     use crate::pass::samples::{SPACING, Sample, settings};
+    use crate::pass::settings::WallPartSettings;
     use crate::physics::viscosity::{Sps, Viscosity};
 
     const SHEAR: f64 = 7.0;
 
     /// Plane shear over a wall, periodic in no direction.
-    fn sheared<const D: usize>(counts: [usize; D]) -> Sample<f64, D> {
+    fn sheared<const D: usize>(counts: [usize; D], part: WallPartSettings) -> Sample<f64, D> {
         let pair = PairSettings {
             viscous_term: Viscosity::Sps(Sps::default()),
+            wall_parts: vec![part],
             ..settings(Kernel::WendlandC2, D, 1.3)
         };
         let mut sample = Sample::<f64, D>::lattice(pair, counts, false);
@@ -189,6 +215,7 @@ mod tests {
             if height < 0.0 {
                 sample.particles.zone[row] = Zone::Wall;
                 sample.particles.velocity[0][row] = 0.0;
+                sample.particles.wall_normal[1][row] = 1.0;
             }
         }
         sum_gradients(&sample.pair, &sample.grid, &sample.particles, TimeLevel::Present, &mut sample.sums);
@@ -197,7 +224,7 @@ mod tests {
     }
 
     fn check<const D: usize>(counts: [usize; D], middle: u32) {
-        let mut sample = sheared(counts);
+        let mut sample = sheared(counts, WallPartSettings::default());
         let eddy = (0.12 * SPACING).powi(2) * SHEAR;
         let shear_stress = eddy * SHEAR / 1000.0;
         let normal_stress = -2.0 / 3.0 * 0.0066 * (SPACING * SHEAR).powi(2) / 1000.0;
@@ -234,6 +261,41 @@ mod tests {
             let force = column[row].abs();
             assert!(force < 1e-9 * shear_stress * 1000.0 / SPACING, "dv/dt = {force} m/s²");
         }
+    }
+
+    /// Mean of flow and wall at the surface: without shear, the normal stress unchanged. A wall
+    /// function takes its stress elsewhere and keeps the mean.
+    #[test]
+    fn free_slip_wall_takes_no_shear_of_the_sub_particle_stress() {
+        let free_slip = WallPartSettings { free_slip: true, wall_function: false };
+        for (part, sign) in [(free_slip, -1.0), (WallPartSettings { wall_function: true, ..free_slip }, 1.0)]
+        {
+            let sample = sheared([13, 12], part);
+            let stress = sample.sums.stress.read(AfterPasses);
+            // The second and the third wall row of the middle see the same flow.
+            let (wall, fluid) = (13 * 3 + 6, 13 * 8 + 6);
+            assert_eq!(
+                (sample.particles.zone[wall], sample.particles.zone[fluid]),
+                (Zone::Wall, Zone::Fluid)
+            );
+            let shear = component::<2>(0, 1);
+            assert!(stress[shear][wall] * sign > 0.1 * stress[shear][fluid], "{part:?}");
+            assert!(stress[1][wall] < 0.0 && stress[0][wall] < 0.0, "{part:?}");
+        }
+        let tensor = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let normal = [0.6, 0.0, 0.8];
+        let image = mirrored::<3>(tensor, normal);
+        let shear = |tensor: [f64; 6], along: [f64; 3]| -> f64 {
+            let entry = |i: usize, j: usize| tensor[component::<3>(i, j)];
+            (0..3)
+                .flat_map(|i| (0..3).map(move |j| (i, j)))
+                .map(|(i, j)| along[i] * entry(i, j) * normal[j])
+                .sum()
+        };
+        for along in [[0.8, 0.0, -0.6], [0.0, 1.0, 0.0]] {
+            assert!((shear(tensor, along) + shear(image, along)).abs() < 1e-12);
+        }
+        assert!((shear(tensor, normal) - shear(image, normal)).abs() < 1e-12);
     }
 
     #[test]

@@ -10,14 +10,14 @@ use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::{Lanes, dot};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::physics::wall::image;
 use crate::physics::wave_sums::{WaveLanes, WavePair, WaveSetting, WaveSums};
 
-/// Largest number of columns besides the coordinates: velocity, density, image distance.
-const MOST_COLUMNS: usize = 3 + 2;
+/// Largest number of columns besides the coordinates: velocity, density, image distance, normal.
+const MOST_COLUMNS: usize = 3 + 2 + 3;
 
 /// Sums of one particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,8 +31,9 @@ pub struct WaveFound {
 /// Sums over the neighbours of the particles of `rows`, which must be in ascending order, into
 /// `found`.
 ///
-/// Walls enter as images without a velocity cap and without slip, whatever the wall model of the
-/// scene.
+/// Walls enter as images without a velocity cap, or as ghosts where the wall model is `Ghost`. The
+/// image of a free-slip wall differs from the particle in its normal velocity alone, so that such a
+/// wall does not slow the stream of the zone.
 pub fn sum_waves<R: Real, const D: usize>(
     setting: &WaveSetting,
     pair: &PairSettings,
@@ -43,18 +44,25 @@ pub fn sum_waves<R: Real, const D: usize>(
     found: &mut Vec<WaveFound>,
 ) {
     sums.packs.prepare();
-    let has_walls = sums.columns.find_walls(pair, particles) > 0;
+    let has_walls = sums.columns.find_images(pair, particles);
+    let free_slip = has_walls && pair.has_free_slip();
     found.resize(rows.len(), WaveFound::default());
     let mut columns: [&[R]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
     for d in 0..D {
         columns[d] = &particles.velocity[d];
+        columns[D + 2 + d] = &particles.wall_normal[d];
     }
     columns[D] = &particles.density;
     columns[D + 1] = &sums.columns.image_distance;
-    let columns = &columns[..if has_walls { D + 2 } else { D + 1 }];
+    let wall_columns = match (has_walls, free_slip) {
+        (false, _) => 0,
+        (true, false) => 1,
+        (true, true) => 1 + D,
+    };
+    let columns = &columns[..D + 1 + wall_columns];
     let position = &particles.position;
     let input = PassInput { pair, grid, position, columns, only: Only::All, packs: &sums.packs };
-    input.run_at(&WavePass { setting, pair, particles, has_walls }, rows, found);
+    input.run_at(&WavePass { setting, pair, particles, has_walls, free_slip }, rows, found);
 }
 
 struct WavePass<'a, R: Real, const D: usize> {
@@ -62,6 +70,8 @@ struct WavePass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
     particles: &'a ParticleArrays<R, D>,
     has_walls: bool,
+    /// True if some walls slip.
+    free_slip: bool,
 }
 
 impl<R: Real, const D: usize> PointPass<R, D> for WavePass<'_, R, D> {
@@ -91,8 +101,12 @@ impl<R: Real, const D: usize> PointPass<R, D> for WavePass<'_, R, D> {
             normal[d] = L::constant(self.setting.normal[d]);
         }
         let wall_distance = self.particles.wall_distance[row].to_f64();
-        let inverse_distance =
-            L::constant(image::inverse_distance(wall_distance, self.pair.discretisation.spacing));
+        let (model, spacing) = (self.pair.wall_model, self.pair.discretisation.spacing);
+        let inverse_distance = L::constant(if model.mirrors_velocity() {
+            model.inverse_distance(wall_distance, spacing)
+        } else {
+            image::inverse_distance(wall_distance, spacing)
+        });
         let mass = L::constant(self.pair.discretisation.mass);
         let mut sums = WaveLanes::<L, D>::new();
         let mut concentration = [zero; D];
@@ -110,8 +124,17 @@ impl<R: Real, const D: usize> PointPass<R, D> for WavePass<'_, R, D> {
             let mut flows = one;
             if self.has_walls {
                 // The image velocity of a wall particle, as in the rates of the fluid.
-                let image = entry.column(D + D + 1);
+                let signed = entry.column(D + D + 1);
+                let image = signed.abs();
                 let stretch = image.mul_add(inverse_distance, one);
+                if self.free_slip {
+                    let slips = signed.less(zero);
+                    let normal = entry.vector::<D>(D + D + 2);
+                    let across = dot(normal, v_ob);
+                    for d in 0..D {
+                        v_ob[d] = L::select(slips, across * normal[d], v_ob[d]);
+                    }
+                }
                 for v in &mut v_ob {
                     *v = *v * stretch;
                 }
@@ -141,9 +164,11 @@ mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
     use crate::math::lanes::{Array, InstructionSet};
+    use crate::particles::rows::real_vector;
     use crate::particles::zone::Zone;
     use crate::pass::neighbours::Neighbours;
     use crate::pass::samples::{SPACING, Sample, settings};
+    use crate::pass::settings::WallPartSettings;
     use crate::physics::wave_sums::{ReferenceFrame, TransverseOperator};
 
     /// The sums of a row, neighbour by neighbour.
@@ -161,15 +186,18 @@ mod tests {
         let point = std::array::from_fn(|d| particles.position[d][row]);
         Neighbours::new(grid, particles).for_each(point, |b, x_ob, r_squared| {
             let wall = particles.zone[b] == Zone::Wall;
+            let slips = wall && pair.wall_part(particles.patch[b]).free_slip;
             let stretch = if wall { 1.0 + particles.wall_distance[b].to_f64() / d_o } else { 1.0 };
             let (v_o, v_b) = (particles.velocity_of(row), particles.velocity_of(b));
+            let n = real_vector(&particles.wall_normal, b);
+            let v_ob = if slips { n * n.dot(v_o - v_b) } else { v_o - v_b };
             let volume = pair.discretisation.mass / particles.density[b].to_f64();
             let f = pair.discretisation.f(r_squared.sqrt());
             sums.add(
                 setting,
                 &WavePair {
                     x_ob: x_ob.map(|x| Array([x / h])),
-                    v_ob: std::array::from_fn(|d| Array([(v_o[d] - v_b[d]) * stretch])),
+                    v_ob: std::array::from_fn(|d| Array([v_ob[d] * stretch])),
                     v_n_b: Array([v_b.dot(setting.normal)]),
                     volume: Array([volume]),
                     w: Array([pair.discretisation.w(r_squared.sqrt()) / pair.discretisation.kernel_scale()]),
@@ -184,22 +212,27 @@ mod tests {
         WaveFound { sums: sums.total(f_scale, h), concentration }
     }
 
-    fn check<R: Real, const D: usize>(set: InstructionSet, has_walls: bool, tolerance: f64) {
+    /// Checks flow over a wall that slips or not, or without a wall.
+    fn check<R: Real, const D: usize>(set: InstructionSet, walls: Option<bool>, tolerance: f64) {
         for transverse in [
             None,
             Some(TransverseOperator::Normalised),
             Some(TransverseOperator::Printed),
             Some(TransverseOperator::Consistent),
         ] {
+            let part = WallPartSettings { free_slip: walls == Some(true), ..Default::default() };
             let pair = settings(Kernel::WendlandC2, D, 1.5);
-            let mut sample = Sample::<R, D>::lattice(PairSettings { lanes: set, ..pair }, [8; D], false);
+            let pair = PairSettings { lanes: set, wall_parts: vec![part], ..pair };
+            let mut sample = Sample::<R, D>::lattice(pair, [8; D], false);
             sample.stir(0.2, 1.0);
             for row in 0..sample.particles.len() {
                 let height = sample.particles.position[1][row] + 0.3;
                 sample.particles.wall_distance[row] =
                     R::from_f64((height - 3.0 * SPACING).abs() + 0.1 * SPACING);
-                if has_walls && height < 3.0 * SPACING {
+                if walls.is_some() && height < 3.0 * SPACING {
                     sample.particles.zone[row] = Zone::Wall;
+                    sample.particles.wall_normal[0][row] = R::from_f64(-0.28);
+                    sample.particles.wall_normal[1][row] = R::from_f64(0.96);
                 }
             }
             let setting = WaveSetting {
@@ -231,10 +264,10 @@ mod tests {
     #[test]
     fn sums_agree_with_the_scalar_formulas() {
         for set in InstructionSet::available() {
-            for has_walls in [false, true] {
-                check::<f64, 2>(set, has_walls, 1e-11);
-                check::<f64, 3>(set, has_walls, 1e-11);
-                check::<f32, 3>(set, has_walls, 1e-4);
+            for walls in [None, Some(false), Some(true)] {
+                check::<f64, 2>(set, walls, 1e-11);
+                check::<f64, 3>(set, walls, 1e-11);
+                check::<f32, 3>(set, walls, 1e-4);
             }
         }
     }

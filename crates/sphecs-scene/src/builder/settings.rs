@@ -30,6 +30,11 @@ impl From<WallFitted> for Fill {
 description! {
     /// A square or cubic lattice of fluid particles.
     pub struct Lattice {
+        /// Sets the angle by which its axes are turned anticlockwise from those of the scene,
+        /// degrees; default that of the walls where one angle serves them.
+        angle: Number,
+        /// Sets the axis of the rotation in 3D, default z.
+        axis: Vector,
         /// Sets a corner at which cells of the lattice meet, m; default chosen so that walls lie
         /// between cells.
         anchor: Vector,

@@ -17,6 +17,9 @@ description! {
         slip: Slip,
         /// Sets the surface velocity, m/s, default rest.
         velocity: VectorFormula,
+        /// Sets the arrangement of the particles behind the surface, default on the lattice of the
+        /// fluid.
+        fill: WallFill,
     } lists {
         /// Adds a part that differs from the rest.
         part -> parts: WallPart,
@@ -42,8 +45,7 @@ description! {
         slip: Slip,
         /// Sets the surface velocity, m/s, default rest.
         velocity: VectorFormula,
-        /// Sets the arrangement of the particles behind the surface, default on the lattice of the
-        /// fluid.
+        /// Sets the arrangement of the particles behind the surface, default that of the walls.
         fill: WallFill,
     }
 }
@@ -58,6 +60,8 @@ impl WallPart {
 /// Arrangement of the particles of a wall part behind its surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum WallFill {
+    /// In layers along a surface of any shape, a spacing apart.
+    Layers,
     /// On rings in a cylinder, in 2D, a spacing apart.
     Concentric(Concentric),
 }

@@ -1,10 +1,14 @@
 //! Checks of the periodic directions and the fill.
 
+use glam::{DMat3, DVec3};
+
 use super::checker::Checker;
 use super::patches::Site;
+use super::shapes;
 use crate::faults::{Fault, advice};
 use crate::geometry::Shape;
 use crate::lattice::Lattice;
+use crate::lattice_rotation::rotation_to_walls;
 use crate::model::{Fill, Patch};
 use crate::notation::typed::Spanned;
 use crate::schema::{FillFile, Text};
@@ -96,21 +100,67 @@ fn mismatch(domain: &Shape, axis: usize, spacing: f64, dimensions: usize) -> Opt
     None
 }
 
-/// Returns the arrangement of particles; None if it has a fault.
+/// Reports a lattice that does not fit into a period, since its axes are turned from it.
+fn keeps_periods(rotation: DMat3, file: &Spanned<FillFile>, site: &Site<'_>, check: &mut Checker<'_>) {
+    for (axis, name) in AXES.iter().enumerate() {
+        if site.periodic[axis].is_some() && rotation.col(axis) != DVec3::AXES[axis] {
+            check.report(
+                Fault::new(
+                    format!("the lattice is turned away from the periodic axis {name}"),
+                    file.head,
+                    format!("must keep an axis along {name}, so that the rows meet across the period"),
+                )
+                .help("leave `angle` out"),
+            );
+        }
+    }
+}
+
+/// Returns the lattice with a rotation and an anchor, or those that serve the walls if there are
+/// any.
+fn lattice(
+    (rotation, anchor): (Option<DMat3>, Option<DVec3>),
+    site: &Site<'_>,
+    patches: &[&Patch],
+    walled: bool,
+) -> Lattice {
+    let &Site { domain, periodic, spacing, dimensions, .. } = site;
+    let fitted = |rotation| {
+        Lattice::turned_and_fitted(rotation, domain, patches, periodic, spacing, anchor, dimensions)
+    };
+    let lattice = fitted(rotation.unwrap_or(DMat3::IDENTITY));
+    // The tangents of round walls count as planes of less than a spacing or two.
+    let least = 4.0 * spacing.powi(dimensions as i32 - 1);
+    let lies_along_axes = lattice.fits.iter().any(|wall| wall.area > least);
+    if rotation.is_some() || !walled || lies_along_axes {
+        return lattice;
+    }
+    let rotation = rotation_to_walls(domain, patches, periodic, spacing, dimensions);
+    if rotation == DMat3::IDENTITY { lattice } else { fitted(rotation) }
+}
+
+/// Returns the arrangement of particles, its lattice turned to the walls if there are any; None if
+/// it has a fault.
 pub fn fill(
-    file: Option<&Spanned<FillFile>>,
+    (file, walled): (Option<&Spanned<FillFile>>, bool),
     site: &Site<'_>,
     patches: &[&Patch],
     check: &mut Checker<'_>,
 ) -> Option<Fill> {
-    let lattice =
-        |anchor| Lattice::fitted(site.domain, patches, site.periodic, site.spacing, anchor, site.dimensions);
+    let lattice = |rotation, anchor| lattice((rotation, anchor), site, patches, walled);
     let Some(file) = file else {
-        return Some(Fill::Lattice(lattice(None)));
+        return Some(Fill::Lattice(lattice(None, None)));
     };
     match &file.value {
-        FillFile::Lattice { anchor, jitter } => {
+        FillFile::Lattice { angle, axis, anchor, jitter } => {
             let before = check.fault_count();
+            let rotation = angle.as_ref().map(|angle| shapes::rotation(angle, axis.as_ref(), check));
+            if let Some(rotation) = rotation {
+                keeps_periods(rotation, file, site, check);
+            } else if let Some(axis) = axis {
+                let label = "must come with an `angle`";
+                check.report(Fault::new("the lattice has an axis but no angle", axis.span, label));
+            }
             let anchor = anchor.as_ref().map(|anchor| check.vector(anchor, "m"));
             let jitter = jitter.as_ref().map_or(0.0, |jitter| {
                 if !(0.0..=MOST_JITTER).contains(&jitter.value) {
@@ -119,7 +169,8 @@ pub fn fill(
                 }
                 jitter.value
             });
-            (check.fault_count() == before).then(|| Fill::Lattice(Lattice { jitter, ..lattice(anchor) }))
+            (check.fault_count() == before)
+                .then(|| Fill::Lattice(Lattice { jitter, ..lattice(rotation, anchor) }))
         }
         FillFile::WallFitted { lower, upper } => {
             let (low, high) = (check.formula(lower), check.formula(upper));

@@ -95,8 +95,8 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     let time = settings::time(&file.time, &scheme, check);
     let end = (check.fault_count() == before_time).then_some(time.end);
     let output = settings::output(&file.output, end, check);
-    let (walls, wall_regions, rings) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
-    let bodies = bodies::bodies(file, (&walls, &wall_regions, &domain), time.end, check);
+    let (walls, wall_layout) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
+    let bodies = bodies::bodies(file, (&walls, &wall_layout.regions, &domain), time.end, check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), is_valid, check);
     let site = patches::Site {
         domain: &domain,
@@ -115,7 +115,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     }
     let BoundaryZones { zones, container, confines } = boundary_zones(&inlets, &outlets, &site);
     let patches = patches_of(&inlets, &outlets);
-    let fill = layout::fill(file.fill.as_ref(), &site, &patches, check)?;
+    let fill = layout::fill((file.fill.as_ref(), file.walls.is_some()), &site, &patches, check)?;
     let unopened = unopened(check, &patches, spacing);
     let mut scene = Scene {
         name: source.name.to_owned(),
@@ -131,7 +131,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         scheme,
         body_force,
         container,
-        layout: Layout { fill, confines, zones, wall_regions, rings, unopened, walled: file.walls.is_some() },
+        layout: laid_out(fill, (zones, confines), wall_layout, unopened, file.walls.is_some()),
         domain,
         walls,
         bodies,
@@ -150,6 +150,18 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     }
     settings::derive(&mut scene, file);
     Some(scene)
+}
+
+/// Returns the layout of the particles.
+fn laid_out(
+    fill: Fill,
+    (zones, confines): (Vec<Shape>, Shape),
+    walls: walls::WallLayout,
+    unopened: Vec<UnopenedPart>,
+    walled: bool,
+) -> Layout {
+    let walls::WallLayout { regions: wall_regions, rings, layered } = walls;
+    Layout { fill, confines, zones, wall_regions, rings, layered, unopened, walled }
 }
 
 fn patches_of<'a>(inlets: &'a [Inlet], outlets: &'a [Outlet]) -> Vec<&'a Patch> {

@@ -63,7 +63,7 @@ pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> 
     }
     let inwards = if file.is_inlet { towards } else { -towards };
     on_surface(file, at, inwards, site, check)?;
-    let across = across(towards, site.dimensions);
+    let across = across(site.domain, towards, site.dimensions);
     let mut patch = Patch {
         name: file.name.map_or_else(|| file.default_name.clone(), |name| name.value.clone()),
         at,

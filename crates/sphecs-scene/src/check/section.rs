@@ -8,6 +8,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::cut::{Cut, CutPart, CutPlane};
 use super::patches::Site;
+use crate::geometry::directions::Direction;
 use crate::geometry::measure::exit_distance;
 use crate::geometry::{Clip, Shape};
 use crate::model::Patch;
@@ -16,7 +17,7 @@ use sphecs_core::boundary::section_raster::SectionRaster;
 
 /// Returns the unit vectors that span the plane, y and z for a flow along x; the second is zero in
 /// 2D.
-pub fn across(towards: DVec3, dimensions: usize) -> [DVec3; 2] {
+pub fn across(domain: &Shape, towards: DVec3, dimensions: usize) -> [DVec3; 2] {
     if dimensions == 2 {
         return [DVec3::new(-towards.y, towards.x, 0.0), DVec3::ZERO];
     }
@@ -27,7 +28,29 @@ pub fn across(towards: DVec3, dimensions: usize) -> [DVec3; 2] {
         .min_by(|a, b| a.dot(towards).abs().total_cmp(&b.dot(towards).abs()))
         .unwrap_or(DVec3::Y);
     let first = (least - least.dot(towards) * towards).normalize();
+    let first =
+        if towards.abs().max_element() < 1.0 - ALONG { nearest_side(domain, towards, first) } else { first };
     [first, towards.cross(first)]
+}
+
+/// Largest cosine of perpendicular directions, and 1 − cosine of parallel ones.
+const ALONG: f64 = 1e-9;
+
+/// Returns the direction across a flow that is nearest to `first` and perpendicular to a plane of
+/// the domain; `first` without such a plane. So the section of a tilted duct is a rectangle along
+/// its walls.
+fn nearest_side(domain: &Shape, towards: DVec3, first: DVec3) -> DVec3 {
+    let mut directions = Vec::new();
+    domain.directions(&mut directions);
+    let normals = directions.into_iter().filter_map(|direction| match direction {
+        Direction::Plane { normal, .. } => Some(normal),
+        Direction::Side { .. } => None,
+    });
+    let sides = normals.filter(|normal| normal.dot(towards).abs() < ALONG);
+    let nearest = sides.max_by(|a, b| a.dot(first).abs().total_cmp(&b.dot(first).abs()));
+    // Perpendicular to the flow in spite of rounding.
+    let straight = |side: DVec3| (side - side.dot(towards) * towards).normalize() * side.dot(first).signum();
+    nearest.map_or(first, straight)
 }
 
 /// Returns the distance from a point inside to the surface along a direction, m, by steps and

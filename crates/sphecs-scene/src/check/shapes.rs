@@ -86,7 +86,7 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
 }
 
 /// Returns a rotation by an angle (°) about an axis, about z in 2D; quarter turns are exact.
-fn rotation(angle: &Number, axis: Option<&Vector>, check: &mut Checker<'_>) -> DMat3 {
+pub fn rotation(angle: &Number, axis: Option<&Vector>, check: &mut Checker<'_>) -> DMat3 {
     let angle = check.finite(angle, "°").to_radians();
     let axis = match axis {
         Some(axis) if check.dimensions == 3 => check.direction(axis),

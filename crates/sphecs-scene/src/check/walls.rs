@@ -5,31 +5,56 @@ use super::shapes;
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::geometry::Shape;
-use crate::model::{Rings, WallPart, Walls};
+use crate::model::{Fill, Rings, Scene, WallPart, Walls};
 use crate::notation::typed::Spanned;
-use crate::schema::{WallFillFile, WallsFile};
+use crate::rings::FirstRing;
+use crate::schema::{Number, SceneFile, Vector, WallFillFile, WallsFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
-/// Returns the wall parts, the regions of the parts after the first, and the rings of their
-/// particles.
+/// Places of the particles of the wall parts.
+#[derive(Debug, Default)]
+pub struct WallLayout {
+    /// Regions of the parts after the first.
+    pub regions: Vec<Shape>,
+    /// Cylinders whose particles lie on rings.
+    pub rings: Vec<Rings>,
+    /// Indices of the parts whose particles lie in layers.
+    pub layered: Vec<u16>,
+}
+
+/// Returns the wall parts and the places of their particles.
 pub fn walls(
     file: Option<&Spanned<WallsFile>>,
     (domain, spacing): (&Shape, f64),
     check: &mut Checker<'_>,
-) -> (Walls, Vec<Shape>, Vec<Rings>) {
+) -> (Walls, WallLayout) {
     let rest = |slip: Slip, velocity: [Expression; 3]| WallPart { name: "walls".to_owned(), slip, velocity };
     let at_rest = || std::array::from_fn(|_| Expression::Constant(0.0));
     let Some(file) = file.map(|file| &file.value) else {
         let parts = vec![rest(Slip::NoSlip, at_rest())];
         let model = WallModel::default();
-        return (Walls { model, parts }, Vec::new(), Vec::new());
+        return (Walls { model, parts }, WallLayout::default());
     };
     if let Some(fault) = file.model.fault() {
         check.report(Fault::placeless(fault));
     }
     let mut parts = vec![rest(file.slip, check.components_or_zero(file.velocity.as_ref()))];
-    let (mut regions, mut rings) = (Vec::new(), Vec::new());
+    let WallLayout { mut regions, mut rings, mut layered } = WallLayout::default();
+    let all = file.fill.as_ref();
+    if let Some(fill) = all {
+        match fill.value {
+            WallFillFile::Layers => layered.push(0),
+            WallFillFile::Concentric { .. } => check.report(
+                Fault::new(
+                    "`Concentric` of all walls",
+                    fill.head,
+                    "must be the `fill` of a part of the walls",
+                )
+                .help("`parts: [(name: \"cylinder\", region: …, fill: Concentric(…))]`"),
+            ),
+        }
+    }
     for part in &file.parts {
         let name = &part.name;
         if parts.iter().any(|other| other.name == name.value) {
@@ -39,14 +64,42 @@ pub fn walls(
                 "must differ (the rest is called `walls`)",
             ));
         }
-        rings.extend(part.fill.as_ref().and_then(|fill| concentric(fill, (domain, spacing), check)));
+        let is_layered = match part.fill.as_ref().map(|fill| (fill, &fill.value)) {
+            None => layered.first() == Some(&0),
+            Some((_, WallFillFile::Layers)) => true,
+            Some((fill, WallFillFile::Concentric { center, radius, first })) => {
+                let circle = (center, radius, *first);
+                rings.extend(concentric(circle, fill, (domain, spacing), check));
+                false
+            }
+        };
         let velocity = check.components_or_zero(part.velocity.as_ref());
         if let Some(region) = shapes::shape(&part.region.value, check) {
             regions.push(region);
+            if is_layered {
+                layered.push(parts.len() as u16);
+            }
             parts.push(WallPart { name: name.value.clone(), slip: part.slip.unwrap_or(file.slip), velocity });
         }
     }
-    (Walls { model: file.model, parts }, regions, rings)
+    (Walls { model: file.model, parts }, WallLayout { regions, rings, layered })
+}
+
+/// Reports walls with an arrangement of their own beside `WallFitted`, whose rows continue into the
+/// walls.
+pub fn fitted_twice(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
+    let Some(walls) = file.walls.as_ref().filter(|_| matches!(scene.layout.fill, Fill::WallFitted { .. }))
+    else {
+        return;
+    };
+    let of_parts = walls.value.parts.iter().filter_map(|part| part.fill.as_ref());
+    for fill in walls.value.fill.iter().chain(of_parts) {
+        let label = "must be left out: the rows of `WallFitted` continue into the walls";
+        faults.push(
+            Fault::new("walls cannot have a `fill` beside `WallFitted`", fill.head, label)
+                .help("or leave out `fill: WallFitted(…)` of the scene"),
+        );
+    }
 }
 
 /// Largest distance of the circle of `Concentric` from the surface of the domain, over Δ.
@@ -55,14 +108,13 @@ const OFF_THE_SURFACE: f64 = 1e-3;
 /// Returns the rings of a cylinder, which must be the surface of the domain; None if it has a
 /// fault.
 fn concentric(
+    (center, radius, first): (&Vector, &Number, FirstRing),
     file: &Spanned<WallFillFile>,
     (domain, spacing): (&Shape, f64),
     check: &mut Checker<'_>,
 ) -> Option<Rings> {
     let before = check.fault_count();
-    let WallFillFile::Concentric { center, radius, first } = &file.value;
-    let rings =
-        Rings { centre: check.vector(center, "m"), radius: check.positive(radius, "m"), first: *first };
+    let rings = Rings { centre: check.vector(center, "m"), radius: check.positive(radius, "m"), first };
     if check.dimensions != 2 {
         let label = "must be left out in 3D";
         check.report(Fault::new("`Concentric` is for cylinders in 2D", file.head, label));

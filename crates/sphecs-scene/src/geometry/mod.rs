@@ -4,6 +4,7 @@
 //! * [`polygon`]: polygon and its extrusion
 //! * [`bend`]: a section swept along an arc
 //! * [`measure`]: bounds, gradient, nearest surface point
+//! * [`directions`]: directions of plane and straight surfaces, rotation
 //!
 //! Outside, the distance to a primitive and to a union is exact. Inside a union and on either side
 //! of an intersection or difference it is a lower bound in size; its sign is correct everywhere. To
@@ -15,6 +16,7 @@ use glam::{DMat3, DVec2, DVec3};
 use sphecs_core::boundary::section_raster::SectionRaster;
 
 pub mod bend;
+pub mod directions;
 pub mod measure;
 pub mod polygon;
 pub mod primitives;

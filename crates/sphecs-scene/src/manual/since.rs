@@ -21,6 +21,10 @@ const NEWER: [(&str, &[&str]); 2] = [
             "OutletCondition.Windkessel",
             "OutletCondition.FlowShare",
             "Acoustics",
+            "Fill.Lattice.angle",
+            "Fill.Lattice.axis",
+            "Walls.fill",
+            "WallFill.Layers",
         ],
     ),
     (

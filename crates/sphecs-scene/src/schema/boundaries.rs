@@ -25,6 +25,9 @@ pub struct WallsFile {
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// Arrangement of their particles behind the surface, default on the lattice of the fluid.
+    #[serde(default)]
+    pub fill: Option<Spanned<WallFillFile>>,
     /// Parts with settings of their own, default none.
     #[serde(default)]
     pub parts: Vec<WallPartFile>,
@@ -52,7 +55,7 @@ pub struct WallPartFile {
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
-    /// Arrangement of its particles behind the surface, default on the lattice of the fluid.
+    /// Arrangement of its particles behind the surface, default that of the walls.
     #[serde(default)]
     pub fill: Option<Spanned<WallFillFile>>,
 }
@@ -63,6 +66,9 @@ pub struct WallPartFile {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", schemars(rename = "WallFill"))]
 pub enum WallFillFile {
+    /// Layers a spacing apart along a surface of any shape. Take it for walls oblique to the
+    /// lattice or curved, above all if they slip.
+    Layers,
     /// Rings a spacing apart in a cylinder, in 2D. Take it for a circular cylinder whose surface
     /// the lattice would roughen.
     Concentric {

@@ -247,6 +247,14 @@ impl Default for SchemeFile {
 pub enum FillFile {
     /// A square or cubic lattice. Take it unless walls are inclined or curved.
     Lattice {
+        /// Angle by which its axes are turned anticlockwise from those of the scene, degrees,
+        /// default that of the walls if one angle serves three quarters of them and none lies along
+        /// an axis, else 0. Walls oblique to the lattice are rough.
+        #[serde(default)]
+        angle: Option<Number>,
+        /// Axis of the rotation in 3D, dimensionless, default z.
+        #[serde(default)]
+        axis: Option<Vector>,
         /// Corner at which cells of the lattice meet, m, default chosen so that walls lie between
         /// cells.
         #[serde(default)]

@@ -11,7 +11,7 @@ use super::shipped::scene;
 use crate::builder::{
     BendSection, Body, Concentric, EdacTvf, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice, MassFlow,
     MassFlux, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference, Reservoir, Rotation, SceneBuilder,
-    Shape, Time, Vector, WallFitted, WallPart, Walls, Wcsph, ron_text,
+    Shape, Time, Vector, WallFill, WallFitted, WallPart, Walls, Wcsph, ron_text,
 };
 use crate::expression::Constants;
 use crate::faults::SceneErrors;
@@ -204,7 +204,8 @@ fn complete() -> SceneBuilder {
         .velocity(("-y", "x"))
         .fill(rings);
     let body = Body::new("drum").about((0.0, 0.0)).velocity(1.0).area("2*R").length(0.1);
-    let walls = Walls::new().model(WallModel::default()).slip(Slip::NoSlip).velocity((0.0, 0.0)).part(part);
+    let walls = Walls::new().model(WallModel::default()).slip(Slip::NoSlip).velocity((0.0, 0.0));
+    let walls = walls.fill(WallFill::Layers).part(part);
     let opening = Inlet::default()
         .name("left")
         .depth("5*R")
@@ -225,7 +226,7 @@ fn complete() -> SceneBuilder {
                 .tensile_control(false)
                 .integrator(Integrator::KickDrift),
         )
-        .fill(Lattice::new().anchor((0.0, "R")).jitter(0.1))
+        .fill(Lattice::new().angle(0.0).axis((0.0, 0.0, 1.0)).anchor((0.0, "R")).jitter(0.1))
         .walls(walls)
         .body(body.mean((0.5, "10*R")).five_point_mean(true))
         .initial(Initial::new().velocity(("y", 0.0)).pressure("1000*y").tag(1.0))

@@ -11,3 +11,4 @@ mod schema_fields;
 mod sets;
 mod shapes;
 mod shipped;
+mod turned;

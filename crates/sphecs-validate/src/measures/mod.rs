@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::case::Case;
-use super::schema::{ReferenceFile, ValueFile};
+use super::schema::{FieldFile, ReferenceFile, ValueFile};
 use ensemble::Comparison;
 use measurement::Measurement;
 use sphecs_output::error::OutputError;
@@ -215,10 +215,11 @@ fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature
             let column = fields::column(&probe, field)?;
             waves::growth(&probe, &column, waves.value, (between.0.value, between.1.value))?
         }
-        ValueFile::Reflection { probe, waves, impedance, incident, reflected, .. } => {
+        ValueFile::Reflection { probe, waves, velocity, impedance, incident, reflected, .. } => {
             let intervals = [incident, reflected].map(|interval| (interval.0.value, interval.1.value));
             let waves = waves.map_or(0.0, |waves| waves.value);
-            waves::reflection(&*run.probe(&probe.value)?, waves, impedance.value, intervals)?
+            let velocity = velocity.as_ref().unwrap_or(&FieldFile::U);
+            waves::reflection(&*run.probe(&probe.value)?, velocity, waves, impedance.value, intervals)?
         }
         ValueFile::Departure { .. } | ValueFile::Order { .. } | ValueFile::Formula(_) => {
             return Err("needs more than one run".to_owned());

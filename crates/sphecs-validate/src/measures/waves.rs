@@ -60,18 +60,20 @@ pub fn growth(probe: &ProbeHistory, column: &[f64], waves: f64, between: (f64, f
 /// Returns the reflection coefficient, largest |p' − Z u'| in the second interval (s) over largest
 /// |p' + Z u'| in the first.
 ///
-/// Measured at a point or for a wave along a line across; `impedance` Z = ρ c/cos θ in kg/(m² s).
+/// Measured at a point or for a wave along a line across, with the velocity of a field;
+/// `impedance` Z = ρ c/cos θ in kg/(m² s).
 ///
 /// # Errors
 /// The probe has no such fields or times.
 pub fn reflection(
     probe: &ProbeHistory,
+    velocity: &FieldFile,
     waves: f64,
     impedance: f64,
     [incident, reflected]: [(f64, f64); 2],
 ) -> Result<f64, String> {
     let pressure = amplitudes(probe, &column(probe, &FieldFile::Pressure)?, waves);
-    let velocity = amplitudes(probe, &column(probe, &FieldFile::U)?, waves);
+    let velocity = amplitudes(probe, &column(probe, velocity)?, waves);
     let largest = |(from, to): (f64, f64), sign: f64| {
         let inside = (0..probe.times.len()).filter(|&index| (from..=to).contains(&probe.times[index]));
         let characteristic = |at: usize| {
@@ -123,7 +125,8 @@ mod tests {
             .collect();
         let columns = vec![("u", velocity), ("pressure", pressure)];
         let probe = ProbeHistory { places: vec![[0.0; 3]], times, columns, ..Default::default() };
-        let found = reflection(&probe, 0.0, rho_c, [(0.0, 1.0), (1.0, 2.0)]).expect("a coefficient");
+        let found =
+            reflection(&probe, &FieldFile::U, 0.0, rho_c, [(0.0, 1.0), (1.0, 2.0)]).expect("a coefficient");
         assert!((found - 0.2).abs() < 1e-9, "{found}");
     }
 }

@@ -110,6 +110,9 @@ pub enum ValueFile {
         /// Number of waves on the line, 0 for a point.
         #[serde(default)]
         waves: Option<Number>,
+        /// Velocity towards the outlet, default `u`.
+        #[serde(default)]
+        velocity: Option<FieldFile>,
         /// Impedance Z = ρ c/cos θ, kg/(m² s).
         impedance: Number,
         /// Interval of the incident wave, s.

@@ -216,7 +216,8 @@ mod tests {
 
     fn weight(scene: &Scene, gradient: f64, point: DVec3) -> Option<f64> {
         let balance = OutletBalance { gradient, ..OutletBalance::default() };
-        OutletForce::new(scene, &scene.outlets[0].patch, &balance, 0.5).map(|force| force.weight(point))
+        OutletForce::new(scene, &scene.outlets[0].patch, false, &balance, 0.5)
+            .map(|force| force.weight(point))
     }
 
     #[test]
@@ -246,7 +247,7 @@ mod tests {
         }
         let before = arrays.pressure.clone();
         let force =
-            OutletForce::new(&scene, &scene.outlets[0].patch, &OutletBalance::default(), 0.0).unwrap();
+            OutletForce::new(&scene, &scene.outlets[0].patch, false, &OutletBalance::default(), 0.0).unwrap();
         let mut buffers = ReducedBuffers::default();
         buffers.reduce(&force, &[2], &mut arrays);
         // The first particle is out of reach.
@@ -275,7 +276,7 @@ mod tests {
         let mut balance = OutletBalance::default();
         for _ in 0..2000 {
             arrays.acceleration[0].copy_from_slice(&friction);
-            let force = OutletForce::new(&scene, &scene.outlets[0].patch, &balance, 0.0).unwrap();
+            let force = OutletForce::new(&scene, &scene.outlets[0].patch, false, &balance, 0.0).unwrap();
             let motion = PlaneMotion { velocity: 0.1, acceleration: None, passage: 0.1, time_step: 1e-3 };
             balance.accelerate(&force, &motion, &rows, &mut arrays);
         }

@@ -267,7 +267,7 @@ fn follow_inflow<R: PairReal<D>, const D: usize>(
         pressure: 0.0,
         returned,
     };
-    if inlet.is_oblique() {
+    if scene.layout.fill.is_oblique(inlet.towards) {
         // The particle that crossed no longer counts in its line.
         arrays.zone[change.row] = Zone::Fluid;
         let line = InflowLine::of(inlet, point, scene.spacing);

@@ -133,3 +133,35 @@ fn spacing_that_is_too_coarse_is_a_fault() {
     let faults = faults_of(&text);
     assert!(faults.faults()[0].title.contains("too coarse"), "{faults:?}");
 }
+
+#[test]
+fn arrangements_that_exclude_each_other_are_faults() {
+    let walls = "walls: (slip: NoSlip)";
+    let periodic = "periodic: []";
+    let turned = "periodic: [], fill: Lattice(axis: (0.0, 0.0, 1.0))";
+    check(periodic, turned, "the lattice has an axis but no angle", "(0.0, 0.0, 1.0)");
+    let turned = "periodic: [], fill: Lattice(angle: 30.0, axis: (0.0, 0.0, 1.0))";
+    check(periodic, turned, "`axis` has no meaning in 2D", "(0.0, 0.0, 1.0)");
+    let box_of = SOUND.replace(
+        "inlets: [(at: (0.0, 0.2), towards: (1.0, 0.0), depth: 0.25, velocity: Normal(\"v0 * y\"))],",
+        "",
+    );
+    let box_of = box_of.replace(
+        "outlets: [(at: (1.0, 0.2), towards: (1.0, 0.0), depth: 0.4, condition: WaveEquation())],",
+        "",
+    );
+    let faults = faults_of(&box_of.replace(periodic, "periodic: [\"x\"], fill: Lattice(angle: 30.0)"));
+    assert_eq!(faults.faults()[0].title, "the lattice is turned away from the periodic axis x");
+    check(
+        walls,
+        "walls: (fill: Concentric(center: (0.5, 0.2), radius: 0.1))",
+        "`Concentric` of all walls",
+        "Concentric",
+    );
+    check(
+        walls,
+        "fill: WallFitted(lower: 0.0, upper: \"H\"), walls: (fill: Layers)",
+        "walls cannot have a `fill` beside `WallFitted`",
+        "Layers",
+    );
+}
