@@ -106,7 +106,7 @@ pub struct OpeningFlow {
     pub given: f64,
     /// Mean velocity U without sound, m/s.
     pub velocity: f64,
-    /// Mean velocity v̄ of the fluid next to the plane, m/s.
+    /// Mean velocity v̄ + e at which the zone carries the fluid off, m/s.
     pub measured_velocity: f64,
     /// Area A, m² (m in 2D).
     pub area: f64,
@@ -217,12 +217,14 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     memory: &mut DrivenMemory<L::State>,
 ) -> Plane {
     let impedance = zone.flow.impedance();
+    // What the zone carries off, which the balance of mass has made right.
+    let measured = mean.velocity + memory.excess_speed;
     let plane = &mut memory.wave.non_reflecting.plane;
     let through = zone.through_velocity.unwrap_or(0.0);
     let mut opening = OpeningFlow {
         given: zone.given,
-        velocity: through + plane.mean_velocity.unwrap_or(mean.velocity - through),
-        measured_velocity: mean.velocity,
+        velocity: through + plane.mean_velocity.unwrap_or(measured - through),
+        measured_velocity: measured,
         area: zone.patch.area,
         total_inflow: zone.total_inflow,
         impedance,
@@ -238,7 +240,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let followed = memory.followed.get_or_insert(target);
     let rate = (target - *followed) / lag;
     *followed -= (target - *followed) * (-zone.time_step / lag).exp_m1();
-    let outgoing = mean.pressure + impedance * mean.velocity;
+    let outgoing = mean.pressure + impedance * measured;
     let (pressure, waves) = match (law.acoustics(), prescribed) {
         (Acoustics::Reflected, _) => (target, Waves::Plane),
         (_, Some(velocity)) => (0.5 * (outgoing + target - impedance * velocity), Waves::All),
@@ -249,7 +251,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
                 density: zone.flow.density,
                 sound_speed: zone.flow.sound_speed,
             };
-            let rest = mean.velocity - through;
+            let rest = measured - through;
             (plane.advance(&setting, mean.pressure, rest, zone.time_step), Waves::All)
         }
     };
