@@ -35,7 +35,7 @@ use run_loop::RunLoop;
 use signals::{Signal, Signals};
 use threads::on_threads;
 
-use sphecs_output::folder::check_free;
+use sphecs_output::start::check_free;
 use sphecs_scene::model::Scene;
 
 /// Options of a run that are not part of its scene.
