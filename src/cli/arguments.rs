@@ -29,7 +29,7 @@ use sphecs_output::picture::{Colours, Field, Slice};
         sphecs resume runs/quickstart\n  \
         sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
         Exit codes: 0 done, 1 a required band was missed or a strict check has notes, 2 bad input, 3 the flow diverged, 4 input or output failed, \
-        75 wall-time limit reached, 130 interrupted, 143 terminated",
+        75 wall-time limit reached, 129 terminal closed, 130 interrupted, 143 terminated, 152 processor time used up",
     subcommand_required = true,
     arg_required_else_help = true
 )]

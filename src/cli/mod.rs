@@ -28,7 +28,8 @@ use arguments::{Arguments, Command};
 /// Reads the command line, runs the command and returns the exit code.
 ///
 /// 0 done, 1 a required band was missed, 2 bad input, 3 the flow diverged, 4 input or output
-/// failed, 75 wall-time limit reached, 130 interrupted, 143 terminated.
+/// failed, 75 wall-time limit reached, 129 terminal closed, 130 interrupted, 143 terminated,
+/// 152 processor time used up.
 pub fn main() -> ExitCode {
     failure::prepare_messages();
     let arguments = match Arguments::read(std::env::args_os()) {

@@ -1,13 +1,13 @@
-//! Start of a run inside its folder, which is made if it does not exist and never renamed.
+//! Start of a run in its folder. A folder that exists is used in place and never renamed.
 //!
-//! The folder may be the working folder, a mount point, the target of a link, or have permissions
+//! It may be the working folder, a mount point, the target of a link, or have permissions
 //! of its own. The initial files are written to a folder inside it, an earlier run is moved to
 //! another one, and then the initial files get their places. A start that is cut off leaves one of
 //! these folders; the next one puts the earlier run back before it begins.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rustix::fs::{Access, access};
 
@@ -114,22 +114,50 @@ fn entries(folder: &Path) -> Result<Vec<OsString>, OutputError> {
 /// As [`check_free`]; an earlier run is then untouched.
 pub fn start(path: &Path, force: bool, header: &Header) -> Result<Lock, OutputError> {
     check_free(path, force)?;
-    let is_new = !path.exists();
-    fs::create_dir_all(path).map_err(OutputError::io(path, "make the folder"))?;
-    let started = start_in(path, force, header);
-    if started.is_err() && is_new {
-        // Only an empty folder is removed: another process may have begun in it.
-        let _not_empty = fs::remove_dir(path);
+    if path.exists() {
+        return start_in(path, force, header);
     }
-    started
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(parent).map_err(OutputError::io(parent, "make the folder"))?;
+    // Processes that make the same folder wait for each other, so the second finds the run of the
+    // first. A file system without locks must not stop a run.
+    let _parent_lock = File::open(parent).ok().filter(|folder| folder.lock().is_ok());
+    if path.exists() {
+        return start_in(path, force, header);
+    }
+    let made = make(path, parent, header);
+    if made.is_err() {
+        remove_folder(&sibling(path))?;
+    }
+    made
 }
 
+/// Makes the folder of a run, which appears with its initial files.
+fn make(path: &Path, parent: &Path, header: &Header) -> Result<Lock, OutputError> {
+    let new = sibling(path);
+    remove_folder(&new)?;
+    write_initial_files(&new, header)?;
+    // The lock is renamed with its folder.
+    let lock = Lock::acquire(&new)?;
+    fs::rename(&new, path).map_err(OutputError::io(path, "make the folder"))?;
+    disk::sync_folder(parent)?;
+    Ok(lock)
+}
+
+fn sibling(path: &Path) -> PathBuf {
+    let mut name = OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(".new");
+    path.with_file_name(name)
+}
+
+/// Starts a run in a folder that exists.
 fn start_in(path: &Path, force: bool, header: &Header) -> Result<Lock, OutputError> {
     // Processes that start in the same folder wait for each other, so the second finds the run of
     // the first.
     let folder = File::open(path).map_err(OutputError::io(path, "read"))?;
     // A file system without locks must not stop a run.
-    let _folder_lock = folder.lock().is_ok().then_some(folder);
+    let _folder_lock = Some(folder).filter(|folder| folder.lock().is_ok());
     check_free(path, force)?;
     let was_locked = path.join(LOCK).exists();
     if [STAGED, PLACED].iter().all(|mark| !path.join(mark).exists()) {
