@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{SceneArguments, assignment, finite, positive};
+use super::arguments::SceneArguments;
+use super::values::{assignment, finite, positive, result_folder};
 
 /// `sphecs run`.
 #[derive(Args, Debug)]
@@ -24,7 +25,7 @@ pub struct RunArguments {
     )]
     pub input: SceneArguments,
     /// Folder for the results [default: `runs/` and the name of the scene]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = result_folder())]
     pub out: Option<PathBuf>,
     #[command(flatten)]
     #[expect(
