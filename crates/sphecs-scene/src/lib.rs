@@ -49,7 +49,9 @@ pub mod schema;
 pub mod scheme;
 pub mod spawn;
 pub mod summary;
+mod synonyms;
 mod text_file;
+mod units;
 pub mod wall_particles;
 
 #[cfg(test)]
