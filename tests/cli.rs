@@ -23,6 +23,10 @@ fn answer<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
     sphecs(arguments).output().expect("the program starts")
 }
 
+fn answer_of(command: &mut Command) -> Output {
+    command.output().expect("the program starts")
+}
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
@@ -222,6 +226,46 @@ fn earlier_run_is_replaced_only_by_force() {
     fs::write(other.join("thesis.tex"), "years").expect("written");
     refused(&short_run(&other, &["--force"]).output().expect("started"), 2, &["thesis"]);
     assert!(other.join("thesis.tex").exists());
+}
+
+/// Pictures, planes and times that the run does not have are refused, not replaced by others.
+#[test]
+fn requests_for_what_a_run_does_not_have_are_refused() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    let said = done(&short_run(&run, &["--steps", "20"]).output().expect("started"));
+    let checkpoints = fs::read_dir(run.join("checkpoints")).expect("checkpoints").count();
+    for entry in fs::read_dir(&run).expect("read").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        assert!(name == ".lock" || said.contains(&format!("  {name}")), "no `{name}` in:\n{said}");
+    }
+    assert!(said.contains(&format!("checkpoints/  {checkpoints} file")), "{said}");
+
+    let render = |more: &[&str]| sphecs(["render"]).arg(&run).args(more).output().expect("started");
+    refused(&render(&["--slice", "z"]), 2, &["2D", "leave `--slice` out"]);
+    refused(&render(&["--time", "99"]), 2, &["no frame near t = 99 s", "from 0 to"]);
+    refused(&render(&["-o", "flow.svg"]), 2, &["`.png`"]);
+    let plan = ["check", "scenes/quickstart.ron", "--slice", "y=0", "--no-timing", "--picture"];
+    let plan = sphecs(plan).arg(folder.path().join("plan.png")).output().expect("started");
+    refused(&plan, 2, &["leave `--slice` out"]);
+    let folder_as_scene = sphecs([run.as_os_str()]).output().expect("started");
+    refused(&folder_as_scene, 2, &["is a folder", "sphecs resume", "sphecs info"]);
+}
+
+#[test]
+fn misspelt_environment_variable_is_bad_input() {
+    let with =
+        |name, value| answer_of(sphecs(["check", "scenes/quickstart.ron", "--no-timing"]).env(name, value));
+    refused(&with("SPHECS_LANES", "avx3"), 2, &["`SPHECS_LANES`: is `avx3`", "`portable`"]);
+    refused(&with("RAYON_NUM_THREADS", "all"), 2, &["`RAYON_NUM_THREADS`", "whole number"]);
+    done(&with("SPHECS_LANES", ""));
+    done(&with("SPHECS_LANES", "portable"));
+}
+
+#[test]
+fn cases_are_listed_with_their_titles() {
+    let list = done(&answer(["validate", "--list"]));
+    assert!(list.lines().count() > 20 && list.contains("poiseuille  "), "{list}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ const SCENE: &str = include_str!("../scenes/quickstart.ron");
 
 /// Text of the scene, text that a user wrote in its place, and text that the message must suggest;
 /// empty where nothing can be.
-const MISTAKES: [(&str, &str, &str); 62] = [
+const MISTAKES: [(&str, &str, &str); 80] = [
     // Names of fields.
     ("dimensions: 2,", "dimension: 2,", "did you mean `dimensions`"),
     ("spacing: 1.25e-3", "spaceing: 1.25e-3", "did you mean `spacing`"),
@@ -35,7 +35,22 @@ const MISTAKES: [(&str, &str, &str); 62] = [
     ("probes: [", "probe: [", "did you mean `probes`"),
     ("kind: Line(from: (0.0, 0.0), to", "kind: Line(start: (0.0, 0.0), to", "write `from: …`"),
     ("count: 81", "counts: 81", "did you mean `count`"),
+    ("time: (end", "gravity: (0.0, -9.81), time: (end", "called `body_force`"),
+    ("spacing: 1.25e-3", "dx: 1.25e-3", "called `spacing`"),
+    ("viscosity: 1.0e-5", "mu: 1.0e-2", "ν = μ/ρ0"),
     // Choices.
+    (
+        "velocity: Normal(\"v0 * 0.5*(1 - cos(pi*min(t/t0, 1))) * (1 - 4*y^2/D^2)\")",
+        "velocity: (0.1, 0.0)",
+        "`Components((0.1, 0.0))`",
+    ),
+    (
+        "velocity: Normal(\"v0 * 0.5*(1 - cos(pi*min(t/t0, 1))) * (1 - 4*y^2/D^2)\")",
+        "velocity: 0.1",
+        "`Normal(0.1)`",
+    ),
+    ("time: (end", "walls: (slip: \"FreeSlip\"), time: (end", "without quotes: `FreeSlip`"),
+    ("domain: Difference([", "domain: Subtract([", "called `Difference`"),
     ("WaveEquation()", "WaveEqation()", "did you mean `WaveEquation`"),
     ("WaveEquation()", "Neumann()", "`Mirror`"),
     ("WaveEquation()", "Hybrd()", "did you mean `Hybrid`"),
@@ -52,7 +67,16 @@ const MISTAKES: [(&str, &str, &str); 62] = [
     // Numbers.
     ("spacing: 1.25e-3", "spacing: -1.25e-3", "must be finite and greater than 0"),
     ("spacing: 1.25e-3", "spacing: 0", "must be finite and greater than 0"),
-    ("spacing: 1.25e-3", "spacing: 1.25mm", "must be like"),
+    ("spacing: 1.25e-3", "spacing: 1.25mm", "write `0.00125`"),
+    ("spacing: 1.25e-3", "spacing: 1.25 mm", "write `0.00125`"),
+    ("spacing: 1.25e-3", "spacing: \"1.25 mm\"", "write `0.00125`"),
+    ("sound_speed: 2.0", "sound_speed: 200 cm/s", "write `2`"),
+    ("viscosity: 1.0e-5", "viscosity: \"10*1.0 mm^2/s\"", "multiply by `1e-6`"),
+    ("spacing: 1.25e-3", "spacing: 2*0.1", "in quotes: \"2*0.1\""),
+    ("spacing: 1.25e-3", "spacing: (1 + 2)/800", "in quotes: \"(1 + 2)/800\""),
+    ("spacing: 1.25e-3", "spacing: sqrt(2.0e-6)", "in quotes: \"sqrt(…)\""),
+    ("spacing: 1.25e-3", "spacing: \"0.1*x\"", "the number is the same everywhere"),
+    ("spacing: 1.25e-3", "spacing: \"0.1*q\"", "neither a constant nor a function"),
     ("spacing: 1.25e-3", "spacing: 1,25e-3", "has a point, not a comma"),
     ("spacing: 1.25e-3", "spacing: 1.25e-6", "raise `spacing` to at least"),
     ("dimensions: 2,", "dimensions: 1,", "must be 2 or 3"),
@@ -82,6 +106,11 @@ const MISTAKES: [(&str, &str, &str); 62] = [
     ("outlets: [(at: (\"L\", 0.0)", "outlets: [(at: (0.3, 0.0)", "it begins at (0.2, 0) m"),
     ("towards: (1.0, 0.0), condition", "towards: (-1.0, 0.0), condition", "turn the sign of `towards`"),
     ("from: (0.0, 0.0), to: (\"L\", 0.0)", "from: (0.0, 1.0), to: (\"L\", 1.0)", ""),
+    (
+        "inlets: [(\n        at: (0.0, 0.0)",
+        "periodic: [\"x\"], inlets: [(\n        at: (0.0, 0.0)",
+        "take \"x\" out of `periodic`",
+    ),
 ];
 
 /// A line with the text between two pieces of it left out, if both are in it.

@@ -157,7 +157,7 @@ fn series_has_a_picture_and_a_grid_per_frame() {
     run(&path, 3).finish(Summary::default()).expect("ended");
     let results = Results::open(&path).expect("a run");
     let options =
-        RenderOptions { width: 320, slice: Slice { axis: 0, at: None }, ..RenderOptions::default() };
+        RenderOptions { width: 320, slice: Some(Slice { axis: 0, at: None }), ..RenderOptions::default() };
     let mut counted = Vec::new();
     let pictures = render_all(&results, &options, &parent.path().join("flow.png"), |done, all| {
         counted.push((done, all))
@@ -166,10 +166,41 @@ fn series_has_a_picture_and_a_grid_per_frame() {
     assert_eq!(counted, [(1, 3), (2, 3), (3, 3)]);
     assert!(pictures.iter().all(|path| path.exists()) && pictures[2].ends_with("flow-0002.png"));
 
-    let series = export_vtu(&results, &path.join("vtk"), |_, _| {}).expect("exported");
-    let text = std::fs::read_to_string(series).expect("read");
-    assert_eq!(text.matches("<DataSet").count(), 3);
+    let export = export_vtu(&results, &path.join("vtk"), |_, _| {}).expect("exported");
+    let text = std::fs::read_to_string(&export.series).expect("read");
+    assert_eq!((text.matches("<DataSet").count(), export.removed), (3, 0));
     assert!(path.join("vtk/particles-00002.vtu").exists() && path.join("vtk/walls.vtu").exists());
+}
+
+/// The end of a longer series would be taken for that of the shorter one written over it.
+#[test]
+fn nothing_of_a_longer_series_stays_beside_a_shorter_one() {
+    let parent = tempfile::tempdir().expect("a folder");
+    let (path, vtk) = (parent.path().join("run"), parent.path().join("vtk"));
+    run(&path, 3).finish(Summary::default()).expect("ended");
+    let results = Results::open(&path).expect("a run");
+    export_vtu(&results, &vtk, |_, _| {}).expect("exported");
+    // Two more frames, and files that the export did not write.
+    for name in ["particles-00003.vtu", "particles-00004.vtu"] {
+        std::fs::copy(vtk.join("particles-00002.vtu"), vtk.join(name)).expect("copied");
+    }
+    let mine = ["particles-00005.vtu", "particles-6.vtu", "particles-00007.vtu.bak"];
+    for name in mine {
+        std::fs::write(vtk.join(name), "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">")
+            .expect("written");
+    }
+    let export = export_vtu(&results, &vtk, |_, _| {}).expect("exported");
+    assert_eq!(export.removed, 2);
+    assert!(!vtk.join("particles-00003.vtu").exists() && !vtk.join("particles-00004.vtu").exists());
+    assert!(vtk.join("particles-00002.vtu").exists() && mine.iter().all(|name| vtk.join(name).exists()));
+
+    let picture = parent.path().join("flow.png");
+    let longer = parent.path().join("flow-0003.png");
+    std::fs::write(&longer, "mine").expect("written");
+    let options = RenderOptions { width: 320, ..RenderOptions::default() };
+    let refused = render_all(&results, &options, &picture, |_, _| {}).expect_err("refused").to_string();
+    assert!(refused.contains("longer series") && refused.contains("3 frames"), "{refused}");
+    assert!(!parent.path().join("flow-0000.png").exists() && longer.exists());
 }
 
 #[test]
@@ -182,9 +213,16 @@ fn requests_that_do_not_match_the_run_are_refused() {
     let refused =
         |options: RenderOptions| render(&results, None, &options, &picture).expect_err("refused").to_string();
     let outside =
-        refused(RenderOptions { slice: Slice { axis: 2, at: Some(7.0) }, ..RenderOptions::default() });
+        refused(RenderOptions { slice: Some(Slice { axis: 2, at: Some(7.0) }), ..RenderOptions::default() });
     assert!(outside.contains("from 0.025 to 0.275 m"), "{outside}");
     let reversed = refused(RenderOptions { range: Some((1.0, 0.0)), ..RenderOptions::default() });
     assert!(reversed.contains("smaller"), "{reversed}");
+    // The frames are at 0, 0.1 and 0.25 s.
+    let at = |time| render(&results, Some(time), &RenderOptions::default(), &picture);
+    assert_eq!(at(0.39).expect("drawn"), 0.25);
+    for time in [99.0, 0.41, -0.16] {
+        let late = at(time).expect_err("refused").to_string();
+        assert!(late.contains("frames are from 0 to 0.25 s"), "{late}");
+    }
     assert!(Results::open(parent.path()).expect_err("refused").to_string().contains("is not a run"));
 }

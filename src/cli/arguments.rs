@@ -4,12 +4,14 @@ use std::ffi::{OsStr, OsString};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::help_arguments::{CompletionsArguments, ExplainArguments, ManArguments, NewArguments};
 use super::run_arguments::{ResumeArguments, RunArguments};
+use super::values::{
+    assignment, colours, fields, finite, picture_file, positive, range, result_folder, slice,
+};
 use sphecs_output::picture::{Colours, Field, Slice};
 
 /// Command line.
@@ -29,7 +31,7 @@ use sphecs_output::picture::{Colours, Field, Slice};
         sphecs resume runs/quickstart\n  \
         sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
         Exit codes: 0 done, 1 a required band was missed or a strict check has notes, 2 bad input, 3 the flow diverged, 4 input or output failed, \
-        75 wall-time limit reached, 130 interrupted, 143 terminated",
+        75 wall-time limit reached, 129 terminal closed, 130 interrupted, 143 terminated, 152 processor time used up",
     subcommand_required = true,
     arg_required_else_help = true
 )]
@@ -61,8 +63,14 @@ fn is_run_without_command(word: &OsStr) -> bool {
     let text = word.to_string_lossy();
     match text.strip_prefix('-') {
         Some(_) => !matches!(text.as_ref(), "-h" | "--help" | "-V" | "--version"),
-        None => text.contains(['.', '/', '\\']) || Path::new(word).is_file(),
+        None if text.contains(['.', '/', '\\']) => true,
+        // A folder here may be called as a command.
+        None => Path::new(word).exists() && !is_command(&text),
     }
+}
+
+fn is_command(word: &str) -> bool {
+    word == "help" || Arguments::command().find_subcommand(word).is_some()
 }
 
 /// Commands.
@@ -129,7 +137,7 @@ pub struct CheckArguments {
     )]
     pub input: SceneArguments,
     /// Draw walls, zones, openings and probes with their names into this PNG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = picture_file())]
     pub picture: Option<PathBuf>,
     /// Plane of the picture of a 3D scene, as `z` or `y=0.01` (m) [default: z in the middle]
     #[arg(long, value_name = "AXIS[=AT]", value_parser = slice, requires = "picture")]
@@ -161,14 +169,14 @@ pub struct RenderArguments {
     /// Field to draw
     #[arg(long, default_value = Field::Speed.name(), value_parser = fields())]
     pub field: Field,
-    /// Time of the frame, s; the nearest one is drawn [default: the last frame]
+    /// Time of the frame, s; the nearest one is drawn, at most one interval away [default: the last frame]
     #[arg(long, value_name = "T", conflicts_with = "all", value_parser = finite, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Draw every frame with one colour scale
     #[arg(long)]
     pub all: bool,
     /// Picture to write, PNG [default: name of the field, in the run folder]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = picture_file())]
     pub output: Option<PathBuf>,
     /// Ends of the colour scale, in the unit of the field [default: range of the field]
     #[arg(long, value_name = "MIN,MAX", value_parser = range, allow_hyphen_values = true)]
@@ -176,7 +184,7 @@ pub struct RenderArguments {
     /// Colour map [default: depends on the field]
     #[arg(long, value_name = "NAME", value_parser = colours())]
     pub colours: Option<Colours>,
-    /// Plane of a 3D flow, as `z` or `y=0.01` (m) [default: z in the middle]
+    /// Plane of a 3D flow, in 2D refused, as `z` or `y=0.01` (m) [default: z in the middle]
     #[arg(long, value_name = "AXIS[=AT]", value_parser = slice)]
     pub slice: Option<Slice>,
     /// Width of the picture, pixels
@@ -204,7 +212,7 @@ pub struct ExportArguments {
     #[arg(long, required = true)]
     pub vtu: bool,
     /// Folder to write [default: vtu in the run folder]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = result_folder())]
     pub output: Option<PathBuf>,
 }
 
@@ -216,62 +224,9 @@ pub struct PackArguments {
     pub run: PathBuf,
 }
 
-// Help and messages list the names of the fields and maps themselves.
-fn fields() -> impl TypedValueParser<Value = Field> {
-    PossibleValuesParser::new(Field::ALL.map(Field::name)).try_map(|name| name.parse::<Field>())
-}
-
-fn colours() -> impl TypedValueParser<Value = Colours> {
-    PossibleValuesParser::new(Colours::ALL.map(|(name, _)| name)).try_map(|name| {
-        let found = Colours::ALL.into_iter().find(|(known, _)| *known == name);
-        found.map(|(_, colours)| colours).ok_or("is not a colour map")
-    })
-}
-
-fn slice(text: &str) -> Result<Slice, String> {
-    let (axis, at) = match text.split_once('=') {
-        Some((axis, at)) => (axis, Some(finite(at)?)),
-        None => (text, None),
-    };
-    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
-    axis.map(|axis| Slice { axis, at })
-        .ok_or_else(|| "must be `x`, `y` or `z`, with a position as in `y=0.01`".to_owned())
-}
-
-pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
-            Ok((path.trim().to_owned(), value.trim().to_owned()))
-        }
-        _ => Err("must be `path=value`, as `fluid.sound_speed=1.0`".to_owned()),
-    }
-}
-
-pub(super) fn finite(text: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| "is not a number".to_owned())?;
-    if value.is_finite() { Ok(value) } else { Err("must be finite".to_owned()) }
-}
-
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    finite(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) })
-}
-
-fn range(text: &str) -> Result<(f64, f64), String> {
-    let (lower, upper) =
-        text.split_once(',').ok_or("must be two numbers separated by a comma, as `0,0.3`")?;
-    let (lower, upper) = (finite(lower)?, finite(upper)?);
-    if lower < upper {
-        Ok((lower, upper))
-    } else {
-        Err(format!("the lower end `{lower}` must be below the upper end `{upper}`"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::num::NonZeroUsize;
-
-    use clap::CommandFactory;
 
     use super::*;
 
@@ -328,6 +283,20 @@ mod tests {
     }
 
     #[test]
+    fn ending_of_a_picture_is_png() {
+        for (given, written) in
+            [("flow", "flow.png"), ("flow.PNG", "flow.PNG"), ("a.b/flow.png", "a.b/flow.png")]
+        {
+            let Command::Render(render) =
+                parse(&format!("sphecs render runs/a -o {given}")).expect("a render")
+            else {
+                panic!("not a render");
+            };
+            assert_eq!(render.output, Some(PathBuf::from(written)));
+        }
+    }
+
+    #[test]
     fn bench_takes_cases_and_numbers_of_threads() {
         let Command::Bench(bench) =
             parse("sphecs bench --case 2d-f32 --case channel --threads 1,4").expect("a bench")
@@ -363,6 +332,12 @@ mod tests {
         refused("sphecs render runs/a --range 3,1", "below");
         refused("sphecs render runs/a --all --time 3", "cannot be used with");
         refused("sphecs export runs/a", "--vtu");
+        refused("sphecs render runs/a -o flow.svg", "`.png`");
+        refused("sphecs render runs/a -o flow.v2", "`.png`");
+        refused("sphecs check flow.ron --picture flow.jpg", "`.png`");
+        refused("sphecs export runs/a --vtu -o flow.vtu", "a folder");
+        refused("sphecs flow.ron --out flow.nc", "a folder");
+        refused("sphecs validate --out report.JSON", "a folder");
         refused("sphecs bench --case 4d", "3d-sps-f64");
         refused("sphecs bench --threads 0", "--threads");
         refused("sphecs flow.ron --treads 2", "--threads");

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::values::result_folder;
 use sphecs_bench::cases::BenchCase;
 
 /// `sphecs bench`.
@@ -44,7 +45,7 @@ pub struct ValidateArguments {
     #[arg(long)]
     pub full: bool,
     /// Folder for runs, pages and plots
-    #[arg(long, value_name = "DIR", default_value = "runs/validation")]
+    #[arg(long, value_name = "DIR", default_value = "runs/validation", value_parser = result_folder())]
     pub out: PathBuf,
     /// Reuse completed runs of the same scene and version in the folder, resume interrupted ones
     #[arg(long)]

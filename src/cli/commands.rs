@@ -112,8 +112,7 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let seeds = on_threads(threads, || sphecs_scene::seeds(&scene)).map_err(RunError::Threads)?;
     if let Some(path) = &arguments.picture {
         make_parent(path)?;
-        let options =
-            RenderOptions { slice: arguments.slice.unwrap_or_default(), ..RenderOptions::default() };
+        let options = RenderOptions { slice: arguments.slice, ..RenderOptions::default() };
         picture::render_plan(&scene, &seeds, &options, path)?;
     }
     let options = CheckOptions { until: arguments.until, timed: !arguments.no_timing };
@@ -137,7 +136,7 @@ pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
         range: arguments.range,
         colours: arguments.colours,
         width: arguments.width,
-        slice: arguments.slice.unwrap_or_default(),
+        slice: arguments.slice,
     };
     let name = || arguments.run.join(arguments.field.name()).with_extension("png");
     let path = arguments.output.clone().unwrap_or_else(name);
@@ -176,8 +175,11 @@ pub fn info(arguments: &InfoArguments) -> Result<u8, Failure> {
 pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
     let results = Results::open(&arguments.run)?;
     let folder = arguments.output.clone().unwrap_or_else(|| arguments.run.join("vtu"));
-    let series = vtk::export_vtu(&results, &folder, counter("frames"))?;
-    Console::Normal.print(&format!("{} frames, open {}", results.len(), series.display()));
+    let export = vtk::export_vtu(&results, &folder, counter("frames"))?;
+    if export.removed > 0 {
+        Console::Normal.print(&format!("{} frames of an earlier, longer export removed", export.removed));
+    }
+    Console::Normal.print(&format!("{} frames, open {}", results.len(), export.series.display()));
     Ok(DONE)
 }
 
@@ -222,9 +224,8 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
 /// [`Failure::Validate`].
 pub fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
     if arguments.list {
-        for name in case::shipped() {
-            let case = case::Case::load(&name).map_err(ValidateError::from)?;
-            Console::Normal.print(&format!("{name:<16}  {}", case.file.title));
+        for (name, title) in case::titles().map_err(ValidateError::from)? {
+            Console::Normal.print(&format!("{name:<16}  {title}"));
         }
         return Ok(DONE);
     }

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{SceneArguments, assignment, finite, positive};
+use super::arguments::SceneArguments;
+use super::values::{assignment, finite, positive, result_folder};
 
 /// `sphecs run`.
 #[derive(Args, Debug)]
@@ -13,8 +14,9 @@ use super::arguments::{SceneArguments, assignment, finite, positive};
     sphecs run scenes/quickstart.ron --threads 2\n  \
     sphecs run scenes/duct3d.ron --smoke --steps 20 --out runs/duct_trial --force\n  \
     sphecs run scenes/square_bend.ron --max-walltime 23:50:00 --checkpoint-every 30min\n\n\
-    Ctrl-C or SIGTERM finishes the step, writes a checkpoint and a last frame and closes the files; a second one kills the run.\n\
-    SIGUSR1 writes a checkpoint and the run continues. `sphecs resume` resumes a run that was stopped or killed.")]
+    Ctrl-C, SIGTERM, SIGHUP or SIGXCPU finishes the step, writes a checkpoint and a last frame and closes the files; \
+    a second Ctrl-C or SIGTERM kills the run.\n\
+    SIGUSR1 or SIGUSR2 writes a checkpoint and the run continues. `sphecs resume` resumes a run that was stopped or killed.")]
 pub struct RunArguments {
     #[command(flatten)]
     #[expect(
@@ -23,7 +25,7 @@ pub struct RunArguments {
     )]
     pub input: SceneArguments,
     /// Folder for the results [default: `runs/` and the name of the scene]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = result_folder())]
     pub out: Option<PathBuf>,
     #[command(flatten)]
     #[expect(

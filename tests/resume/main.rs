@@ -2,6 +2,8 @@
 //! its folder.
 
 mod folder;
+#[cfg(unix)]
+mod place;
 mod program;
 mod rejected;
 mod stopped;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
 use sphecs_output::checkpoint::container;
 
 use crate::program::{QUICK, checkpoints, ends, folder, long_run, resume, run, same, sphecs, wait_for};
@@ -60,19 +60,65 @@ fn assert_resumes_identically(run_folder: &Path, what: &str) {
     same(&whole, run_folder, what);
 }
 
+/// Starts a run without an end through a program that sets how it takes signals.
+fn long_run_through(through: &[&str], out: &Path) -> Child {
+    let run = run(QUICK, out, &["--until", "1e6", "--allow-oversize"]);
+    let mut command = Command::new(through[0]);
+    command.args(&through[1..]).arg(run.get_program()).args(run.get_args());
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null()).stdout(Stdio::null());
+    let child = command.stderr(Stdio::piped()).spawn().expect("started");
+    wait_for(|| out.join("journal/frame-00000003.nc").exists());
+    child
+}
+
 #[test]
 fn signal_leaves_a_checkpoint_and_its_exit_code() {
-    for (signal, code) in [(SIGINT, 130), (SIGTERM, 143)] {
+    // The process that runs the tests may ignore a signal, and its children with it.
+    let default = ["env", "--default-signal"];
+    for (signal, code) in [(SIGINT, 130), (SIGTERM, 143), (SIGHUP, 129), (SIGXCPU, 152)] {
         let folder = folder();
         let out = folder.path().join("run");
-        let mut child = long_run(&out, &[]);
-        wait_for(|| out.join("journal/frame-00000003.nc").exists());
+        let mut child = long_run_through(&default, &out);
         send(&child, signal);
+        if [SIGHUP, SIGXCPU].contains(&signal) {
+            // Terminals and the system repeat these, so a second one does not kill.
+            send(&child, signal);
+        }
         assert_eq!(child.wait().expect("ended").code(), Some(code));
         assert_eq!(checkpoints(&out).len(), 1);
         // The last row and frame, which an uninterrupted run does not have, are cut off.
         assert_resumes_identically(&out, &format!("signal {signal}"));
     }
+}
+
+#[test]
+fn run_under_nohup_outlives_its_terminal() {
+    let folder = folder();
+    let out = folder.path().join("run");
+    let mut child = long_run_through(&["nohup"], &out);
+    send(&child, SIGHUP);
+    let frames = || fs::read_dir(out.join("journal")).map_or(0, Iterator::count);
+    let before = frames();
+    wait_for(|| frames() > before + 2);
+    assert!(child.try_wait().expect("a state").is_none(), "the run ended");
+    send(&child, SIGTERM);
+    assert_eq!(child.wait().expect("ended").code(), Some(143));
+}
+
+/// The system kills a process at this limit unless it handles the signal.
+#[test]
+fn file_beyond_its_limit_ends_the_run_in_order() {
+    let folder = folder();
+    let out = folder.path().join("run");
+    let quick = run(QUICK, &out, &["--steps", "400"]);
+    let mut command = Command::new("sh");
+    // Blocks of 512 bytes: the frames and tables fit, the checkpoint does not.
+    command.args(["-c", "ulimit -f 400; exec \"$0\" \"$@\""]).arg(quick.get_program()).args(quick.get_args());
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    let said = ends(command, 4);
+    assert!(said.contains("File too large"), "{said}");
+    let summary = fs::read_to_string(out.join("summary.json")).expect("a summary");
+    assert!(summary.contains("\"failed\""), "{summary}");
 }
 
 #[test]
@@ -83,7 +129,7 @@ fn checkpoint_is_written_on_request_and_the_run_continues() {
     wait_for(|| out.join("journal/frame-00000001.nc").exists());
     for count in 1..=3_usize {
         let before = checkpoints(&out).first().cloned();
-        send(&child, SIGUSR1);
+        send(&child, if count == 2 { SIGUSR2 } else { SIGUSR1 });
         wait_for(|| checkpoints(&out).first().cloned() != before);
         // The last two are kept; a third may exist until it is removed.
         wait_for(|| checkpoints(&out).len() == count.min(2));

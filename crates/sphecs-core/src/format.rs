@@ -3,7 +3,7 @@
 /// Returns a duration in s as `42 s`, `3 min 20 s` or `5 h 04 min`.
 pub fn duration(seconds: f64) -> String {
     if seconds < 9.95 {
-        return format!("{seconds:.1} s");
+        return format!("{} s", with_digits(seconds, 2));
     }
     let seconds = seconds.round() as u64;
     match seconds {
@@ -39,8 +39,12 @@ pub fn with_digits(value: f64, digits: usize) -> String {
     if value.is_infinite() {
         return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
     }
-    if value == 0.0 || value.is_nan() {
-        return format!("{value}");
+    if value == 0.0 {
+        // Without the sign of −0.
+        return "0".to_owned();
+    }
+    if value.is_nan() {
+        return "NaN".to_owned();
     }
     let decimals = digits.saturating_sub(1);
     if !(1e-3..1e5).contains(&size) {
@@ -48,6 +52,24 @@ pub fn with_digits(value: f64, digits: usize) -> String {
     }
     let decimals = (decimals as i32 - size.log10().floor() as i32).max(0) as usize;
     without_trailing_zeros(&format!("{value:.decimals$}"))
+}
+
+/// Returns a coordinate with four significant digits, or as many as a hundredth of `resolution`
+/// needs; a coordinate below a thousandth of it is `0`.
+pub fn coordinate(value: f64, resolution: f64) -> String {
+    let places = value.abs() / resolution;
+    if places < 1e-3 {
+        return "0".to_owned();
+    }
+    // A resolution of 0 leaves four digits.
+    let digits = if places.is_finite() { (places.log10().floor() as i32 + 3).clamp(4, 12) } else { 4 };
+    with_digits(value, digits as usize)
+}
+
+/// Returns a point as `(0.2, 0)`, each component as [`coordinate`] does.
+pub fn point(position: &[f64], resolution: f64) -> String {
+    let parts: Vec<String> = position.iter().map(|value| coordinate(*value, resolution)).collect();
+    format!("({})", parts.join(", "))
 }
 
 /// Returns `0.3` for `0.3000` and `4e-7` for `4.000e-7`.
@@ -83,9 +105,15 @@ mod tests {
 
     #[test]
     fn durations_and_counts_have_units_and_groups() {
-        for (seconds, text) in
-            [(0.04, "0.0 s"), (9.96, "10 s"), (59.4, "59 s"), (200.0, "3 min 20 s"), (18_240.0, "5 h 04 min")]
-        {
+        for (seconds, text) in [
+            (0.0, "0 s"),
+            (0.04, "0.04 s"),
+            (3.21, "3.2 s"),
+            (9.96, "10 s"),
+            (59.4, "59 s"),
+            (200.0, "3 min 20 s"),
+            (18_240.0, "5 h 04 min"),
+        ] {
             assert_eq!(duration(seconds), text);
         }
         for (count, text) in [(0, "0"), (999, "999"), (1000, "1 000"), (1_234_567, "1 234 567")] {
@@ -97,6 +125,7 @@ mod tests {
     fn numbers_have_four_digits_and_no_trailing_zeros() {
         let cases = [
             (0.0, "0"),
+            (-0.0, "0"),
             (0.3, "0.3"),
             (9.52e-4, "9.52e-4"),
             (1.428e-3, "0.001428"),
@@ -112,6 +141,15 @@ mod tests {
             assert_eq!(significant(value), text);
         }
         assert_eq!(with_digits(0.012345, 2), "0.012");
+    }
+
+    /// Of a channel of 100 µm, of one of 12 m, and of a place that rounding moved off the origin.
+    #[test]
+    fn places_have_the_digits_that_the_resolution_needs() {
+        assert_eq!(coordinate(1.234_567e-4, 1e-5), "1.235e-4");
+        assert_eq!(coordinate(12.345_678_9, 1e-3), "12.34568");
+        assert_eq!(coordinate(-12.0, 0.0), "-12");
+        assert_eq!(point(&[-1e-18, 0.2, -0.0], 1e-3), "(0, 0.2, 0)");
     }
 
     #[test]

@@ -91,10 +91,14 @@ pub fn test_write(folder: &Path) -> Option<std::io::Error> {
 ///
 /// None if the system cannot tell.
 pub fn free_space(folder: &Path) -> Option<u64> {
-    let absolute = std::path::absolute(folder).ok()?;
-    let place = absolute.ancestors().find(|place| place.exists())?;
-    let figures = rustix::fs::statvfs(place).ok()?;
+    let figures = rustix::fs::statvfs(existing_ancestor(folder)?).ok()?;
     Some(figures.f_bavail.saturating_mul(figures.f_frsize))
+}
+
+/// Returns a path or its nearest ancestor that exists; links are followed.
+pub fn existing_ancestor(path: &Path) -> Option<PathBuf> {
+    let absolute = std::path::absolute(path).ok()?;
+    absolute.ancestors().find(|place| place.exists()).map(Path::to_path_buf)
 }
 
 /// Removes a folder if it exists.
@@ -118,6 +122,16 @@ mod tests {
     fn missing_folder_has_the_free_space_of_its_ancestor() {
         let folder = tempfile::tempdir().expect("a folder");
         assert!(free_space(&folder.path().join("deep/run")).is_some_and(|free| free > 0));
+    }
+
+    /// The file system of /proc has no free space, the one of the link has some.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn space_is_that_of_the_target_of_a_link() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink("/proc", &link).expect("a link");
+        assert_eq!([free_space(&link), free_space(&link.join("deep/run"))], [Some(0); 2]);
     }
 
     #[test]

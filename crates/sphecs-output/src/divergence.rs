@@ -149,7 +149,7 @@ fn draw(header: &Header, clock: &Clock, diverged: &DivergedParticle, path: &Path
     let options = RenderOptions {
         field: Field::Speed,
         width: WIDTH,
-        slice: Slice { axis: 2, at: Some(around.centre.z) },
+        slice: (header.dimensions == 3).then_some(Slice { axis: 2, at: Some(around.centre.z) }),
         ..RenderOptions::default()
     };
     let slot = around.particles.iter().position(|near| near.id == diverged.id).unwrap_or_default();

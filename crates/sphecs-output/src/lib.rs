@@ -30,6 +30,7 @@ pub mod paths;
 pub mod picture;
 pub mod probes;
 pub mod results;
+pub mod start;
 pub mod summary;
 mod table;
 pub mod vtk;

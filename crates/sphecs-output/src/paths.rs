@@ -10,6 +10,12 @@ pub const TABLES: &str = "tables.json";
 pub const SUMMARY: &str = "summary.json";
 /// File that a process locks while it writes the run.
 pub const LOCK: &str = ".lock";
+/// Initial files of a run that is about to start.
+pub const STAGED: &str = ".sphecs-start";
+/// The same, while they get their places.
+pub const PLACED: &str = ".sphecs-placed";
+/// Earlier run until the new one has its initial files.
+pub const REPLACED: &str = ".sphecs-replaced";
 
 /// Folder of one file per frame while the run is not packed.
 pub const JOURNAL: &str = "journal";

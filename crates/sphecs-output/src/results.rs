@@ -9,6 +9,7 @@ use super::journal::frame_paths;
 use super::netcdf::particles::ParticleFile;
 use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES, SCENE, SUMMARY, TABLES};
 use super::summary::Summary;
+use sphecs_core::format::significant;
 
 /// Returns the header of a run with the text of its scene and tables.
 ///
@@ -110,10 +111,23 @@ impl Results {
     /// Returns the index of the frame nearest to a time, s.
     ///
     /// # Errors
-    /// [`OutputError::Request`] when there is no frame.
+    /// [`OutputError::Request`] when there is no frame, or the time is before the first or after
+    /// the last one by more than the longest interval between two.
     pub fn nearest(&self, time: f64) -> Result<usize, OutputError> {
         let distance = |index: &usize| (self.frames[*index].1 - time).abs();
-        (0..self.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).ok_or_else(|| self.no_frames())
+        let found = (0..self.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let found = found.ok_or_else(|| self.no_frames())?;
+        let times = self.times();
+        let interval = times.windows(2).map(|pair| pair[1] - pair[0]).fold(1e-6 * time.abs(), f64::max);
+        let ends = [times.first(), times.last()].map(|end| end.copied().unwrap_or_default());
+        if (ends[0] - interval..=ends[1] + interval).contains(&time) {
+            return Ok(found);
+        }
+        let [first, last, time] = [ends[0], ends[1], time].map(significant);
+        Err(OutputError::Request(format!(
+            "`{}`: has no frame near t = {time} s, its frames are from {first} to {last} s",
+            self.folder.display()
+        )))
     }
 
     /// Returns the error of a run without frames.

@@ -25,7 +25,7 @@ pub enum Status {
     Completed,
     /// Stopped by Ctrl-C.
     Interrupted,
-    /// Stopped by SIGTERM.
+    /// Stopped by SIGTERM, SIGHUP or SIGXCPU.
     Terminated,
     /// Stopped at the wall-time limit.
     #[serde(rename = "out of time")]

@@ -5,7 +5,7 @@
 //! but well-formed XML that every reader accepts. The positions are f64, as in `particles.nc`.
 
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use base64::engine::general_purpose::STANDARD;
@@ -17,7 +17,16 @@ use super::frame::{ABSENT, Frame};
 use super::results::Results;
 use sphecs_core::particles::zone::Zone;
 
-/// Writes all frames into a folder; the path of the series, to be opened in ParaView. Calls `done`
+/// Files of an export.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Export {
+    /// Series, to be opened in ParaView.
+    pub series: PathBuf,
+    /// Number of frames of an earlier, longer export that were removed.
+    pub removed: usize,
+}
+
+/// Writes all frames into a folder and removes those of an earlier, longer export. Calls `done`
 /// with the number of frames written and of all.
 ///
 /// # Errors
@@ -26,7 +35,7 @@ pub fn export_vtu(
     results: &Results,
     folder: &Path,
     mut done: impl FnMut(usize, usize),
-) -> Result<PathBuf, OutputError> {
+) -> Result<Export, OutputError> {
     if results.is_empty() {
         return Err(results.no_frames());
     }
@@ -40,7 +49,7 @@ pub fn export_vtu(
             let walls: Vec<usize> = frame.slots_of(Zone::Wall).collect();
             write_grid(&folder.join("walls.vtu"), &frame, &walls, false)?;
         }
-        let name = format!("particles-{index:05}.vtu");
+        let name = frame_name(index);
         let present: Vec<usize> = (0..frame.len())
             .filter(|&slot| ![Zone::Wall as u8, Zone::Reservoir as u8, ABSENT].contains(&frame.zone[slot]))
             .collect();
@@ -51,8 +60,42 @@ pub fn export_vtu(
     series += "</Collection>\n</VTKFile>\n";
     let path = folder.join("particles.pvd");
     disk::write_whole(&path, series.as_bytes())?;
-    Ok(path)
+    Ok(Export { series: path, removed: remove_from(folder, results.len())? })
 }
+
+fn frame_name(index: usize) -> String {
+    format!("particles-{index:05}.vtu")
+}
+
+/// Removes the frames of an earlier export from an index on and returns their number.
+///
+/// A file is taken for one by its name and its first lines; any other file stays.
+fn remove_from(folder: &Path, first: usize) -> Result<usize, OutputError> {
+    let io = |doing| OutputError::io(folder, doing);
+    let mut removed = 0;
+    for entry in fs::read_dir(folder).map_err(io("read"))? {
+        let path = entry.map_err(io("read"))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let index = name.strip_prefix("particles-").and_then(|name| name.strip_suffix(".vtu")?.parse().ok());
+        if index.is_some_and(|index| index >= first && frame_name(index) == name) && is_exported(&path) {
+            fs::remove_file(&path).map_err(OutputError::io(&path, "remove"))?;
+            removed += 1;
+        }
+    }
+    Ok(removed)
+}
+
+/// Returns true for a grid of moving particles that this module wrote.
+fn is_exported(path: &Path) -> bool {
+    let mut head = vec![0; HEAD.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == HEAD.as_bytes()
+}
+
+/// First lines of a grid of moving particles.
+const HEAD: &str = "<?xml version=\"1.0\"?>\n\
+    <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+    <UnstructuredGrid>\n\
+    <FieldData><DataArray type=\"Float64\" Name=\"TimeValue\"";
 
 fn write_grid(path: &Path, frame: &Frame, slots: &[usize], moving: bool) -> Result<(), OutputError> {
     let written = File::create(disk::fresh_partial(path)).and_then(|file| {
@@ -179,6 +222,7 @@ mod tests {
         grid(&mut text, &frame, &[0], true).expect("written");
         let text = String::from_utf8(text).expect("text");
         assert!(text.contains("NumberOfPoints=\"1\" NumberOfCells=\"1\""));
+        assert!(text.starts_with(HEAD));
         assert_eq!(text.matches("<DataArray").count(), text.matches("</DataArray>").count());
     }
 }

@@ -8,10 +8,10 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use super::memory;
 use super::report::{scene_rows, scene_table};
 use super::run_state::LARGEST_MACH;
-use sphecs_core::format::{bytes, duration, grouped, significant};
+use super::{doubtful, memory};
+use sphecs_core::format::{bytes, duration, grouped, point, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::disk_estimate::DiskEstimate;
@@ -75,6 +75,7 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     rows.extend(openings.iter().map(|(name, text)| (name.as_str(), text.clone())));
     rows.push(("time scales", scales_text(scene, path.as_ref())));
     figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
+    figures.notes.extend(doubtful::notes(scene, &seeds, until, path.as_ref()));
     let mut needed = figures.memory as u64;
     if options.timed {
         match time_steps(scene, seeds) {
@@ -96,12 +97,8 @@ fn disk_estimate(scene: &Scene, by_zone: [u64; 5], until: f64) -> DiskEstimate {
     DiskEstimate::of_particles(scene, moving as f64, all as f64, Some(until), None)
 }
 
-fn point_text(scene: &Scene, point: DVec3) -> String {
-    // Rounded to a thousandth of a spacing; adding 0 turns −0 into 0.
-    let rounded = |x: f64| (x / scene.spacing * 1e3).round() * 1e-3 * scene.spacing + 0.0;
-    let parts: Vec<String> =
-        point.to_array().into_iter().take(scene.dimensions).map(|x| significant(rounded(x))).collect();
-    format!("({}) m", parts.join(", "))
+fn point_text(scene: &Scene, at: DVec3) -> String {
+    format!("{} m", point(&at.to_array()[..scene.dimensions], scene.spacing))
 }
 
 /// Returns the particles across the narrowest passage and its place.

@@ -7,6 +7,7 @@
 //! - [`report`]: summaries at the start and at the end, and the report on a flow that stopped
 //! - [`progress`]: speed, time left and their display
 //! - [`check`]: figures and cost of a run before it starts
+//! - `doubtful`: notes on choices that are seldom meant
 //! - [`disk_check`]: free disk space before the start
 //! - [`memory`]: memory of the machine
 //! - [`console`], [`signals`], [`threads`], [`error`]: terminal, signals, threads and errors of the
@@ -15,6 +16,7 @@
 pub mod check;
 pub mod console;
 pub mod disk_check;
+mod doubtful;
 pub mod error;
 pub mod memory;
 pub mod output_schedule;
@@ -35,7 +37,7 @@ use run_loop::RunLoop;
 use signals::{Signal, Signals};
 use threads::on_threads;
 
-use sphecs_output::folder::check_free;
+use sphecs_output::start::check_free;
 use sphecs_scene::model::Scene;
 
 /// Options of a run that are not part of its scene.

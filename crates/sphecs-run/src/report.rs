@@ -1,5 +1,6 @@
 //! Text of a run: summary at the start, summary at the end, and the report on a flow that stopped.
 
+use std::fs::DirEntry;
 use std::path::Path;
 
 use glam::DVec3;
@@ -169,17 +170,35 @@ fn ledger(ledger: &Ledger, inlets: &[String], outlets: &[String]) -> String {
     two_columns(&rows)
 }
 
-/// Returns the folder of the results, the sizes of its files and the notes of packing.
+/// Returns the folder of the results with the sizes of all its files, and the notes of packing.
 pub fn results(folder: &Path, packed: &Packed) -> String {
     let plural = if packed.frames == 1 { "" } else { "s" };
     let mut rows = vec![("results", format!("{} ({} frame{plural})", folder.display(), packed.frames))];
-    for file in &packed.files {
-        let size = std::fs::metadata(file).map_or(0, |data| data.len());
-        let name = file.strip_prefix(folder).unwrap_or(file);
-        rows.push(("", format!("{}  {}", name.display(), bytes(size))));
-    }
+    rows.extend(contents(folder).into_iter().map(|text| ("", text)));
     let notes: String = packed.notes.iter().map(|note| format!("\n\nnote: {note}")).collect();
     two_columns(&rows) + &notes
+}
+
+/// Returns a line for each file of a folder with its size, and one for each folder in it.
+fn contents(folder: &Path) -> Vec<String> {
+    let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let size = |entry: &DirEntry| entry.metadata().map_or(0, |data| data.len());
+    let line = |entry: DirEntry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with('.') || name == "lost+found" {
+            return None;
+        }
+        if !entry.path().is_dir() {
+            return Some(format!("{name}  {}", bytes(size(&entry))));
+        }
+        let inner: Vec<u64> = entries(&entry.path()).map(|entry| size(&entry)).collect();
+        let plural = if inner.len() == 1 { "" } else { "s" };
+        let count = grouped(inner.len() as u64);
+        Some(format!("{name}/  {count} file{plural}, {}", bytes(inner.iter().sum())))
+    };
+    let mut lines: Vec<String> = entries(folder).filter_map(line).collect();
+    lines.sort();
+    lines
 }
 
 /// Returns the status of a run that the flow stopped, and advice to the user.

@@ -140,7 +140,7 @@ impl RunLoop {
             Ok(Halt::Signal(signal)) => {
                 let status = match signal {
                     Signal::Interrupt => Status::Interrupted,
-                    Signal::Terminate => Status::Terminated,
+                    Signal::Terminate | Signal::HangUp | Signal::ProcessorTime => Status::Terminated,
                 };
                 self.close(status).map(|()| Ending::Stopped(signal))
             }

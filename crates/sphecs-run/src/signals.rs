@@ -1,14 +1,15 @@
-//! Signals that a run obeys: SIGINT and SIGTERM stop it after its step, SIGUSR1 requests a
-//! checkpoint.
+//! Signals that a run obeys: SIGINT, SIGTERM, SIGHUP and SIGXCPU stop it after its step, SIGUSR1
+//! and SIGUSR2 request a checkpoint, SIGXFSZ makes a write fail.
 //!
-//! The first SIGINT or SIGTERM ends the run with complete files and a checkpoint, the second ends
-//! the process at once.
+//! A request to stop ends the run with complete files and a checkpoint. A second SIGINT or SIGTERM
+//! ends the process at once. SIGHUP and SIGXCPU do not: a terminal that closes sends the first
+//! twice, and the system repeats the other every second.
 
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::flag;
 
 /// Request to stop, obeyed after the current step.
@@ -18,9 +19,15 @@ pub enum Signal {
     Interrupt,
     /// SIGTERM, as batch systems send it before the end of the slot.
     Terminate,
+    /// SIGHUP: the terminal was closed.
+    HangUp,
+    /// SIGXCPU: the processor time of `ulimit -t` or of a batch system is used up.
+    ProcessorTime,
 }
 
 impl Signal {
+    const ALL: [Signal; 4] = [Signal::Interrupt, Signal::Terminate, Signal::HangUp, Signal::ProcessorTime];
+
     /// Returns the exit code by the convention of shells: 128 + the number of the signal.
     pub fn exit_code(self) -> u8 {
         128 + self.number() as u8
@@ -30,6 +37,8 @@ impl Signal {
         match self {
             Signal::Interrupt => SIGINT,
             Signal::Terminate => SIGTERM,
+            Signal::HangUp => SIGHUP,
+            Signal::ProcessorTime => SIGXCPU,
         }
     }
 }
@@ -49,17 +58,25 @@ impl Signals {
     pub fn listen() -> io::Result<Self> {
         let armed = Arc::new(AtomicBool::new(false));
         let received = Arc::new(AtomicUsize::new(0));
-        for signal in [Signal::Interrupt, Signal::Terminate] {
-            // The order matters: the first signal finds the flag unset, so the process survives,
-            // and sets it for the second.
-            flag::register_conditional_shutdown(
-                signal.number(),
-                i32::from(signal.exit_code()),
-                Arc::clone(&armed),
-            )?;
-            flag::register(signal.number(), Arc::clone(&armed))?;
+        let ignored = ignored_signals();
+        for signal in Signal::ALL {
+            let repeats = matches!(signal, Signal::HangUp | Signal::ProcessorTime);
+            // `nohup` and batch systems ignore a signal to let the process live on.
+            if repeats && ignored & (1 << (signal.number() - 1)) != 0 {
+                continue;
+            }
+            if !repeats {
+                // The order matters: the first signal finds the flag unset, so the process
+                // survives, and sets it for the second.
+                let code = i32::from(signal.exit_code());
+                flag::register_conditional_shutdown(signal.number(), code, Arc::clone(&armed))?;
+                flag::register(signal.number(), Arc::clone(&armed))?;
+            }
             flag::register_usize(signal.number(), Arc::clone(&received), signal.number() as usize)?;
         }
+        // With a handler a write beyond `ulimit -f` fails with an error, which ends the run in
+        // order; without one the signal kills the process.
+        flag::register(SIGXFSZ, Arc::default())?;
         Ok(Self { received, checkpoint: checkpoint_flag()? })
     }
 
@@ -85,13 +102,26 @@ impl Signals {
     /// Returns the last stop request.
     pub fn received(&self) -> Option<Signal> {
         let number = self.received.load(Ordering::Relaxed);
-        [Signal::Interrupt, Signal::Terminate].into_iter().find(|signal| signal.number() as usize == number)
+        Signal::ALL.into_iter().find(|signal| signal.number() as usize == number)
     }
 }
 
-/// Returns a flag that each SIGUSR1 sets.
+/// Returns a flag that each SIGUSR1 and SIGUSR2 sets.
+///
+/// Grid Engine announces a stop by the first and a kill by the second.
 fn checkpoint_flag() -> io::Result<Arc<AtomicBool>> {
     let flag = Arc::new(AtomicBool::new(false));
-    flag::register(SIGUSR1, Arc::clone(&flag))?;
+    for signal in [SIGUSR1, SIGUSR2] {
+        flag::register(signal, Arc::clone(&flag))?;
+    }
     Ok(flag)
+}
+
+/// Returns the signals that the process was started to ignore, as bits from that of signal 1.
+///
+/// All of them where the system has no `/proc`: a process under `nohup` must not stop.
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(u64::MAX)
 }

@@ -58,8 +58,10 @@ pub mod scheme;
 pub mod sheets;
 pub mod spawn;
 pub mod summary;
+mod synonyms;
 mod text_file;
 pub mod time_value;
+mod units;
 pub mod wall_particles;
 
 #[cfg(test)]

@@ -173,10 +173,18 @@ impl SceneLoader {
 fn text_of(path: &Path) -> Result<String, SceneErrors> {
     let shown = path.display().to_string();
     let refused = |reason: String| {
-        let fault =
-            Fault::placeless(reason).help("give the path of a scene, such as `scenes/quickstart.ron`");
-        SceneErrors::new(&shown, "", vec![fault])
+        let help = match path.join("summary.json").exists() {
+            true => format!(
+                "it is the folder of a run: `sphecs resume {shown}` continues the run, `sphecs info {shown}` describes it, \
+                 `sphecs run {shown}/scene.ron` runs its scene again"
+            ),
+            false => "give the path of a scene, such as `scenes/quickstart.ron`".to_owned(),
+        };
+        SceneErrors::new(&shown, "", vec![Fault::placeless(reason).help(help)])
     };
+    if path.is_dir() {
+        return Err(refused(format!("{shown} is a folder, must be a scene file")));
+    }
     let bytes = std::fs::read(path).map_err(|error| refused(format!("{shown}: {error}")))?;
     text_file::decoded(bytes).map_err(|reason| refused(format!("{shown} is not a text file: {reason}")))
 }
@@ -185,7 +193,7 @@ fn text_of(path: &Path) -> Result<String, SceneErrors> {
 fn smoke_spacing(text: &str, sets: &[(String, String)]) -> Option<f64> {
     let edited = paths::apply(text, sets).ok()?;
     let (_, file, _) = sections(&edited.text).ok()?;
-    let file = file?;
+    let file = file.filter(|file| !file.spacing.is_placeholder())?;
     let (spacing, smoke) = (file.spacing.value, file.smoke?.value);
     (spacing.is_finite() && spacing > 0.0 && smoke.is_finite() && smoke > 0.0).then_some(smoke)
 }

@@ -7,7 +7,7 @@ use super::geometry::Shape;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use super::oblique_walls;
 use sphecs_core::boundary::inlet::Feed;
-use sphecs_core::format::significant;
+use sphecs_core::format::{coordinate, point, significant};
 
 /// Memory of a particle in components, arrays, cell list and output, B, rounded up
 /// (docs/book/src/guides/speed.md).
@@ -100,9 +100,10 @@ fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f6
     let mut notes = Vec::new();
     if scene.reference_velocity > 0.1 * scene.fluid.sound_speed {
         notes.push(format!(
-            "the sound speed, {} m/s, is less than ten times the reference velocity, {:.3} m/s: \
+            "the sound speed, {} m/s, is less than ten times the reference velocity, {} m/s: \
              density errors grow with the square of the Mach number",
-            scene.fluid.sound_speed, scene.reference_velocity
+            significant(scene.fluid.sound_speed),
+            significant(scene.reference_velocity)
         ));
     }
     if !scene.inlets.is_empty() && scene.outlets.is_empty() {
@@ -123,12 +124,11 @@ fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f6
             100.0 * COMPRESSION_NOTED
         ));
     }
-    if let Some((axis, coordinate, misfit)) = worst_fit.filter(|(_, _, misfit)| *misfit > 0.1) {
+    if let Some((axis, place, misfit)) = worst_fit.filter(|(_, _, misfit)| *misfit > 0.1) {
         notes.push(format!(
-            "the wall at {axis} = {:.6} m misses the middle between two rows by {misfit:.2} spacings: \
+            "the wall at {axis} = {} m misses the middle between two rows by {misfit:.2} spacings: \
              a spacing that divides the widths fits better",
-            // Rounded for print; adding 0 turns −0 into 0.
-            (coordinate / scene.spacing * 1e6).round() * 1e-6 * scene.spacing + 0.0
+            coordinate(place, scene.spacing)
         ));
     }
     notes.extend(oblique_walls::notes(scene, seeds));
@@ -139,7 +139,7 @@ fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f6
              `extent: Whole` opens it too, `closed: true` says that it is a wall",
             part.opening,
             significant(part.area),
-            rounded(part.at, scene)
+            point(&part.at.to_array()[..scene.dimensions], scene.spacing)
         ));
     }
     if scene.scheme.wcsph().is_some() && scene.initial.pressure.constant() != Some(0.0) {
@@ -153,21 +153,14 @@ fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f6
         let lasts = inlet.patch.depth / inlet_speed(inlet, scene);
         if lasts < scene.time.end {
             notes.push(format!(
-                "{} is filled once and drained after {lasts:.3} s by its fastest flow: the run stops there, before its end at {} s",
-                inlet.patch.name, scene.time.end
+                "{} is filled once and drained after {} s by its fastest flow: the run stops there, before its end at {} s",
+                inlet.patch.name,
+                significant(lasts),
+                significant(scene.time.end)
             ));
         }
     }
     notes
-}
-
-/// Returns a point rounded to a thousandth of a spacing.
-fn rounded(point: DVec3, scene: &Scene) -> String {
-    let parts = point.to_array().into_iter().take(scene.dimensions).map(|x| {
-        // Adding 0 turns −0 into 0.
-        significant((x / scene.spacing * 1e3).round() * 1e-3 * scene.spacing + 0.0)
-    });
-    format!("({})", parts.collect::<Vec<_>>().join(", "))
 }
 
 /// Returns the largest speed that inlets, walls and initial fields prescribe, from samples, m/s.

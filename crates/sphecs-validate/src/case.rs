@@ -59,6 +59,19 @@ pub fn shipped() -> Vec<String> {
     names
 }
 
+/// Returns name and title of each shipped case, without checking its scenes.
+///
+/// # Errors
+/// All faults of the text of a case.
+pub fn titles() -> Result<Vec<(String, String)>, CaseFaults> {
+    let titled = |name: String| {
+        let file = CASES.get_file(format!("{name}.ron"));
+        let text = file.and_then(|file| file.contents_utf8()).unwrap_or_default();
+        Case::parse(&name, text, None).map(|case| (name, case.file.title))
+    };
+    shipped().into_iter().map(titled).collect()
+}
+
 impl Case {
     /// Returns the case of a name, or of a path that ends in `.ron`.
     ///
@@ -89,6 +102,13 @@ impl Case {
     /// # Errors
     /// All faults of the case and of its scenes.
     pub(crate) fn read(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, CaseFaults> {
+        let case = Self::parse(name, text, folder)?;
+        let faults = check::faults(&case);
+        if faults.is_empty() { Ok(case) } else { Err(CaseFaults::new(&format!("{name}.ron"), text, faults)) }
+    }
+
+    /// Returns the case of a text, neither its figures nor its scenes checked.
+    fn parse(name: &str, text: &str, folder: Option<PathBuf>) -> Result<Self, CaseFaults> {
         let reader::Parsed { root, mut faults, unbalanced } = reader::read(text);
         let shown = format!("{name}.ron");
         if unbalanced {
@@ -100,9 +120,7 @@ impl Case {
         let Some(file) = file.filter(|_| faults.is_empty()) else {
             return Err(CaseFaults::new(&shown, text, faults));
         };
-        let case = Self { name: name.to_owned(), file, constants, folder };
-        let faults = check::faults(&case);
-        if faults.is_empty() { Ok(case) } else { Err(CaseFaults::new(&shown, text, faults)) }
+        Ok(Self { name: name.to_owned(), file, constants, folder })
     }
 
     /// Returns the scene of a run with its values applied.

@@ -45,7 +45,7 @@ pub(crate) fn options(file: &PictureFile) -> Result<RenderOptions, String> {
         field: file.field.value.parse()?,
         range: file.range.map(|(low, high)| (low.value, high.value)),
         width: file.width.map_or(WIDTH, |width| width.value),
-        slice: file.slice.as_ref().map(slice).unwrap_or_default(),
+        slice: file.slice.as_ref().map(slice),
         ..RenderOptions::default()
     })
 }

@@ -1,10 +1,12 @@
 //! Reasons for which a simulation cannot continue.
 
+use sphecs_core::format::with_digits;
+
 /// Reason for which a simulation cannot continue.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum Stop {
     /// The flow diverged.
-    #[error("the flow diverged at step {step}, t = {time:.6} s: {found}")]
+    #[error("the flow diverged at step {step}, t = {} s: {found}", with_digits(*time, 6))]
     Diverged {
         /// Number of steps done.
         step: u64,
@@ -16,7 +18,7 @@ pub enum Stop {
         advice: &'static str,
     },
     /// An inlet that is filled once has no particles left.
-    #[error("{inlet} is drained at step {step}, t = {time:.6} s")]
+    #[error("{inlet} is drained at step {step}, t = {} s", with_digits(*time, 6))]
     Drained {
         /// Number of steps done.
         step: u64,
@@ -26,7 +28,7 @@ pub enum Stop {
         inlet: String,
     },
     /// The reservoir is empty, and the scene demands a stop.
-    #[error("the reservoir is empty at step {step}, t = {time:.6} s")]
+    #[error("the reservoir is empty at step {step}, t = {} s", with_digits(*time, 6))]
     ReservoirEmpty {
         /// Number of steps done.
         step: u64,

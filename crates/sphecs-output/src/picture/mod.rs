@@ -45,20 +45,20 @@ pub struct RenderOptions {
     pub colours: Option<Colours>,
     /// Width of the picture, pixels.
     pub width: u32,
-    /// Slice of a 3D flow.
-    pub slice: Slice,
+    /// Slice of a 3D flow; None: normal to z in the middle. Must be None in 2D.
+    pub slice: Option<Slice>,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { field: Field::Speed, range: None, colours: None, width: 1600, slice: Slice::default() }
+        Self { field: Field::Speed, range: None, colours: None, width: 1600, slice: None }
     }
 }
 
 /// Draws the frame nearest to `time` (s; None: the last) into a PNG file and returns its time, s.
 ///
 /// # Errors
-/// [`OutputError`] when the run has no frames, the options do not match it, or a file cannot be
+/// [`OutputError`] when the run has no frames, none near the time, the options do not match it, or a file cannot be
 /// read or written.
 pub fn render(
     results: &Results,
@@ -82,7 +82,8 @@ pub fn render(
 /// Calls `done` with the number of finished pictures and the number of all.
 ///
 /// # Errors
-/// As [`render`].
+/// As [`render`]; [`OutputError::Request`] when pictures of a longer series are beside `path`,
+/// which would be taken for the end of this one.
 pub fn render_all(
     results: &Results,
     options: &RenderOptions,
@@ -93,6 +94,15 @@ pub fn render_all(
         return Err(results.no_frames());
     }
     let mut painter = Painter::new(&results.header, options)?;
+    let next = numbered(path, results.len());
+    if next.exists() {
+        return Err(OutputError::Request(format!(
+            "`{}`: is a picture of a longer series, this run has {} frames: remove that series, or give another name by \
+             `-o`",
+            next.display(),
+            results.len()
+        )));
+    }
     if options.range.is_none() && options.field != Field::Zone {
         for index in 0..results.len() {
             painter.include(&results.frame(index)?);

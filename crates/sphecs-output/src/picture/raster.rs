@@ -142,7 +142,6 @@ impl Particles {
 mod tests {
     use super::*;
     use crate::header::Header;
-    use crate::picture::view::Slice;
 
     /// Returns a block of 20 × 20 particles on three layers of wall, with a hole where nine
     /// particles are missing.
@@ -167,7 +166,7 @@ mod tests {
         let bounds = frame.bounds().expect("particles");
         let header =
             Header { dimensions: 2, spacing: 1.0, smoothing_length: 1.5, bounds, ..Header::default() };
-        (frame, View::new(&header, Slice::default()).expect("a view"))
+        (frame, View::new(&header, None).expect("a view"))
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::field::Field;
 use super::raster::WALL;
 use super::scale::{Colours, labels, ticks, with_power};
 use super::view::View;
+use sphecs_core::format::{coordinate, with_digits};
 use sphecs_core::particles::zone::Zone;
 
 /// Meaning of the colours.
@@ -28,6 +29,16 @@ impl ColourKey {
             ColourKey::Scale { colours, range } => colours.at((value - range.0) / (range.1 - range.0)),
             ColourKey::Zones => zone_colour(value as u8),
         }
+    }
+}
+
+/// Returns time and plane of a picture: `z = 0 m,  t = 4.65 s`.
+fn clock(view: &View, time: f64) -> String {
+    // Five digits distinguish the frames of a long run.
+    let time = format!("t = {} s", with_digits(time, 5));
+    match view.dimensions {
+        3 => format!("{} = {} m,  {time}", view.axis_name(2), coordinate(view.at, view.spacing)),
+        _ => time,
     }
 }
 
@@ -108,10 +119,7 @@ impl Sheet {
     fn heading(&self, canvas: &mut Canvas, view: &View, title: &str, time: f64) {
         let size = 1.15 * self.text;
         let baseline = 1.7 * self.text;
-        let mut clock = format!("t = {time:.3} s");
-        if view.dimensions == 3 {
-            clock = format!("{} = {:.4} m,  {clock}", view.axis_name(2), view.at);
-        }
+        let clock = clock(view, time);
         let right = self.width as f32 - self.text;
         let available =
             right - self.corner[0] as f32 - Canvas::text_width(&clock, size, Weight::Regular) - self.text;
@@ -249,5 +257,25 @@ impl Sheet {
                 x += side + (wide + 2.5 * text) as i64;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::header::Header;
+    use crate::picture::view::Slice;
+
+    /// A frame of 1 ms in a channel of 100 µm, and a middle that rounding moves off zero.
+    #[test]
+    fn heading_has_significant_digits_at_any_scale() {
+        let view = |size: f64| {
+            let bounds = [[0.0, -0.3 * size, -0.1 * size], [size, 0.3 * size, (0.3 - 0.2) * size]];
+            let header = Header { dimensions: 3, spacing: 0.01 * size, bounds, ..Header::default() };
+            move |slice| View::new(&header, slice).expect("a view")
+        };
+        assert_eq!(clock(&view(1.0)(None), 4.650_01), "z = 0 m,  t = 4.65 s");
+        let slice = Slice { axis: 1, at: Some(2.5e-5) };
+        assert_eq!(clock(&view(1e-4)(Some(slice)), 1.2345e-3), "y = 2.5e-5 m,  t = 0.0012345 s");
     }
 }

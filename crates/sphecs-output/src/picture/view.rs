@@ -14,12 +14,6 @@ pub struct Slice {
     pub at: Option<f64>,
 }
 
-impl Default for Slice {
-    fn default() -> Self {
-        Self { axis: 2, at: None }
-    }
-}
-
 /// Plane that is drawn and its coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct View {
@@ -44,16 +38,22 @@ impl View {
     ///
     /// # Errors
     /// [`OutputError::Request`] when the slice is outside the domain or the run has no extent.
-    pub(crate) fn new(header: &Header, slice: Slice) -> Result<Self, OutputError> {
+    pub(crate) fn new(header: &Header, slice: Option<Slice>) -> Result<Self, OutputError> {
         let [low, high] = header.bounds;
-        let axes = match (header.dimensions, slice.axis) {
-            (3, 0) => [1, 2, 0],
-            (3, 1) => [0, 2, 1],
+        if slice.is_some() && header.dimensions == 2 {
+            return Err(OutputError::Request(
+                "slice: the flow is in 2D and has one plane only: leave `--slice` out".to_owned(),
+            ));
+        }
+        let axes = match slice.map(|slice| slice.axis) {
+            Some(0) => [1, 2, 0],
+            Some(1) => [0, 2, 1],
             _ => [0, 1, 2],
         };
         let across = axes[2];
         let middle = 0.5 * (low[across] + high[across]);
-        let at = if header.dimensions == 2 { 0.0 } else { slice.at.unwrap_or(middle) };
+        let given = slice.and_then(|slice| slice.at);
+        let at = if header.dimensions == 2 { 0.0 } else { given.unwrap_or(middle) };
         if !(low[across]..=high[across]).contains(&at) {
             return Err(OutputError::Request(format!(
                 "slice at {} = {} m: must lie in the domain, from {} to {} m",
@@ -164,14 +164,17 @@ mod tests {
 
     #[test]
     fn slice_shows_the_other_two_axes() {
-        let view = View::new(&header(), Slice { axis: 1, at: None }).expect("a view");
+        let view = View::new(&header(), Some(Slice { axis: 1, at: None })).expect("a view");
         assert_eq!((view.axis_name(0), view.axis_name(1), view.at), ("x", "z", 1.0));
-        assert!(View::new(&header(), Slice { axis: 2, at: Some(1.5) }).is_err());
+        let slice = Some(Slice { axis: 2, at: Some(1.5) });
+        assert!(View::new(&header(), slice).is_err());
+        let flat = Header { dimensions: 2, ..header() };
+        assert!(View::new(&flat, slice).expect_err("refused").to_string().contains("2D"));
     }
 
     #[test]
     fn cells_find_all_points_within_their_size() {
-        let view = View::new(&header(), Slice::default()).expect("a view");
+        let view = View::new(&header(), None).expect("a view");
         let points: Vec<[f64; 3]> =
             (0..400).map(|k| [f64::from(k * 37 % 400) * 0.01, f64::from(k * 53 % 200) * 0.01, 0.0]).collect();
         let cells = Cells::new(&view, 0.25, &points);

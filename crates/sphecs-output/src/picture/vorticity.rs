@@ -77,7 +77,6 @@ fn curl(slope: DMat3, mut moment: DMat3, view: &View) -> f64 {
 mod tests {
     use super::*;
     use crate::header::Header;
-    use crate::picture::view::Slice;
 
     /// Returns a disordered block in solid rotation about an axis with a shear on top, so that ω is
     /// uniform.
@@ -104,7 +103,7 @@ mod tests {
             bounds: frame.bounds().expect("particles"),
             ..Header::default()
         };
-        let view = View::new(&header, Slice::default()).expect("a view");
+        let view = View::new(&header, None).expect("a view");
         (frame, view)
     }
 

@@ -94,19 +94,33 @@ fn mean(file: &BodyFile, end: f64, check: &mut Checker<'_>) -> (f64, f64) {
     interval
 }
 
-/// Checks that every body has wall particles.
+/// Checks that every body and every wall part has wall particles.
 pub fn have_particles(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
-    for (body, written) in scene.bodies.iter().zip(&file.bodies) {
+    let has_particles = |part: u16| {
         let walls = places.iter().filter(|place| place.zone == Zone::Wall);
-        if !walls.map(|place| surface(scene, place.position).part).any(|part| part == body.part) {
+        walls.map(|place| surface(scene, place.position).part).any(|found| found == part)
+    };
+    let parts = file.walls.iter().flat_map(|walls| &walls.value.parts);
+    for (part, written) in (1..).zip(parts) {
+        if !scene.bodies.iter().any(|body| body.part == part) && !has_particles(part) {
+            let title = format!("the wall part `{}` has no surface", written.name.value);
+            let label = "must contain surface of the wall, which the parts before it do not contain";
+            faults.push(Fault::new(title, written.region.head, label).help(ADVICE));
+        }
+    }
+    for (body, written) in scene.bodies.iter().zip(&file.bodies) {
+        if !has_particles(body.part) {
             faults.push(
                 Fault::new(
                     format!("the body `{}` has no particles", body.name),
                     written.part.span,
                     "must be a part of the walls that has particles",
                 )
-                .help("the region of a part must contain the surface of the wall; where two contain it, the first one counts"),
+                .help(ADVICE),
             );
         }
     }
 }
+
+const ADVICE: &str =
+    "the region of a part must contain the surface of the wall; where two contain it, the first one counts";

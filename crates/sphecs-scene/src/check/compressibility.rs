@@ -5,6 +5,7 @@ use crate::model::{Scene, Scheme};
 use crate::schema::SceneFile;
 use crate::summary;
 use sphecs_core::boundary::outlet::method::References;
+use sphecs_core::format::significant;
 use sphecs_core::physics::edac::Edac;
 
 /// Reports velocities at the sound speed, pressures that would double the density, and a background
@@ -15,7 +16,10 @@ pub fn check_limits(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     for (inlet, written) in scene.inlets.iter().zip(&file.inlets) {
         let speed = summary::inlet_speed(inlet, scene);
         if speed.is_finite() && speed >= sound_speed {
-            let label = format!("reaches {speed:.4} m/s, must stay below the sound speed, {sound_speed} m/s");
+            let label = format!(
+                "reaches {} m/s, must stay below the sound speed, {sound_speed} m/s",
+                significant(speed)
+            );
             faults.push(
                 Fault::new("an inlet is as fast as sound", written.velocity.head, label)
                     .help("ten times the fastest velocity is usual for `fluid.sound_speed`"),

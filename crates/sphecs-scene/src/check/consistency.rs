@@ -11,6 +11,7 @@ use crate::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
 use crate::notation::tree::Span;
 use crate::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
 use crate::summary::{self, BYTES_PER_PARTICLE};
+use sphecs_core::format;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::wall::Slip;
 
@@ -147,7 +148,7 @@ fn overlaps(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
                 Fault::new(
                     format!("the zone of `{name}` runs into the domain"),
                     spans[index],
-                    format!("at ({:.4}, {:.4}, {:.4}) m both are there", point.x, point.y, point.z),
+                    format!("at {} m both are there", printed(point, scene)),
                 )
                 .help("shorten `depth` or move the opening"),
             );
@@ -256,11 +257,15 @@ fn openings(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<
             Fault::new(
                 "a side of the domain is neither wall nor opening nor periodic",
                 file.domain.head,
-                format!("near ({:.4}, {:.4}, {:.4}) m nothing holds the fluid", at.x, at.y, at.z),
+                format!("near {} m nothing holds the fluid", printed(at, scene)),
             )
             .help("there is no free surface: leave out `walls: None`, or make the direction `periodic`"),
         );
     }
+}
+
+fn printed(point: DVec3, scene: &Scene) -> String {
+    format::point(&point.to_array()[..scene.dimensions], scene.spacing)
 }
 
 /// Intervals of a run at whose ends fields are checked.
@@ -284,7 +289,11 @@ fn not_finite(expression: &Expression, formula: &Formula, points: &[DVec3], time
     Some(Fault::new(
         "a field is not finite",
         formula.span,
-        format!("is `{value}` at ({:.6}, {:.6}, {:.6}) m, t = {time} s", at.x, at.y, at.z),
+        format!(
+            "is `{value}` at {} m, t = {} s",
+            format::point(&at.to_array(), 0.0),
+            format::significant(time)
+        ),
     ))
 }
 

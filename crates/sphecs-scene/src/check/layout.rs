@@ -12,6 +12,7 @@ use crate::lattice_rotation::rotation_to_walls;
 use crate::model::{Fill, Patch};
 use crate::notation::typed::Spanned;
 use crate::schema::{FillFile, Text};
+use sphecs_core::format::point;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -68,7 +69,10 @@ pub fn periodic(
             check.report(Fault::new(
                 format!("the domain's two faces across {} do not match", name.value),
                 name.span,
-                format!("at ({}, {}, {}) m one side is open and the other is not", at.x, at.y, at.z),
+                format!(
+                    "at {} m one side is open and the other is not",
+                    point(&at.to_array()[..check.dimensions], spacing)
+                ),
             ));
         }
     }

@@ -9,6 +9,7 @@ use crate::geometry::Shape;
 use crate::model::{Patch, UnopenedPart};
 use crate::schema::{Number, Text, Vector};
 use sphecs_core::boundary::patch::Extent;
+use sphecs_core::format::{point as point_text, significant};
 
 /// Largest number of layers of a zone, more than any flow needs; it bounds the number of particles.
 const MOST_LAYERS: f64 = 1e4;
@@ -62,6 +63,7 @@ pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> 
         return None;
     }
     let inwards = if file.is_inlet { towards } else { -towards };
+    not_periodic(file, towards, site, check)?;
     on_surface(file, at, inwards, site, check)?;
     let across = across(site.domain, towards, site.dimensions);
     let mut patch = Patch {
@@ -102,7 +104,8 @@ fn depth(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> f64 
     }
     if depth < site.support * (1.0 - 1e-9) && site.is_valid {
         let kind = if file.is_inlet { "inlet" } else { "outlet" };
-        let label = format!("is `{depth}` m, must be at least `{:.4e}` m (the support)", site.support);
+        let label =
+            format!("is `{depth}` m, must be at least `{}` m (the support)", significant(site.support));
         check.report(
             Fault::new(
                 format!("the zone of the {kind} is shorter than the kernel's support"),
@@ -113,6 +116,28 @@ fn depth(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> f64 
         );
     }
     layers(depth)
+}
+
+/// Checks that the domain does not go on behind the opening as a periodic one.
+fn not_periodic(
+    file: &PatchFile<'_>,
+    towards: DVec3,
+    site: &Site<'_>,
+    check: &mut Checker<'_>,
+) -> Option<()> {
+    let Some(axis) = (0..3).find(|&axis| site.periodic[axis].is_some() && towards[axis].abs() > 1e-6) else {
+        return Some(());
+    };
+    let (kind, name) = (if file.is_inlet { "inlet" } else { "outlet" }, ["x", "y", "z"][axis]);
+    check.report(
+        Fault::new(
+            format!("the {kind} is at an end of the domain that is periodic"),
+            file.towards.span,
+            format!("points along {name}, which is in `periodic`: what leaves there enters at the other end"),
+        )
+        .help(format!("take \"{name}\" out of `periodic`, or leave the inlets and outlets along {name} out")),
+    );
+    None
 }
 
 /// Checks that the domain ends at the plane.
@@ -141,7 +166,7 @@ fn on_surface(
     } else if inner < 0.0 {
         let exit = exit(site.domain, at, -inwards, site.spacing);
         let near = exit.map_or("along the flow there is none".to_owned(), |distance| {
-            format!("along the flow it is at {}", printed(at - distance * inwards, site.dimensions))
+            format!("along the flow it is at {}", printed(at - distance * inwards, site))
         });
         Fault::new(
             format!("the {kind} is inside the domain"),
@@ -153,7 +178,7 @@ fn on_surface(
         Fault::new(
             format!("the {kind} is not on the domain's surface"),
             file.at.span,
-            format!("the domain is not behind this point, it begins at {}", printed(near, site.dimensions)),
+            format!("the domain is not behind this point, it begins at {}", printed(near, site)),
         )
         .help("`at` must be a point of the opening, `towards` must be perpendicular to it")
     };
@@ -161,14 +186,8 @@ fn on_surface(
     None
 }
 
-fn printed(point: DVec3, dimensions: usize) -> String {
-    // Six decimals; adding 0 turns −0 into 0.
-    let point = (point * 1e6).round() / 1e6 + DVec3::ZERO;
-    let digits = |x: f64| format!("{:.6}", x + 0.0).trim_end_matches('0').trim_end_matches('.').to_owned();
-    match dimensions {
-        2 => format!("({}, {}) m", digits(point.x), digits(point.y)),
-        _ => format!("({}, {}, {}) m", digits(point.x), digits(point.y), digits(point.z)),
-    }
+fn printed(point: DVec3, site: &Site<'_>) -> String {
+    format!("{} m", point_text(&point.to_array()[..site.dimensions], site.spacing))
 }
 
 /// Checks that the domain ends over the whole opening, not only at the given point.
@@ -192,7 +211,7 @@ fn outside_is_free(
                 Fault::new(
                     "the opening is not a plane end of the domain",
                     file.at.span,
-                    format!("at {} the domain extends beyond it", printed(point, site.dimensions)),
+                    format!("at {} the domain extends beyond it", printed(point, site)),
                 )
                 .help("an inlet or outlet must be where a straight piece of the domain ends"),
             );

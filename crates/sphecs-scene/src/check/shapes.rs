@@ -22,15 +22,15 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
     match file {
         ShapeFile::Box { min, max } => cuboid(min, max, check),
         ShapeFile::Circle { center, radius } => {
-            needs(2, "Circle", "Sphere", center.span, check)?;
+            needs(2, "Circle", "`Sphere`, or `Cylinder` for a pipe", center.span, check)?;
             ball(center, radius, check)
         }
         ShapeFile::Sphere { center, radius } => {
-            needs(3, "Sphere", "Circle", center.span, check)?;
+            needs(3, "Sphere", "`Circle`", center.span, check)?;
             ball(center, radius, check)
         }
         ShapeFile::Cylinder { from, to, radius } => {
-            needs(3, "Cylinder", "Circle", from.span, check)?;
+            needs(3, "Cylinder", "`Circle`", from.span, check)?;
             let (a, b) = (check.vector(from, "m"), check.vector(to, "m"));
             let radius = check.positive(radius, "m");
             if a == b {
@@ -39,11 +39,11 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
             Some(Shape::Cylinder { from: a, to: b, radius })
         }
         ShapeFile::Polygon { points } => {
-            needs(2, "Polygon", "Extruded", points.head, check)?;
+            needs(2, "Polygon", "`Extruded`", points.head, check)?;
             prism(points, f64::NEG_INFINITY, f64::INFINITY, check)
         }
         ShapeFile::Extruded { points, from, to } => {
-            needs(3, "Extruded", "Polygon", points.head, check)?;
+            needs(3, "Extruded", "`Polygon`", points.head, check)?;
             let (low, high) = (check.finite(from, "m"), check.finite(to, "m"));
             if low >= high {
                 check.report(Fault::new(
@@ -113,7 +113,7 @@ fn needs(dimensions: usize, name: &str, other: &str, place: Span, check: &mut Ch
             place,
             format!("the scene has `dimensions: {}`", check.dimensions),
         )
-        .help(format!("use `{other}`")),
+        .help(format!("use {other}")),
     );
     None
 }
@@ -209,7 +209,7 @@ fn bend(
     section: &BendSectionFile,
     check: &mut Checker<'_>,
 ) -> Option<Shape> {
-    needs(3, "Bend", "Polygon", start.span, check)?;
+    needs(3, "Bend", "`Polygon`", start.span, check)?;
     let (from, middle) = (check.vector(start, "m"), check.vector(center, "m"));
     let along = check.direction(direction);
     let degrees = check.fraction(angle, 180.0);

@@ -33,15 +33,12 @@ impl Constants {
     /// # Errors
     /// The fault with its position in the text; x, y, z and t are not allowed.
     pub fn number(&self, text: &str) -> Result<f64, SyntaxFault> {
-        match parser::read(text, self)?.folded() {
+        match parser::read_with(text, self, &[])?.folded() {
             Syntax::Number(value) if value.is_finite() => Ok(value),
             Syntax::Number(value) => {
                 Err(SyntaxFault::whole(text, &format!("gives `{value}`, must be finite")))
             }
-            _ => Err(SyntaxFault::whole(
-                text,
-                "depends on x, y, z or t, must be a number or an expression of the constants",
-            )),
+            _ => Err(SyntaxFault::whole(text, "must be a number or an expression of the constants")),
         }
     }
 

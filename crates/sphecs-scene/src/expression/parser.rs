@@ -7,6 +7,7 @@ use super::constants::Constants;
 use super::operators::{FUNCTIONS, OPERATORS, PAIR_FUNCTIONS, binary, unary};
 use super::syntax::{Syntax, SyntaxFault, VARIABLES};
 use crate::faults::advice;
+use crate::units;
 
 /// Largest nesting, more than any formula needs; it bounds the recursion.
 const MAX_DEPTH: usize = 48;
@@ -16,10 +17,25 @@ const MAX_DEPTH: usize = 48;
 /// # Errors
 /// The first fault, with its position.
 pub fn read(text: &str, constants: &Constants) -> Result<Syntax, SyntaxFault> {
-    let mut reader = Reader { text, at: 0, depth: 0, constants };
+    read_with(text, constants, &VARIABLES)
+}
+
+/// Reads an expression that has these variables only.
+///
+/// # Errors
+/// The first fault, with its position.
+pub fn read_with(
+    text: &str,
+    constants: &Constants,
+    variables: &'static [&'static str],
+) -> Result<Syntax, SyntaxFault> {
+    let mut reader = Reader { text, at: 0, depth: 0, constants, variables };
     let tree = reader.binary(0)?;
     reader.blanks();
     if reader.at < text.len() {
+        if let Some(fault) = reader.unit() {
+            return Err(fault);
+        }
         let next = reader.next_token();
         let label = match next.0 {
             ")" => "there is no bracket to close",
@@ -35,6 +51,8 @@ struct Reader<'a> {
     at: usize,
     depth: usize,
     constants: &'a Constants,
+    /// Variables that the expression may have.
+    variables: &'static [&'static str],
 }
 
 /// Returns the precedence of an operator; its right side is parsed one level higher, except for
@@ -70,6 +88,23 @@ impl<'a> Reader<'a> {
         let word = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
         let length = if word > 0 { word } else { rest.chars().next().map_or(0, char::len_utf8) };
         (&rest[..length], self.at, self.at + length)
+    }
+
+    /// Returns a fault if the rest of the text is a unit.
+    fn unit(&self) -> Option<SyntaxFault> {
+        let (name, start, _) = self.next_token();
+        let value = units::value(self.rest())?;
+        if self.constants.get(name).is_some() {
+            return None;
+        }
+        let label = "must be left out";
+        let fault =
+            self.fault(format!("a number has a unit, `{}`", self.rest()), label, start, self.text.len());
+        let help = match self.text[..start].trim().parse() {
+            Ok(number) => units::advice(number, value),
+            Err(_) => format!("all numbers are in SI units without a name: multiply by `{value:e}`"),
+        };
+        Some(SyntaxFault { help: Some(help), ..fault })
     }
 
     fn operator(&self) -> Option<&'static str> {
@@ -186,7 +221,7 @@ impl<'a> Reader<'a> {
         if let Some(value) = self.constants.get(name) {
             return Ok(Syntax::Number(value));
         }
-        if let Some(variable) = VARIABLES.iter().find(|known| **known == name) {
+        if let Some(variable) = self.variables.iter().find(|known| **known == name) {
             return Ok(Syntax::Variable(variable));
         }
         if name == "pi" {
@@ -199,17 +234,18 @@ impl<'a> Reader<'a> {
                 let known: Vec<&str> = self
                     .constants
                     .names()
-                    .chain(VARIABLES)
+                    .chain(self.variables.iter().copied())
                     .chain(["pi"])
                     .chain(FUNCTIONS.iter().map(|(name, _)| *name))
                     .chain(PAIR_FUNCTIONS.iter().map(|(name, _)| *name))
                     .collect();
-                let mut fault = self.fault(
-                    format!("unknown name `{name}` in the expression"),
-                    "neither a constant nor a variable nor a function",
-                    start,
-                    end,
-                );
+                let label = match self.variables {
+                    [] if VARIABLES.contains(&name) => "must not be here: the number is the same everywhere",
+                    [] => "neither a constant nor a function",
+                    _ => "neither a constant nor a variable nor a function",
+                };
+                let mut fault =
+                    self.fault(format!("unknown name `{name}` in the expression"), label, start, end);
                 fault.help = Some(advice(name, known.iter().copied()));
                 return Err(fault);
             }

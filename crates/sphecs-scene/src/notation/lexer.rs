@@ -27,6 +27,11 @@ impl<'a> Cursor<'a> {
         self.text[..self.at].trim_end().len()
     }
 
+    /// Returns a part of the text.
+    pub fn between(&self, place: Span) -> &'a str {
+        self.text.get(place.start..place.end).unwrap_or("")
+    }
+
     /// Returns the next character.
     pub fn peek(&self) -> Option<char> {
         self.rest().chars().next()

@@ -2,7 +2,8 @@
 //!
 //! A path names fields, entries of maps and, from 0, items of lists: `fluid.sound_speed`,
 //! `constants.v0`, `outlets.0.condition`. If the text lacks the last name of a path, it is inserted
-//! as a new field. The typed reader then checks that the schema has it.
+//! as a new field or constant, and so is a field of the scene that has it, such as `walls.slip`. The
+//! typed reader then checks that the schema has it.
 
 use super::reader;
 use super::tree::{Node, Span, Value};
@@ -39,7 +40,7 @@ pub fn apply(text: &str, sets: &[(String, String)]) -> Result<Edited, Vec<Fault>
         }
         match find(&root, path) {
             Some(Target::Value(span)) => edited.replace(span, path, value),
-            Some(Target::NewField(at, name)) => edited.insert(at, name, path, value),
+            Some(Target::New { at, before, after }) => edited.insert(at, [&before, value, &after], path),
             None => faults.push(unknown_path(&root, path)),
         }
     }
@@ -70,39 +71,86 @@ impl Edited {
         self.inserted.push((Span::new(span.start, span.start + value.len()), path.to_owned()));
     }
 
-    fn insert(&mut self, at: usize, name: &str, path: &str, value: &str) {
-        let field = format!("{name}: {value}, ");
-        self.text.insert_str(at, &field);
+    fn insert(&mut self, at: usize, [before, value, after]: [&str; 3], path: &str) {
+        let text = [before, value, after].concat();
+        self.text.insert_str(at, &text);
         for (place, _) in &mut self.inserted {
             if place.start >= at {
-                place.start += field.len();
+                place.start += text.len();
             }
             if place.end > at {
-                place.end += field.len();
+                place.end += text.len();
             }
         }
-        self.inserted.push((Span::new(at, at + name.len() + 2 + value.len()), path.to_owned()));
+        self.inserted.push((Span::new(at, at + before.len() + value.len()), path.to_owned()));
     }
 }
 
-enum Target<'a> {
+enum Target {
     Value(Span),
-    NewField(usize, &'a str),
+    /// Place of a new value, and the text around it.
+    New {
+        at: usize,
+        before: String,
+        after: String,
+    },
 }
 
-fn find<'a>(root: &Node, path: &'a str) -> Option<Target<'a>> {
+/// Fields of a scene that a path may add with a value inside, and the text before that value.
+const ADDED: [(&str, &str); 9] = [
+    ("walls", "("),
+    ("initial", "("),
+    ("reservoir", "("),
+    ("reference", "("),
+    ("output", "("),
+    ("time", "("),
+    ("fluid", "("),
+    ("scheme", "Wcsph("),
+    ("fill", "Lattice("),
+];
+
+fn find(root: &Node, path: &str) -> Option<Target> {
+    let segments: Vec<&str> = path.split('.').collect();
     let mut node = root;
-    let mut segments = path.split('.').peekable();
-    while let Some(segment) = segments.next() {
+    for (index, segment) in segments.iter().enumerate() {
         match child(node, segment) {
             Some(next) => node = next,
-            None if segments.peek().is_none() => {
-                return new_field_position(node, segment).map(|at| Target::NewField(at, segment));
-            }
-            None => return None,
+            None => return new_value(node, index == 0, &segments[index..]),
         }
     }
     Some(Target::Value(node.span))
+}
+
+/// Returns the place of a value that a node does not have yet.
+fn new_value(node: &Node, is_root: bool, missing: &[&str]) -> Option<Target> {
+    let is_name = |name: &str| {
+        name.starts_with(|c: char| c.is_alphabetic() || c == '_')
+            && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+    };
+    if !missing.iter().all(|name| is_name(name)) {
+        return None;
+    }
+    let field = |before: String, after: &str| {
+        let at = new_field_position(node)?;
+        Some(Target::New { at, before, after: after.to_owned() })
+    };
+    match (missing, &node.value) {
+        ([name], Value::Map(entries)) => {
+            let at = entries.first().map_or(node.span.end - 1, |(key, _)| key.span.start);
+            Some(Target::New { at, before: format!("\"{name}\": "), after: ", ".to_owned() })
+        }
+        // `WaveEquation` becomes `WaveEquation(target: …)`.
+        ([name], Value::Name(_)) => {
+            Some(Target::New { at: node.span.end, before: format!("({name}: "), after: ")".to_owned() })
+        }
+        ([name], _) => field(format!("{name}: "), ", "),
+        (["constants", name], _) if is_root => field(format!("constants: {{\"{name}\": "), "}, "),
+        ([name, inner], _) if is_root => {
+            let (_, open) = ADDED.iter().find(|(known, _)| known == name)?;
+            field(format!("{name}: {open}{inner}: "), "), ")
+        }
+        _ => None,
+    }
 }
 
 fn child<'a>(node: &'a Node, segment: &str) -> Option<&'a Node> {
@@ -126,12 +174,10 @@ fn child<'a>(node: &'a Node, segment: &str) -> Option<&'a Node> {
 }
 
 /// Returns the position of a new field: behind the opening bracket of a struct.
-fn new_field_position(node: &Node, segment: &str) -> Option<usize> {
-    let is_name = segment.starts_with(|c: char| c.is_alphabetic() || c == '_')
-        && segment.chars().all(|c| c.is_alphanumeric() || c == '_');
+fn new_field_position(node: &Node) -> Option<usize> {
     match &node.value {
-        Value::Struct(_, fields) if is_name => fields.first().map(|field| field.name.span.start),
-        Value::Tuple(_, items) if is_name && items.is_empty() => Some(node.span.end - 1),
+        Value::Struct(_, fields) => fields.first().map(|field| field.name.span.start),
+        Value::Tuple(_, items) if items.is_empty() => Some(node.span.end - 1),
         _ => None,
     }
 }

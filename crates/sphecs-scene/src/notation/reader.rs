@@ -7,6 +7,7 @@
 use super::lexer::Cursor;
 use super::tree::{Name, Node, Span, StructField, Value};
 use crate::faults::Fault;
+use crate::units;
 
 /// Largest nesting, more than any scene needs; it bounds the recursion.
 const MAX_DEPTH: usize = 48;
@@ -85,7 +86,10 @@ impl Reader<'_> {
                 self.cursor.at += self.cursor.rest().len();
                 Value::Broken
             }
-            Some('(') => self.brackets(None),
+            Some('(') => {
+                let value = self.brackets(None);
+                self.unless_expression(start, value)
+            }
             Some('[') => {
                 let open = self.cursor.here();
                 let mut items = Vec::new();
@@ -104,10 +108,7 @@ impl Reader<'_> {
                 Ok((text, inner)) => Value::Text(text, inner),
                 Err(fault) => self.broken(fault),
             },
-            Some(c) if c.is_ascii_digit() || matches!(c, '+' | '-' | '.') => match self.cursor.number() {
-                Ok((value, whole)) => self.unless_expression(start, Value::Number(value, whole)),
-                Err(fault) => self.broken(fault),
-            },
+            Some(c) if c.is_ascii_digit() || matches!(c, '+' | '-' | '.') => self.number(),
             Some(c) if c.is_alphabetic() || c == '_' => {
                 let value = self.named();
                 self.unless_expression(start, value)
@@ -128,6 +129,21 @@ impl Reader<'_> {
         Node { value, span: Span::new(start, self.cursor.at) }
     }
 
+    fn number(&mut self) -> Value {
+        let start = self.cursor.at;
+        let rest = self.cursor.rest();
+        let written = &rest[..rest.find([',', ')', ']', '}', '\n']).unwrap_or(rest.len())];
+        if let Some((number, unit, at)) = units::quantity(written.trim_end()) {
+            let place = Span::new(start + at, start + written.trim_end().len());
+            let fault = Fault::new("a number has a unit", place, "must be left out");
+            return self.broken(fault.help(units::advice(number, unit)));
+        }
+        match self.cursor.number() {
+            Ok((value, whole)) => self.unless_expression(start, Value::Number(value, whole)),
+            Err(fault) => self.broken(fault),
+        }
+    }
+
     /// Returns the value, or reports an expression without quotes if an operator follows.
     fn unless_expression(&mut self, start: usize, value: Value) -> Value {
         let after = self.cursor.at;
@@ -138,10 +154,11 @@ impl Reader<'_> {
         }
         self.synchronise();
         let place = Span::new(start, self.cursor.trimmed());
-        self.fault(
-            Fault::new("an expression has no quotes", place, "must be text in quotes")
-                .help("write it like \"2*h0\"; for `--set` in single quotes, too: --set 'spacing=\"2*h0\"'"),
+        let written = self.cursor.between(place);
+        let help = format!(
+            "write it in quotes: \"{written}\"; for `--set` in single quotes, too: --set '…=\"{written}\"'"
         );
+        self.fault(Fault::new("an expression has no quotes", place, "must be text in quotes").help(help));
         Value::Broken
     }
 

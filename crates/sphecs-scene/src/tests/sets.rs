@@ -4,6 +4,7 @@ use super::shipped::path;
 use crate::faults::SceneErrors;
 use crate::model::Scene;
 use sphecs_core::boundary::outlet::OutletCondition;
+use sphecs_core::physics::wall::Slip;
 
 fn with(sets: &[(&str, &str)]) -> Result<Scene, SceneErrors> {
     Scene::from_file(path("constricted_r2.ron")).sets(sets).load()
@@ -63,6 +64,31 @@ fn field_missing_in_the_file_is_inserted() {
     assert_eq!(again.outlets[0].condition, scene.outlets[0].condition);
     assert_eq!(again.spacing, scene.spacing);
     assert_eq!(again.text, scene.text);
+}
+
+/// A field, a field inside one that the scene does not have, a constant, and a field of a choice
+/// that is written without brackets.
+#[test]
+fn whatever_the_scene_lacks_is_added() {
+    let text = "Scene(title: \"t\", dimensions: 2, spacing: 0.05, fluid: (density: 1000.0, viscosity: 1e-3, \
+        sound_speed: 10.0), domain: Box(min: (0.0, 0.0), max: (1.0, 0.4)), \
+        inlets: [(at: (0.0, 0.2), towards: (1.0, 0.0), velocity: Normal(0.1))], \
+        outlets: [(at: (1.0, 0.2), towards: (1.0, 0.0), condition: WaveEquation)], \
+        time: (end: 1.0), output: (every: 0.1))";
+    let load = |sets: &[(&str, &str)]| match Scene::from_text("t", text).sets(sets).load() {
+        Ok(scene) => scene,
+        Err(faults) => panic!("{sets:?}: {:?}", miette::Report::new(faults)),
+    };
+    assert!(load(&[("scheme", "EdacTvf()")]).scheme.wcsph().is_none());
+    assert!(load(&[("scheme.tensile_control", "false")]).scheme.wcsph().is_some_and(|s| !s.tensile_control));
+    assert_eq!(load(&[("walls.slip", "FreeSlip")]).walls.parts[0].slip, Slip::FreeSlip);
+    let constants = load(&[("constants.a", "2.0e-2"), ("constants.b", "1.0"), ("spacing", "\"a*b\"")]);
+    assert_eq!(constants.spacing, 0.02);
+    assert_eq!(load(&[("reference.length", "0.3"), ("reference.velocity", "0.2")]).reference_length, 0.3);
+    let condition = load(&[("outlets.0.condition.frame", "Fixed")]);
+    assert!(condition.text.contains("condition: WaveEquation(frame: Fixed)"), "{}", condition.text);
+    let refused = Scene::from_text("t", text).sets([("bodies.0.part", "\"walls\"")]).load();
+    assert!(format!("{:?}", miette::Report::new(refused.expect_err("refused"))).contains("no such path"));
 }
 
 #[test]

@@ -52,15 +52,31 @@ impl InstructionSet {
     /// Returns the widest set of this machine, or the one that the environment variable
     /// `SPHECS_LANES` names (`portable`, `avx2` or `avx512`) if the machine supports it.
     ///
-    /// The variable is read once per process.
+    /// The variable is read once per process; [`named`](Self::named) tells whether it is valid.
     pub fn best() -> InstructionSet {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| {
-            let available = Self::available();
             let wanted = std::env::var("SPHECS_LANES").unwrap_or_default();
-            let found = available.iter().find(|set| set.name() == wanted);
-            found.or(available.last()).copied().unwrap_or(Self::PORTABLE)
+            Self::named(&wanted)
+                .ok()
+                .flatten()
+                .or(Self::available().last().copied())
+                .unwrap_or(Self::PORTABLE)
         })
+    }
+
+    /// Returns the set of a name; None for an empty name.
+    ///
+    /// # Errors
+    /// No set has the name, or this machine does not support it.
+    pub fn named(name: &str) -> Result<Option<InstructionSet>, String> {
+        let available = Self::available();
+        let found = available.iter().find(|set| set.name() == name).copied();
+        if found.is_some() || name.is_empty() {
+            return Ok(found);
+        }
+        let supported: Vec<String> = available.iter().map(|set| format!("`{}`", set.name())).collect();
+        Err(format!("is `{name}`, must be one of those of this machine: {}", supported.join(", ")))
     }
 
     /// Returns the lower-case name, as in `SPHECS_LANES`.

@@ -4,6 +4,7 @@ use bevy_ecs::resource::Resource;
 use glam::DVec3;
 
 use super::neighbourhood::Neighbourhood;
+use sphecs_core::format::point;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
@@ -39,8 +40,8 @@ pub struct DivergedParticle {
 impl DivergedParticle {
     /// Returns the impossible value with zone, number and position of the particle.
     pub(crate) fn describe(&self) -> String {
-        let DVec3 { x, y, z } = self.position;
-        format!("{} of {} particle {} at ({x:.6}, {y:.6}, {z:.6}) m", self.found, self.zone.name(), self.id)
+        let at = point(&self.position.to_array(), 0.1 * self.neighbourhood.reach);
+        format!("{} of {} particle {} at {at} m", self.found, self.zone.name(), self.id)
     }
 }
 

@@ -21,6 +21,7 @@ use crate::resources::clock::Clock;
 use crate::resources::pair::Pair;
 use crate::resources::scene::ActiveScene;
 use failure::{Finding, STEP_ADVICE};
+use sphecs_core::format::significant;
 use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
@@ -147,11 +148,15 @@ impl Bounds {
                     "check that no wall or zone is missing, raise `scheme.background`, or start with a less regular distribution: see scenes/taylor_green_edac.ron"
                 }
             };
-            let found = format!("density `{density:.4}` kg/m³, reference `{}` kg/m³ ± 50 %", self.density);
+            let found = format!(
+                "density `{}` kg/m³, reference `{}` kg/m³ ± 50 %",
+                significant(density),
+                self.density
+            );
             return Finding { found, advice };
         }
         Finding {
-            found: format!("speed `{speed:.4}` m/s, limit `{}` m/s (3 c0)", self.speed),
+            found: format!("speed `{}` m/s, limit `{}` m/s (3 c0)", significant(speed), self.speed),
             advice: "lower `time.cfl`, raise `fluid.sound_speed` to ten times the largest speed, or start with a smoother ramp",
         }
     }

@@ -2,8 +2,10 @@
 
 use super::Context;
 use super::parts::{Entries, Variant};
+use crate::expression::operators::{binary, unary};
 use crate::faults::{Fault, advice, nearest};
 use crate::notation::tree::{Node, StructField, Value};
+use crate::synonyms;
 
 /// A value to be read; `node` is None for a placeholder.
 #[derive(Clone, Copy)]
@@ -23,11 +25,17 @@ impl<'a> Typed<'a> {
 
     /// Reports a value of the wrong kind.
     pub(super) fn mismatch(&self, node: &Node, wanted: &str) {
-        self.context.report(Fault::new(
-            format!("`{}` is not {wanted}", self.field),
-            node.head(),
-            format!("is {}, must be {wanted}", node.kind()),
-        ));
+        self.report_mismatch(node, wanted, None);
+    }
+
+    fn report_mismatch(&self, node: &Node, wanted: &str, help: Option<String>) {
+        let title = format!("`{}` is not {wanted}", self.field);
+        let label = format!("is {}, must be {wanted}", node.kind());
+        let fault = Fault::new(title, node.head(), label);
+        self.context.report(match help {
+            Some(help) => fault.help(help),
+            None => fault,
+        });
         self.refuse(node);
     }
 
@@ -48,6 +56,11 @@ impl<'a> Typed<'a> {
                     1.0
                 }
             },
+            Value::Tuple(Some(name), _) if unary(&name.text).is_some() || binary(&name.text).is_some() => {
+                let help = format!("write the expression in quotes: \"{}(…)\"", name.text);
+                self.report_mismatch(node, "a number or an expression in quotes", Some(help));
+                1.0
+            }
             _ => {
                 self.mismatch(node, "a number or an expression in quotes");
                 1.0
@@ -117,10 +130,13 @@ impl<'a> Typed<'a> {
                         field.name.span,
                         format!("`{}` has no such field", self.field),
                     )
-                    .help(former_field(text, known).unwrap_or_else(|| advice(text, known.iter().copied()))),
+                    .help(field_advice(text, known)),
                 );
                 // A misspelt field is not reported as missing, too.
-                let meant = nearest(text, known.iter().copied());
+                let meant = match synonyms::field(text, known) {
+                    Some((meant, _)) => Some(meant),
+                    None => nearest(text, known.iter().copied()),
+                };
                 unless_given.extend(meant);
             } else if entries.iter().any(|(old, _)| *old == text) {
                 self.context.report(Fault::new(
@@ -156,7 +172,8 @@ impl<'a> Typed<'a> {
             Value::Tuple(Some(name), _) | Value::Struct(Some(name), _) => (name.text.as_str(), name.span),
             _ => {
                 let all: Vec<String> = variants.iter().map(|name| format!("`{name}`")).collect();
-                self.mismatch(node, &format!("one of the choices {}", all.join(", ")));
+                let wanted = format!("one of the choices {}", all.join(", "));
+                self.report_mismatch(node, &wanted, without_name(node, variants));
                 return placeholder;
             }
         };
@@ -169,9 +186,7 @@ impl<'a> Typed<'a> {
                         span,
                         "unknown name",
                     )
-                    .help(
-                        elsewhere(self.field, name).unwrap_or_else(|| advice(name, variants.iter().copied())),
-                    ),
+                    .help(elsewhere(self.field, name).unwrap_or_else(|| choice_advice(name, variants))),
                 );
                 self.refuse(node);
                 placeholder
@@ -194,6 +209,40 @@ fn elsewhere(field: &str, name: &str) -> Option<String> {
         _ => return None,
     };
     Some(advice.to_owned())
+}
+
+/// Returns advice on an unknown field.
+fn field_advice(name: &str, known: &'static [&'static str]) -> String {
+    let all = || advice(name, known.iter().copied());
+    let synonym = || synonyms::field(name, known).map(|(_, advice)| format!("{advice}; {}", all()));
+    former_field(name, known).or_else(synonym).unwrap_or_else(all)
+}
+
+/// Returns advice on an unknown choice.
+fn choice_advice(name: &str, known: &'static [&'static str]) -> String {
+    let all = advice(name, known.iter().copied());
+    match synonyms::choice(name, known) {
+        Some(meant) => format!("it is called `{meant}` here; {all}"),
+        None => all,
+    }
+}
+
+/// Returns advice on a value where a choice with its name is wanted.
+fn without_name(node: &Node, variants: &[&str]) -> Option<String> {
+    let has = |name: &str| variants.contains(&name);
+    match &node.value {
+        Value::Text(text, _) if has(text) => Some(format!("write it without quotes: `{text}`")),
+        Value::Number(number, _) if has("Normal") => {
+            Some(format!("a speed along `towards` is written `Normal({number})`"))
+        }
+        Value::Text(text, _) if has("Normal") => {
+            Some(format!("a speed along `towards` is written `Normal(\"{text}\")`"))
+        }
+        Value::Tuple(None, _) | Value::List(_) if has("Normal") => Some(
+            "a speed along `towards` is written `Normal(0.1)`, a vector `Components((0.1, 0.0))`".to_owned(),
+        ),
+        _ => None,
+    }
 }
 
 /// Returns advice on a renamed field, if the struct has the new name.

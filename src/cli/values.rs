@@ -1,0 +1,88 @@
+//! Values of command line arguments.
+
+use std::path::PathBuf;
+
+use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+
+use sphecs_output::picture::{Colours, Field, Slice};
+
+/// Returns the parser of a field, whose names stand in help and messages.
+pub(super) fn fields() -> impl TypedValueParser<Value = Field> {
+    PossibleValuesParser::new(Field::ALL.map(Field::name)).try_map(|name| name.parse::<Field>())
+}
+
+/// Returns the parser of a colour map.
+pub(super) fn colours() -> impl TypedValueParser<Value = Colours> {
+    PossibleValuesParser::new(Colours::ALL.map(|(name, _)| name)).try_map(|name| {
+        let found = Colours::ALL.into_iter().find(|(known, _)| *known == name);
+        found.map(|(_, colours)| colours).ok_or("is not a colour map")
+    })
+}
+
+/// Returns the parser of a picture's path: it ends in `.png`, which is added to a name without an
+/// ending.
+pub(super) fn picture_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| match path.extension() {
+        None if path.file_name().is_some() => Ok(path.with_extension("png")),
+        Some(ending) if ending.eq_ignore_ascii_case("png") => Ok(path),
+        _ => Err("pictures are PNG files: the name must end in `.png`"),
+    })
+}
+
+/// Endings of files, by which a folder is not called.
+const FILES: [&str; 10] = ["ron", "nc", "csv", "json", "png", "vtu", "vtk", "pvd", "zip", "svg"];
+
+/// Returns the parser of the path of a folder that is written.
+pub(super) fn result_folder() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        match FILES.contains(&ending.as_str()) && !path.is_dir() {
+            true => Err(format!("is the name of a folder: must not end in `.{ending}`")),
+            false => Ok(path),
+        }
+    })
+}
+
+/// Returns a plane from `z` or `y=0.01`.
+pub(super) fn slice(text: &str) -> Result<Slice, String> {
+    let (axis, at) = match text.split_once('=') {
+        Some((axis, at)) => (axis, Some(finite(at)?)),
+        None => (text, None),
+    };
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
+    axis.map(|axis| Slice { axis, at })
+        .ok_or_else(|| "must be `x`, `y` or `z`, with a position as in `y=0.01`".to_owned())
+}
+
+/// Returns path and value of `path=value`.
+pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((path.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("must be `path=value`, as `fluid.sound_speed=1.0`".to_owned()),
+    }
+}
+
+/// Returns a finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| "is not a number".to_owned())?;
+    if value.is_finite() { Ok(value) } else { Err("must be finite".to_owned()) }
+}
+
+/// Returns a finite number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) })
+}
+
+/// Returns the ends of `0,0.3`.
+pub(super) fn range(text: &str) -> Result<(f64, f64), String> {
+    let (lower, upper) =
+        text.split_once(',').ok_or("must be two numbers separated by a comma, as `0,0.3`")?;
+    let (lower, upper) = (finite(lower)?, finite(upper)?);
+    if lower < upper {
+        Ok((lower, upper))
+    } else {
+        Err(format!("the lower end `{lower}` must be below the upper end `{upper}`"))
+    }
+}
