@@ -14,6 +14,7 @@
 //! * [`lattice`], [`fill`], [`rows`], [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`body`], [`probe`]: bodies and probes, which are measured
+//! * [`result_name`](mod@result_name): their names in the results
 //! * [`summary`]: figures of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`]: its narrowest passage, the flow from its
 //!   inlets, and its openings
@@ -43,6 +44,7 @@ pub mod opening_figures;
 pub mod outline;
 pub mod passage;
 pub mod probe;
+pub mod result_name;
 pub mod rings;
 pub mod rows;
 pub mod schema;

@@ -6,7 +6,7 @@ use std::path::Path;
 use ::hdf5_metno_sys::LOCK;
 use ::hdf5_metno_sys::h5::H5dont_atexit;
 use ::hdf5_metno_sys::h5e::{H5E_DEFAULT, H5Eset_auto2};
-use ::netcdf::{AttributeValue, File, FileMut, NcTypeDescriptor, VariableMut};
+use ::netcdf::{AttributeValue, File, FileMut, GroupMut, NcTypeDescriptor, VariableMut};
 
 use crate::disk;
 use crate::error::OutputError;
@@ -107,18 +107,43 @@ pub(super) fn add_variable<'f, T: Stored>(
     attributes: &[(&str, AttributeValue)],
 ) -> Result<VariableMut<'f>, ::netcdf::Error> {
     let mut variable = file.add_variable::<T>(name, dimensions)?;
+    set_up::<T>(&mut variable, dimensions, chunks, attributes)?;
+    Ok(variable)
+}
+
+/// Adds a variable to a group as [`add_variable`] does to the root of a file.
+pub(super) fn add_to_group<'g, T: Stored>(
+    group: &'g mut GroupMut<'_>,
+    name: &str,
+    dimensions: &[&str],
+    chunks: &[usize],
+    attributes: &[(&str, AttributeValue)],
+) -> Result<VariableMut<'g>, ::netcdf::Error> {
+    let mut variable = group.add_variable::<T>(name, dimensions)?;
+    set_up::<T>(&mut variable, dimensions, chunks, attributes)?;
+    Ok(variable)
+}
+
+fn set_up<T: Stored>(
+    variable: &mut VariableMut<'_>,
+    dimensions: &[&str],
+    chunks: &[usize],
+    attributes: &[(&str, AttributeValue)],
+) -> Result<(), ::netcdf::Error> {
     if !dimensions.is_empty() {
         variable.set_chunking(chunks)?;
         // This is the only compression that xarray, ParaView and netCDF-Java all read.
         variable.set_compression(1, true)?;
     }
-    if let Some(missing) = T::MISSING {
+    // CF allows no missing values in a coordinate variable.
+    let is_coordinate = dimensions == [variable.name()];
+    if let Some(missing) = T::MISSING.filter(|_| !is_coordinate) {
         variable.set_fill_value(missing)?;
     }
     for (name, value) in attributes {
         variable.put_attribute(name, value.clone())?;
     }
-    Ok(variable)
+    Ok(())
 }
 
 /// Element type of a variable.

@@ -22,6 +22,7 @@ use super::slots::{Slots, pick};
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use sphecs_core::particles::zone::Zone;
+use sphecs_scene::result_name::result_name;
 
 /// Largest number of slots in a chunk: 2 MiB of doubles.
 const CHUNK: usize = 1 << 18;
@@ -31,6 +32,10 @@ const AXIS_STANDARD_NAMES: [&str; 3] = ["projection_x_coordinate", "projection_y
 pub(super) const VELOCITIES: [&str; 3] = ["u", "v", "w"];
 const VELOCITY_STANDARD_NAMES: [&str; 3] =
     ["sea_water_x_velocity", "sea_water_y_velocity", "upward_sea_water_velocity"];
+
+/// Attributes of the coordinate `time` in all files.
+pub(super) const TIME_ATTRIBUTES: [(&str, &str); 3] =
+    [("units", "s"), ("standard_name", "time"), ("axis", "T")];
 
 /// Adds the attributes that every file of a run has.
 pub(super) fn put_header(file: &mut FileMut, header: &Header, title: &str) -> Result<(), ::netcdf::Error> {
@@ -80,13 +85,9 @@ pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Resu
     file.add_dimension("particle", slots.particles.len().max(1))?;
     let units =
         |units: &'static str, long_name: String| vec![text("units", units), text("long_name", long_name)];
-    add_variable::<f64>(
-        file,
-        "time",
-        &["time"],
-        &[512],
-        &units("s", "time since the start of the run".into()),
-    )?;
+    let mut attributes = TIME_ATTRIBUTES.map(|(name, value)| text(name, value)).to_vec();
+    attributes.push(text("long_name", "time since the start of the run"));
+    add_variable::<f64>(file, "time", &["time"], &[512], &attributes)?;
     add_variable::<i64>(file, "step", &["time"], &[512], &units("1", "steps done".into()))?;
     add_variable::<f64>(file, "time_step", &["time"], &[512], &units("s", "size of the last step".into()))?;
 
@@ -160,7 +161,7 @@ pub(super) fn put_walls(
     }
     let attributes = [text("units", "1"), text("long_name", "number of the wall particle in the run")];
     add_variable::<u32>(file, "wall_id", &["wall"], &chunks, &attributes)?.put_values(&slots.walls, ..)?;
-    let names: Vec<String> = header.wall_parts.iter().map(|name| name.replace(' ', "_")).collect();
+    let names: Vec<String> = header.wall_parts.iter().map(|name| result_name(name)).collect();
     let mut attributes = vec![text("units", "1"), text("long_name", "wall part of the scene")];
     if !names.is_empty() {
         let values: Vec<u16> = (0..names.len() as u16).collect();

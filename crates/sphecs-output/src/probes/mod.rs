@@ -56,8 +56,8 @@ pub enum ProbeValues {
 pub struct ProbeSample {
     /// Time, s.
     pub time: f64,
-    /// Values in the order of the scene's probes.
-    pub values: Vec<ProbeValues>,
+    /// Values in the order of the scene's probes; None for a probe that is not due.
+    pub values: Vec<Option<ProbeValues>>,
 }
 
 /// Probes of a scene with their points.
@@ -83,34 +83,48 @@ impl ProbeSet {
         self.probes.is_empty()
     }
 
-    /// Returns the points of all probes, m, with the particles sampled there, in the order of
-    /// [`Self::reduce`].
-    pub fn points(&self) -> Vec<(DVec3, ProbeSight)> {
+    /// Returns the points of the probes that are due, m, with the particles sampled there, in the
+    /// order of [`Self::reduce`].
+    pub fn points(&self, due: &[bool]) -> Vec<(DVec3, ProbeSight)> {
         let of =
             |probe: &ProbePoints| probe.points.iter().map(|&point| (point, probe.sees)).collect::<Vec<_>>();
-        self.probes.iter().flat_map(of).collect()
+        self.due(due).flat_map(of).collect()
     }
 
-    /// Returns all sections, in the order of the mass flows of [`Self::reduce`].
-    pub fn sections(&self) -> Vec<&Section> {
-        self.probes.iter().filter_map(|probe| probe.section.as_ref()).collect()
+    /// Returns the sections that are due, in the order of the mass flows of [`Self::reduce`].
+    pub fn sections<'a>(&'a self, due: &'a [bool]) -> Vec<&'a Section> {
+        self.due(due).filter_map(|probe| probe.section.as_ref()).collect()
+    }
+
+    fn due<'a>(&'a self, due: &'a [bool]) -> impl Iterator<Item = &'a ProbePoints> + 'a {
+        self.probes.iter().zip(due).filter(|&(_, &is_due)| is_due).map(|(probe, _)| probe)
     }
 
     /// Returns the results of samples at [`Self::points`] and of mass flows (kg/s) through
-    /// [`Self::sections`].
+    /// [`Self::sections`] of the probes that are due.
     ///
     /// Missing samples count as points without fluid.
-    pub fn reduce(&self, time: f64, samples: &[Option<Sample>], mass_flows: &[f64]) -> ProbeSample {
+    pub fn reduce(
+        &self,
+        due: &[bool],
+        time: f64,
+        samples: &[Option<Sample>],
+        mass_flows: &[f64],
+    ) -> ProbeSample {
         let mut rest = samples;
         let mut flows = mass_flows.iter();
         let values = self
             .probes
             .iter()
-            .map(|probe| {
+            .zip(due)
+            .map(|(probe, &is_due)| {
+                if !is_due {
+                    return None;
+                }
                 let (own, others) = rest.split_at(probe.points.len().min(rest.len()));
                 rest = others;
                 let flow = probe.section.as_ref().and_then(|_| flows.next());
-                probe.reduce(own, flow.copied())
+                Some(probe.reduce(own, flow.copied()))
             })
             .collect();
         ProbeSample { time, values }
@@ -196,10 +210,12 @@ mod tests {
         let point =
             ProbePoints { shape: ProbeShape::Point, section: None, points: vec![DVec3::X], ..section() };
         let set = ProbeSet { probes: vec![point, section()] };
-        assert_eq!(set.sections().len(), 1);
-        let samples: Vec<_> = set.points().iter().map(|(point, _)| linear_pressure(point)).collect();
-        let sample = set.reduce(0.25, &samples, &[1005.0]);
-        let ProbeValues::Section { mass_flow, mean_pressure } = sample.values[1] else {
+        let due = [true; 2];
+        assert_eq!(set.sections(&due).len(), 1);
+        assert!(set.sections(&[true, false]).is_empty());
+        let samples: Vec<_> = set.points(&due).iter().map(|(point, _)| linear_pressure(point)).collect();
+        let sample = set.reduce(&due, 0.25, &samples, &[1005.0]);
+        let Some(ProbeValues::Section { mass_flow, mean_pressure }) = sample.values[1] else {
             panic!("a section has integrals");
         };
         assert_eq!(mass_flow, 1005.0);
@@ -209,12 +225,12 @@ mod tests {
     #[test]
     fn point_without_fluid_has_no_pressure() {
         let set = ProbeSet { probes: vec![section()] };
-        let pressure = |samples: &[Option<Sample>]| match set.reduce(0.0, samples, &[0.0]).values[0] {
-            ProbeValues::Section { mean_pressure, .. } => mean_pressure,
-            ProbeValues::Fields(_) => panic!("a section has integrals"),
+        let pressure = |samples: &[Option<Sample>]| match set.reduce(&[true], 0.0, samples, &[0.0]).values[0] {
+            Some(ProbeValues::Section { mean_pressure, .. }) => mean_pressure,
+            _ => panic!("a section has integrals"),
         };
         let samples: Vec<_> =
-            set.points().iter().map(|(p, _)| linear_pressure(p).filter(|_| p.y < 0.5)).collect();
+            set.points(&[true]).iter().map(|(p, _)| linear_pressure(p).filter(|_| p.y < 0.5)).collect();
         assert!((pressure(&samples) - 5.0).abs() < 1e-12);
         assert!(pressure(&[None; 10]).is_nan());
     }

@@ -2,7 +2,7 @@
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
 //! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`cut`], [`section`], [`tables`],
-//!    [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
+//!    [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one section each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
 //! 4. [`consistency`]: faults that only the complete scene shows, once its parts are valid
 
@@ -26,6 +26,7 @@ pub mod consistency;
 pub mod cut;
 pub mod layout;
 pub mod mass_flow;
+pub mod names;
 pub mod patches;
 pub mod scheme;
 pub mod section;

@@ -7,7 +7,7 @@ const FIRST: &str = "0.1.0";
 ///
 /// A name covers everything below it. `CHANGELOG.md` lists the same changes.
 const NEWER: [(&str, &[&str]); 2] = [
-    ("0.3.0", &["Inlet.extent", "Inlet.closed", "Outlet.extent", "Outlet.closed", "Extent"]),
+    ("0.3.0", &["Inlet.extent", "Inlet.closed", "Outlet.extent", "Outlet.closed", "Extent", "Probe.every"]),
     (
         "0.2.0",
         &[
