@@ -58,7 +58,7 @@ impl RunLoop {
     /// [`RunError::Output`] when the folder cannot be made.
     pub fn start(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Self, RunError> {
         let mut simulation = Simulation::builder(scene).build()?;
-        let first = Frame::from_world(simulation.world_mut());
+        let first = Frame::from_world(simulation.world());
         let scene = simulation.scene();
         let mut header = Header::new(scene, &first);
         (header.until, header.max_steps) = (options.until, options.max_steps);
@@ -298,7 +298,7 @@ impl RunLoop {
     }
 
     fn write_frame(&mut self) -> Result<(), OutputError> {
-        self.folder.submit(Frame::from_world(self.simulation.world_mut()))?;
+        self.folder.submit(Frame::from_world(self.simulation.world()))?;
         let clock = self.simulation.clock();
         if self.console == Console::Verbose {
             let row = &self.state.last_row;

@@ -89,6 +89,22 @@ macro_rules! columns {
                 Quantity::push(&mut self.acceleration, row, Default::default());
             }
 
+            /// Appends particles as [`Self::push`] does, column by column.
+            pub fn extend(&mut self, particles: &[ParticleRow]) {
+                let first = self.len();
+                $(
+                    let is_used = self.is_used(When::$when);
+                    let begin = particles.iter().position(|row| is_used || When::$when.begins_with(row.zone));
+                    // Rows before the one that brings a column into use have its default.
+                    for (at, particle) in particles.iter().enumerate().skip(begin.unwrap_or(particles.len())) {
+                        Quantity::push(&mut self.$name, first + at, particle.$name);
+                    }
+                )*
+                for at in 0..particles.len() {
+                    Quantity::push(&mut self.acceleration, first + at, Default::default());
+                }
+            }
+
             /// Returns all values of the particle of a row; 0 for columns that are not in use.
             pub fn row(&self, row: usize) -> ParticleRow {
                 ParticleRow {
