@@ -289,8 +289,9 @@ impl RunLoop {
         }
         let clock = self.simulation.clock();
         let samples = self.simulation.sample_seeing(&self.probes.points(due));
+        let pressures = self.simulation.sample_pressure(&self.probes.section_points(due));
         let flows = self.simulation.mass_flows(&self.probes.sections(due));
-        self.folder.probe(&self.probes.reduce(due, clock.time, &samples, &flows))?;
+        self.folder.probe(&self.probes.reduce(due, clock.time, &samples, &pressures, &flows))?;
         for (last, _) in self.state.last_samples.iter_mut().zip(due).filter(|(_, is_due)| **is_due) {
             *last = Some(clock.step);
         }

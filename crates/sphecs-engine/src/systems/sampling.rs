@@ -55,6 +55,23 @@ pub(crate) fn sample<R: PairReal<D>, const D: usize>(
     world: &World,
     points: &[(DVec3, ProbeSight)],
 ) -> Vec<Option<Sample>> {
+    by_sight(world, points, |sampler: Sampler<'_, R, D>, points| sampler.sample(points))
+}
+
+/// Returns the pressure of [`sample`], Pa.
+pub(crate) fn pressure<R: PairReal<D>, const D: usize>(
+    world: &World,
+    points: &[(DVec3, ProbeSight)],
+) -> Vec<Option<f64>> {
+    by_sight(world, points, |sampler: Sampler<'_, R, D>, points| sampler.pressure(points))
+}
+
+/// Samples the points of each sight at once and returns the results in the order of the points.
+fn by_sight<R: PairReal<D>, T: Clone, const D: usize>(
+    world: &World,
+    points: &[(DVec3, ProbeSight)],
+    at: impl Fn(Sampler<'_, R, D>, &[DVec3]) -> Vec<Option<T>>,
+) -> Vec<Option<T>> {
     let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<Arrays<R, D>>());
     let pair = &world.resource::<Pair>().0;
     let mut found = vec![None; points.len()];
@@ -65,7 +82,7 @@ pub(crate) fn sample<R: PairReal<D>, const D: usize>(
         };
         let chosen: Vec<usize> = (0..points.len()).filter(|&index| points[index].1 == sight).collect();
         let places: Vec<DVec3> = chosen.iter().map(|&index| points[index].0).collect();
-        let samples = Sampler::new(grid, arrays, pair, sees).sample(&places);
+        let samples = at(Sampler::new(grid, arrays, pair, sees), &places);
         chosen.into_iter().zip(samples).for_each(|(index, sample)| found[index] = sample);
     }
     found

@@ -239,7 +239,8 @@ mod tests {
             })
             .map(|sample| (sample.velocity.x < time + 1.5).then_some(sample))
             .collect();
-        set.reduce(&due, time, &samples, &[1000.0 * time + 500.0])
+        let pressures = vec![Some(10.0 * time); set.section_points(&due).len()];
+        set.reduce(&due, time, &samples, &pressures, &[1000.0 * time + 500.0])
     }
 
     #[test]
