@@ -18,7 +18,7 @@
 //! * [`summary`]: figures of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`]: its narrowest passage, the flow from its
 //!   inlets, and its openings
-//! * [`disk_estimate`]: disk space of its run
+//! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run
 //! * [`faults`]: faults of its text
 //! * `manual`: reference of the file from the doc lines of its types, behind the feature `schema`
 //! * [`builder`]: a scene described in Rust, written as the text of a scene file
@@ -36,6 +36,7 @@ pub mod geometry;
 pub mod inflow;
 pub mod lattice;
 pub mod loader;
+pub mod memory_estimate;
 #[cfg(feature = "schema")]
 pub mod manual;
 pub mod model;

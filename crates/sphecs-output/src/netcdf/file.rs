@@ -2,10 +2,12 @@
 
 use std::cell::Cell;
 use std::path::Path;
+use std::sync::Once;
 
 use ::hdf5_metno_sys::LOCK;
 use ::hdf5_metno_sys::h5::H5dont_atexit;
 use ::hdf5_metno_sys::h5e::{H5E_DEFAULT, H5Eset_auto2};
+use ::netcdf_sys::nc_set_chunk_cache;
 use ::netcdf::{AttributeValue, File, FileMut, GroupMut, NcTypeDescriptor, VariableMut};
 
 use crate::disk;
@@ -40,7 +42,18 @@ impl From<::netcdf::Error> for WriteError {
     }
 }
 
-/// Disables error printing and exit handlers of HDF5 for this thread.
+/// Size of the cache of each variable of an open file, B. No chunk is used twice: the default, 16
+/// MB, would keep the last frames of each of a dozen variables until the file is closed.
+const CHUNK_CACHE: usize = 1 << 18;
+
+/// Slots of the cache's hash table, a prime number.
+const CHUNK_CACHE_SLOTS: usize = 521;
+
+/// Preemption of chunks that were read or written completely, from 0 to 1.
+const CHUNK_CACHE_PREEMPTION: f32 = 1.0;
+
+/// Bounds the memory of all files, and disables error printing and exit handlers of HDF5 for this
+/// thread.
 ///
 /// NetCDF handles errors of optional items but disables their printing only in the first thread
 /// that uses it, and HDF5 stores this setting by thread. At exit HDF5 flushes files that could not
@@ -50,6 +63,15 @@ fn prepare() {
     thread_local! {
         static DONE: Cell<bool> = const { Cell::new(false) };
     }
+    static CACHED: Once = Once::new();
+    CACHED.call_once(|| {
+        let _guard = LOCK.lock();
+        // SAFETY: the function sets three numbers, under the lock of the netcdf crate. It fails for
+        // a preemption outside 0 to 1 only.
+        unsafe {
+            nc_set_chunk_cache(CHUNK_CACHE, CHUNK_CACHE_SLOTS, CHUNK_CACHE_PREEMPTION);
+        }
+    });
     if !DONE.replace(true) {
         let _guard = LOCK.lock();
         // SAFETY: the default error stack always exists, and without a function its data is not
