@@ -33,12 +33,14 @@ def main(folder):
     run = pathlib.Path(folder)
     monitor = pd.read_csv(run / "monitor.csv")
     monitor.columns = [name.split(" [")[0] for name in monitor.columns]
-    probes = pd.read_csv(run / "probes.csv")
-    probes.columns = [name.split(" [")[0] for name in probes.columns]
     end = monitor.time.max()
     begin = 4.0 if end >= 5.9 else 2.0 * end / 3.0
-    late = probes[probes.time >= begin]
-    section = lambda name: late[late.probe == name]
+
+    def section(name):
+        samples = pd.read_csv(run / "probes" / f"{name}.csv")
+        samples.columns = [column.split(" [")[0] for column in samples.columns]
+        return samples[samples.time >= begin]
+
     inlet = 2.0 / 3.0 * V0 * D1 * RHO
     print(f"means from {begin:.2f} to {end:.2f} s")
     print(f"inlet, as prescribed           {inlet:.4f} kg/(m s)")

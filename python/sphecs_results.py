@@ -14,12 +14,12 @@ import numpy as np
 import xarray as xr
 
 
-def open_run(folder, file="particles.nc"):
-    """Opens a dataset of a packed run; `sphecs pack` packs a run that was killed."""
+def open_run(folder, file="particles.nc", group=None):
+    """Opens a dataset of a packed run, or the group of a probe or body; `sphecs pack` packs a run that was killed."""
     path = Path(folder) / file
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist; `sphecs pack {folder}` creates it from the journal")
-    return xr.open_dataset(path)
+    return xr.open_dataset(path, group=group)
 
 
 def zones(run):

@@ -207,8 +207,8 @@ def run_folder(folder: Path) -> dict[str, dict[str, str]]:
     found = {}
     for path in sorted(folder.glob("*.nc")):
         found[path.name] = netcdf(path)
-    for path in sorted(folder.glob("*.csv")):
-        found[path.name] = csv(path)
+    for path in sorted([*folder.glob("*.csv"), *folder.glob("probes/*.csv")]):
+        found[path.relative_to(folder).as_posix()] = csv(path)
     for path in sorted(folder.glob("summary.json")):
         found[path.name] = summary(path)
     # The last one is of the last step; wall-clock time may have chosen the step of another.

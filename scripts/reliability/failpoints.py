@@ -20,7 +20,8 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-RESULTS = ["particles.nc", "monitor.nc", "monitor.csv", "probes.nc", "probes.csv"]
+RESULTS = ["particles.nc", "monitor.nc", "monitor.csv", "probes.nc", "probes_points.csv"]
+RESULTS += [f"probes/{name}.csv" for name in ("inlet", "gap", "axis")]
 KILLED, NO_SPACE = -9, 4
 # A frame every second step, a row and a checkpoint at every step.
 SCENE = ["scenes/quickstart.ron", "--smoke", "--threads", "1", "--quiet"]

@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-RESULTS = [f"{name}.{kind}" for name in ("particles", "monitor", "probes", "forces") for kind in ("nc", "csv")]
+RESULTS = [f"{name}.nc" for name in ("particles", "monitor", "probes", "forces")]
+RESULTS += ["monitor.csv", "forces.csv", "probes_points.csv"]
 SCENES = sorted((ROOT / "scenes").glob("*.ron"))
 QUICK = ROOT / "scenes/quickstart.ron"
 
@@ -28,7 +29,8 @@ def ends(program, arguments, code=0, what="", environment=None):
 
 def same(whole, other, what):
     """Fails unless two run folders have identical results, byte by byte, and the second has no temporary files."""
-    for name in RESULTS:
+    probes = {path.relative_to(run).as_posix() for run in (whole, other) for path in run.glob("probes/*.csv")}
+    for name in [*RESULTS, *sorted(probes)]:
         if (whole / name).exists() != (other / name).exists():
             fail(f"{what}: {name} exists in one of the two folders only")
         if (whole / name).exists() and not filecmp.cmp(whole / name, other / name, shallow=False):

@@ -126,6 +126,10 @@ fn links_in_a_run_are_refused() {
         ("particles.nc", forced, 0),
         ("particles.nc.partial", packed, 2),
         ("probes_mean.csv", packed, 2),
+        ("probes_points.csv", resumed, 2),
+        ("probes/gap.csv", resumed, 2),
+        ("probes", resumed, 2),
+        ("probes", forced, 0),
         ("summary.json", resumed, 2),
         ("summary.json.partial", resumed, 2),
         ("divergence.nc", resumed, 2),
@@ -181,7 +185,7 @@ fn names_do_not_lead_out_of_the_folder() {
         command.current_dir(&inner);
         command
     };
-    // Probes and bodies: their names go into tables, and never into the name of a file.
+    // Probes and bodies: letters and digits of their names go into the names of files.
     let absolute = folder.path().join("absolute").to_string_lossy().into_owned();
     let out = inner.join("run");
     let name = text.find("name: \"").expect("a probe") + 7;

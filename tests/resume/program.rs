@@ -22,12 +22,15 @@ pub(crate) const BODIES: [&str; 2] =
     ["--set", "bodies=[(part: \"walls\", velocity: 0.1, area: 0.04, mean: (0.0, 0.02))]"];
 
 /// Files of a finished run that depend only on the flow.
-pub(crate) const RESULTS: [&str; 8] = [
+pub(crate) const RESULTS: [&str; 11] = [
     "particles.nc",
     "monitor.nc",
     "monitor.csv",
     "probes.nc",
-    "probes.csv",
+    "probes_points.csv",
+    "probes/inlet.csv",
+    "probes/gap.csv",
+    "probes/axis.csv",
     "forces.nc",
     "forces.csv",
     "forces_mean.csv",

@@ -4,10 +4,11 @@
 //! after a caller changed components, [`scatter`] only before components are read. Changes of role
 //! concern single entities and are made in both copies at once (`systems/transitions/`).
 
+use bevy_ecs::entity::Entity;
 use bevy_ecs::query::{Has, With, Without};
 use bevy_ecs::world::World;
 use glam::DVec3;
-use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Velocity, Wall,
@@ -31,8 +32,13 @@ pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: 
         (&ParticleId, &Position, &Velocity, &Thermodynamics),
         (Has<Fluid>, Option<&Wall>, Option<&WallSurface>, Option<&Inflow>, Option<&Outflow>),
     ), Without<Reservoir>>();
-    arrays.reserve(state.iter(world).count());
-    for ((id, position, velocity, thermodynamics), roles) in state.iter(world) {
+    // Reading the components takes longer than listing the particles and filling the columns.
+    let particles: Vec<Entity> = world.query_filtered::<Entity, Listed>().iter(world).collect();
+    arrays.reserve(particles.len());
+    state.update_archetypes(world);
+    let row = |&entity: &Entity| {
+        let found = state.get_manual(world, entity);
+        let ((id, position, velocity, thermodynamics), roles) = found.expect("a particle just listed");
         let (_, wall, surface, inflow, outflow) = roles;
         let (zone, patch) = match (wall, inflow, outflow) {
             (Some(wall), _, _) => (Zone::Wall, wall.part),
@@ -47,7 +53,7 @@ pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: 
             drift: DVec3::ZERO,
             needs_restart: true,
         });
-        arrays.push(&ParticleRow {
+        ParticleRow {
             id: id.0,
             zone,
             patch,
@@ -61,9 +67,21 @@ pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: 
             drift: past.drift,
             wall_distance: surface.distance,
             wall_normal: surface.normal,
-        });
+        }
+    };
+    let mut rows = Vec::with_capacity(BATCH.min(particles.len()));
+    for batch in particles.chunks(BATCH) {
+        batch.par_iter().with_min_len(CHUNK).map(row).collect_into_vec(&mut rows);
+        arrays.extend(&rows);
     }
 }
+
+/// Particles with a place in the arrays.
+type Listed = (With<ParticleId>, With<Position>, With<Velocity>, With<Thermodynamics>, Without<Reservoir>);
+
+/// Particles whose components are read at once, before the columns are filled: their rows take
+/// less than 20 MB.
+const BATCH: usize = 65_536;
 
 /// Columns of the arrays that only the integrator needs, saved before the arrays are filled from
 /// the components.
@@ -118,7 +136,7 @@ impl<R: PairReal<D>, const D: usize> History<R, D> {
 }
 
 /// Particles per task of a thread.
-const CHUNK: usize = 8192;
+const CHUNK: usize = 4096;
 
 /// Writes the state of every row to the components of its particle.
 pub(crate) fn scatter<R: PairReal<D>, const D: usize>(world: &mut World, arrays: &ParticleArrays<R, D>) {

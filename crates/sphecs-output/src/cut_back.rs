@@ -20,20 +20,19 @@ use crate::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 ///
 /// # Errors
 /// The missing output.
-pub fn has_output(run: &Path, facts: &Facts) -> Result<(), String> {
+pub fn has_output(run: &Path, header: &Header, facts: &Facts) -> Result<(), String> {
     let frames = frames(run).map_err(|error| error.to_string())?;
     if frames < facts.frames {
         return Err(format!("counts {} frames, the run has {frames}", facts.frames));
     }
-    let tables = [
-        (paths::MONITOR_CSV, facts.monitor_bytes),
-        (paths::PROBES_CSV, facts.probes_bytes),
-        (paths::FORCES_CSV, facts.forces_bytes),
-    ];
-    for (name, bytes) in tables {
-        let found = fs::metadata(run.join(name)).map_or(0, |data| data.len());
+    let tables = [(paths::MONITOR_CSV, facts.monitor_bytes), (paths::FORCES_CSV, facts.forces_bytes)];
+    let tables = tables.map(|(name, bytes)| (run.join(name), bytes));
+    let probes = header.probes.iter().map(|probe| paths::probe(run, &probe.name));
+    for (path, bytes) in tables.into_iter().chain(probes.zip(facts.probes_bytes.iter().copied())) {
+        let found = fs::metadata(&path).map_or(0, |data| data.len());
         if found < bytes {
-            return Err(format!("counts {bytes} bytes of `{name}`, it has {found}"));
+            let name = path.strip_prefix(run).unwrap_or(&path);
+            return Err(format!("counts {bytes} bytes of `{}`, it has {found}", name.display()));
         }
     }
     Ok(())

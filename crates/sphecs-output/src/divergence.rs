@@ -14,7 +14,7 @@ use glam::DVec3;
 use super::error::OutputError;
 use super::frame::Frame;
 use super::header::Header;
-use super::netcdf::dataset::{Dataset, Variable};
+use super::netcdf::dataset::{Dataset, Group, Variable};
 use super::paths::{DIVERGENCE_NETCDF, DIVERGENCE_PICTURE};
 use super::picture::{Field, RenderOptions, Slice, render_marked};
 use super::results::Results;
@@ -97,11 +97,10 @@ fn dataset(header: &Header, around: &Neighbourhood, diverged: &DivergedParticle)
             "particles around particle {} when the flow diverged: {}",
             diverged.id, diverged.found
         ),
-        dimensions: vec![("particle".to_owned(), around.particles.len())],
-        variables: Vec::new(),
+        root: Group { dimensions: vec![("particle".to_owned(), around.particles.len())], ..Group::default() },
     };
     let mut add = |name: String, units: &str, long_name: &str, value: &dyn Fn(&NearbyParticle) -> f64| {
-        dataset.variables.push(Variable {
+        dataset.root.variables.push(Variable {
             name,
             dimensions: vec!["particle".to_owned()],
             values: around.particles.iter().map(value).collect(),

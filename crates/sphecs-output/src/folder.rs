@@ -21,7 +21,6 @@ use super::probes::ProbeSet;
 use super::probes::writer::ProbeWriter;
 use super::start::start;
 use super::summary::Summary;
-use super::table::TableWriter;
 use sphecs_core::math::column::Columns;
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_engine::resources::clock::Clock;
@@ -85,7 +84,7 @@ impl RunFolder {
         let journal = path.join(JOURNAL);
         let probes = match probes.is_empty() {
             true => None,
-            false => Some(ProbeWriter::resume(path, header, probes, facts.probes_bytes)?),
+            false => Some(ProbeWriter::resume(path, header, probes, &facts.probes_bytes)?),
         };
         let forces = match header.bodies.is_empty() {
             true => None,
@@ -131,11 +130,6 @@ impl RunFolder {
     /// The error that stopped the writing of an earlier frame, or [`OutputError::Io`].
     pub fn checkpoint(&mut self, clock: &Clock, state: Columns) -> Result<(), OutputError> {
         let Some(frames) = &mut self.frames else { return Ok(()) };
-        let tables = || {
-            let written =
-                std::iter::once(self.monitor.table()).chain(self.probes.iter().map(ProbeWriter::table));
-            written.chain(self.forces.iter().map(ForcesWriter::table))
-        };
         let facts = Facts {
             scene_sha256: self.header.fingerprint(),
             version: self.header.version.clone(),
@@ -144,11 +138,13 @@ impl RunFolder {
             step: clock.step,
             frames: self.submitted,
             monitor_bytes: self.monitor.table().length(),
-            probes_bytes: self.probes.as_ref().map_or(0, |probes| probes.table().length()),
+            probes_bytes: self.probes.as_ref().map_or_else(Vec::new, ProbeWriter::lengths),
             forces_bytes: self.forces.as_ref().map_or(0, |forces| forces.table().length()),
         };
-        let handles = tables().map(TableWriter::handle).collect::<Result<Vec<_>, OutputError>>()?;
-        frames.checkpoint(Checkpoint { facts, state }, handles)
+        let tables = std::iter::once(self.monitor.table()).chain(self.forces.iter().map(ForcesWriter::table));
+        let probes = self.probes.iter().flat_map(ProbeWriter::paths);
+        let written = tables.map(|table| table.path().to_path_buf()).chain(probes).collect();
+        frames.checkpoint(Checkpoint { facts, state }, written)
     }
 
     /// Returns the step of the last checkpoint that is complete and durable.
@@ -180,7 +176,7 @@ impl RunFolder {
         }
     }
 
-    /// Appends to `probes.csv`.
+    /// Appends to the files of the probes.
     ///
     /// # Errors
     /// [`OutputError::Io`] when the write fails.

@@ -1,8 +1,11 @@
 //! State of all particles at one time in the order of their numbers, for files, pictures and
 //! export.
 
+use bevy_ecs::entity::Entity;
 use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::components::{
@@ -105,43 +108,140 @@ impl Frame {
         corners.as_flattened().iter().all(|x| x.is_finite()).then_some(corners)
     }
 
-    /// Returns the state of a world at the time of its [`Clock`].
-    pub fn from_world(world: &mut World) -> Self {
-        type Roles<'w> = (Option<&'w Wall>, Option<&'w Inflow>, Option<&'w Outflow>, Has<Reservoir>);
+    /// Returns the state of a world of a simulation at the time of its [`Clock`].
+    pub fn from_world(world: &World) -> Self {
         let clock = world.resource::<Clock>();
         let mut frame =
             Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
-        let mut particles =
-            world.query::<(&ParticleId, &Position, &Velocity, &Thermodynamics, &Tracer, Roles)>();
-        let numbers = world.get_resource::<EntityIndex>().map_or(0, |entities| entities.0.len());
-        frame.resize(numbers.max(particles.iter(world).count()));
-        for (id, position, velocity, thermodynamics, tracer, roles) in particles.iter(world) {
+        let (particles, roles) = (world.try_query::<Particle>(), world.try_query::<Roles>());
+        let (Some(mut particles), Some(mut roles)) = (particles, roles) else {
+            unreachable!("a simulation registers the components of its particles")
+        };
+        let mut entities = Vec::new();
+        for (entity, id, ..) in particles.iter(world) {
             let slot = id.0 as usize;
-            if slot >= frame.len() {
-                frame.resize(slot + 1);
+            if slot >= entities.len() {
+                entities.resize(slot + 1, None);
             }
-            let (zone, patch) = match roles {
-                (Some(wall), ..) => (Zone::Wall, wall.part),
-                (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
-                (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
-                (_, _, _, true) => (Zone::Reservoir, 0),
-                _ => (Zone::Fluid, 0),
-            };
-            frame.zone[slot] = zone as u8;
-            frame.patch[slot] = patch;
-            frame.passage[slot] = tracer.passages;
-            if zone == Zone::Reservoir {
-                continue;
-            }
-            for axis in 0..3 {
-                frame.position[axis][slot] = position.0[axis];
-                frame.velocity[axis][slot] = velocity.0[axis] as f32;
-            }
-            frame.density[slot] = thermodynamics.density as f32;
-            frame.pressure[slot] = thermodynamics.pressure as f32;
-            frame.tag[slot] = tracer.tag;
+            entities[slot] = Some(entity);
         }
+        let numbers = world.get_resource::<EntityIndex>().map_or(0, |entities| entities.0.len());
+        entities.resize(numbers.max(entities.len()), None);
+        frame.resize(entities.len());
+        roles.update_archetypes(world);
+        let (particles, roles) = (&particles, &roles);
+        frame.chunks_mut().zip(entities.par_chunks(CHUNK)).for_each(|(mut chunk, entities)| {
+            for (at, &entity) in entities.iter().enumerate() {
+                let Some(entity) = entity else { continue };
+                let (Ok(particle), Ok(role)) =
+                    (particles.get_manual(world, entity), roles.get_manual(world, entity))
+                else {
+                    unreachable!("the particle has just been listed")
+                };
+                chunk.put(at, particle, role);
+            }
+        });
         frame
+    }
+
+    /// Returns all columns in chunks of slots.
+    fn chunks_mut(&mut self) -> impl IndexedParallelIterator<Item = FrameChunk<'_>> {
+        let [x, y, z] = &mut self.position;
+        let [u, v, w] = &mut self.velocity;
+        let vectors = (
+            x.par_chunks_mut(CHUNK),
+            y.par_chunks_mut(CHUNK),
+            z.par_chunks_mut(CHUNK),
+            u.par_chunks_mut(CHUNK),
+            v.par_chunks_mut(CHUNK),
+            w.par_chunks_mut(CHUNK),
+        );
+        let scalars = (
+            self.density.par_chunks_mut(CHUNK),
+            self.pressure.par_chunks_mut(CHUNK),
+            self.zone.par_chunks_mut(CHUNK),
+            self.patch.par_chunks_mut(CHUNK),
+            self.passage.par_chunks_mut(CHUNK),
+            self.tag.par_chunks_mut(CHUNK),
+        );
+        vectors.into_par_iter().zip(scalars).map(
+            |((x, y, z, u, v, w), (density, pressure, zone, patch, passage, tag))| FrameChunk {
+                position: [x, y, z],
+                velocity: [u, v, w],
+                density,
+                pressure,
+                zone,
+                patch,
+                passage,
+                tag,
+            },
+        )
+    }
+}
+
+/// Components of every particle.
+type Particle = (
+    Entity,
+    &'static ParticleId,
+    &'static Position,
+    &'static Velocity,
+    &'static Thermodynamics,
+    &'static Tracer,
+);
+
+/// Components that state the role of a particle.
+type Roles = (Option<&'static Wall>, Option<&'static Inflow>, Option<&'static Outflow>, Has<Reservoir>);
+
+/// Slots that a thread fills at a time.
+const CHUNK: usize = 8192;
+
+/// Consecutive slots of a frame.
+struct FrameChunk<'a> {
+    position: [&'a mut [f64]; 3],
+    velocity: [&'a mut [f32]; 3],
+    density: &'a mut [f32],
+    pressure: &'a mut [f32],
+    zone: &'a mut [u8],
+    patch: &'a mut [u16],
+    passage: &'a mut [u32],
+    tag: &'a mut [f32],
+}
+
+impl FrameChunk<'_> {
+    /// Writes the state of a particle into the slot `at` of the chunk.
+    fn put(
+        &mut self,
+        at: usize,
+        (_, _, position, velocity, thermodynamics, tracer): (
+            Entity,
+            &ParticleId,
+            &Position,
+            &Velocity,
+            &Thermodynamics,
+            &Tracer,
+        ),
+        roles: (Option<&Wall>, Option<&Inflow>, Option<&Outflow>, bool),
+    ) {
+        let (zone, patch) = match roles {
+            (Some(wall), ..) => (Zone::Wall, wall.part),
+            (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
+            (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
+            (_, _, _, true) => (Zone::Reservoir, 0),
+            _ => (Zone::Fluid, 0),
+        };
+        self.zone[at] = zone as u8;
+        self.patch[at] = patch;
+        self.passage[at] = tracer.passages;
+        if zone == Zone::Reservoir {
+            return;
+        }
+        for axis in 0..3 {
+            self.position[axis][at] = position.0[axis];
+            self.velocity[axis][at] = velocity.0[axis] as f32;
+        }
+        self.density[at] = thermodynamics.density as f32;
+        self.pressure[at] = thermodynamics.pressure as f32;
+        self.tag[at] = tracer.tag;
     }
 }
 
@@ -150,6 +250,16 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use sphecs_engine::components::{Fluid, ParticleBundle};
+
+    /// Returns a world that knows the components of particles, as that of a simulation does.
+    fn world() -> World {
+        let mut world = World::new();
+        world.register_component::<Wall>();
+        world.register_component::<Inflow>();
+        world.register_component::<Outflow>();
+        world.register_component::<Reservoir>();
+        world
+    }
 
     fn particle(id: u32) -> ParticleBundle {
         let number = f64::from(id);
@@ -164,14 +274,14 @@ mod tests {
 
     #[test]
     fn slots_follow_the_particle_numbers_in_any_order_of_the_tables() {
-        let mut world = World::new();
+        let mut world = world();
         world.insert_resource(Clock { time: 0.5, step: 7, time_step: 1e-4 });
         world.spawn((particle(3), Wall { part: 2 }));
         world.spawn((particle(1), Inflow { inlet: 1 }));
         world.spawn((particle(4), Reservoir));
         world.spawn((particle(0), Fluid));
         world.spawn((particle(2), Outflow { outlet: 4 }));
-        let frame = Frame::from_world(&mut world);
+        let frame = Frame::from_world(&world);
 
         assert_eq!((frame.time, frame.step, frame.time_step), (0.5, 7, 1e-4));
         assert_eq!(frame.zone, [0, 2, 3, 1, 4]);
@@ -186,10 +296,10 @@ mod tests {
 
     #[test]
     fn missing_particle_number_is_absent() {
-        let mut world = World::new();
+        let mut world = world();
         world.insert_resource(Clock::default());
         world.spawn((particle(2), Fluid));
-        let frame = Frame::from_world(&mut world);
+        let frame = Frame::from_world(&world);
         assert_eq!(frame.zone, [ABSENT, ABSENT, 0]);
         assert_eq!(frame.counts(), [1, 0, 0, 0, 0]);
     }

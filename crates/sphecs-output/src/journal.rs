@@ -54,7 +54,7 @@ pub fn write_all(
 enum Item {
     Frame(Box<Frame>),
     /// A checkpoint and the tables that must be durable before it.
-    Checkpoint(Box<Checkpoint>, Vec<File>),
+    Checkpoint(Box<Checkpoint>, Vec<PathBuf>),
 }
 
 /// Step number that means no checkpoint.
@@ -113,7 +113,7 @@ impl FrameWriter {
     ///
     /// # Errors
     /// As [`Self::submit`].
-    pub fn checkpoint(&mut self, checkpoint: Checkpoint, tables: Vec<File>) -> Result<(), OutputError> {
+    pub fn checkpoint(&mut self, checkpoint: Checkpoint, tables: Vec<PathBuf>) -> Result<(), OutputError> {
         self.send(Item::Checkpoint(Box::new(checkpoint), tables))
     }
 
@@ -174,7 +174,8 @@ impl WriterThread {
                 }
                 Item::Checkpoint(checkpoint, tables) => {
                     for table in tables {
-                        table.sync_all().map_err(OutputError::io(&self.journal, "write the tables"))?;
+                        let synced = File::open(&table).and_then(|file| file.sync_all());
+                        synced.map_err(OutputError::io(&table, "write"))?;
                     }
                     self.store.write(&checkpoint)?;
                     self.checkpoint.store(checkpoint.facts.step, Ordering::Release);

@@ -2,11 +2,11 @@
 //! folder.
 
 use std::fs::{self, File, TryLockError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::disk;
 use super::error::OutputError;
-use super::paths::{CHECKPOINTS, JOURNAL, LOCK, PACKED_JOURNAL};
+use super::paths::{CHECKPOINTS, JOURNAL, LOCK, PACKED_JOURNAL, PROBES};
 
 /// Lock file held while a run is written; the system releases it when the process ends.
 #[derive(Debug)]
@@ -45,8 +45,10 @@ impl Lock {
     /// read.
     pub fn acquire_without_links(run: &Path) -> Result<Self, OutputError> {
         let lock = Self::acquire(run)?;
-        let folders = [run.to_path_buf(), run.join(JOURNAL), run.join(PACKED_JOURNAL), run.join(CHECKPOINTS)];
-        for folder in folders.iter().filter(|folder| folder.exists()) {
+        let inner = [JOURNAL, PACKED_JOURNAL, CHECKPOINTS, PROBES].map(|name| run.join(name));
+        for folder in
+            std::iter::once(run).chain(inner.iter().map(PathBuf::as_path)).filter(|folder| folder.exists())
+        {
             for entry in fs::read_dir(folder).map_err(OutputError::io(folder, "read"))? {
                 let path = entry.map_err(OutputError::io(folder, "read"))?.path();
                 if disk::is_link(&path) {

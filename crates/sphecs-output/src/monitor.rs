@@ -9,9 +9,10 @@ use super::error::OutputError;
 use super::header::Header;
 use super::netcdf::dataset::Dataset;
 use super::paths::{MONITOR_CSV, MONITOR_NETCDF};
-use super::table::{Table, TableColumn, TableWriter, number, safe_names};
+use super::table::{Table, TableColumn, TableWriter, number};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::systems::monitor::MonitorRow;
+use sphecs_scene::result_name::result_name;
 
 /// Appends rows to `monitor.csv`.
 #[derive(Debug)]
@@ -38,11 +39,11 @@ fn columns(header: &Header) -> Vec<(TableColumn, String)> {
     for zone in Zone::ALL.map(Zone::name) {
         add(format!("mass_{zone}"), mass, format!("mass of the {zone} particles"));
     }
-    for name in safe_names(header.inlets.iter().map(String::as_str)) {
+    for name in header.inlets.iter().map(|name| result_name(name)) {
         let long_name = format!("mass flow into the domain through {name}, mean since the row before");
         add(format!("inlet_mass_flow_{name}"), mass_flow, long_name);
     }
-    for name in safe_names(header.outlets.iter().map(String::as_str)) {
+    for name in header.outlets.iter().map(|name| result_name(name)) {
         let long_name = format!("mass flow out of the domain through {name}, mean since the row before");
         add(format!("outlet_mass_flow_{name}"), mass_flow, long_name);
     }
@@ -146,7 +147,7 @@ pub fn pack(folder: &Path, header: &Header) -> Result<Option<PathBuf>, OutputErr
     }
     let table = Table::read(&source)?;
     let mut dataset = Dataset::over_time("integral figures over time", &table, &columns(header));
-    for variable in dataset.variables.iter_mut().filter(|variable| variable.name.contains("mass_flow")) {
+    for variable in dataset.root.variables.iter_mut().filter(|variable| variable.name.contains("mass_flow")) {
         variable.attributes.push(("cell_methods", "time: mean".to_owned()));
     }
     let target = folder.join(MONITOR_NETCDF);

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use sphecs_scene::result_name::result_name;
+
 /// Scene as run, RON.
 pub const SCENE: &str = "scene.ron";
 /// Tables that the scene names, JSON.
@@ -30,9 +32,11 @@ pub const PARTICLES: &str = "particles.nc";
 pub const MONITOR_CSV: &str = "monitor.csv";
 /// Integral quantities over time, made from the CSV file when the run is packed.
 pub const MONITOR_NETCDF: &str = "monitor.nc";
-/// Probe samples over time.
-pub const PROBES_CSV: &str = "probes.csv";
-/// Probe samples and means, made from the CSV file when the run is packed.
+/// Folder of one CSV file per probe with its samples over time.
+pub const PROBES: &str = "probes";
+/// Points of all probes.
+pub const PROBES_POINTS_CSV: &str = "probes_points.csv";
+/// Probe samples and means, made from the CSV files when the run is packed.
 pub const PROBES_NETCDF: &str = "probes.nc";
 /// Time means of the probes, made when the run is packed.
 pub const PROBES_MEAN_CSV: &str = "probes_mean.csv";
@@ -47,6 +51,11 @@ pub const FORCES_MEAN_CSV: &str = "forces_mean.csv";
 pub const DIVERGENCE_NETCDF: &str = "divergence.nc";
 /// Picture of the particles around the one that diverged.
 pub const DIVERGENCE_PICTURE: &str = "divergence.png";
+
+/// Returns the path of the samples of the probe `name` in a run folder.
+pub fn probe(run: &Path, name: &str) -> PathBuf {
+    run.join(PROBES).join(format!("{}.csv", result_name(name)))
+}
 
 /// Returns the path of the wall particles in a journal.
 pub fn walls(journal: &Path) -> PathBuf {

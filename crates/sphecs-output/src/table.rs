@@ -50,6 +50,11 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// Returns the number in a cell; NaN for an empty cell and for text.
+pub(crate) fn parsed(cell: &str) -> f64 {
+    cell.parse().unwrap_or(f64::NAN)
+}
+
 /// Appends rows to a CSV file.
 #[derive(Debug)]
 pub(crate) struct TableWriter {
@@ -81,9 +86,9 @@ impl TableWriter {
         self.length
     }
 
-    /// Returns a second handle of the file, for the thread that makes it durable.
-    pub(crate) fn handle(&self) -> Result<File, OutputError> {
-        self.file.try_clone().map_err(OutputError::io(&self.path, "open"))
+    /// Returns the path, for the thread that makes the file durable.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Appends rows in one write, so that a kill leaves at most one incomplete line at the end.
@@ -130,7 +135,7 @@ impl Table {
 
     /// Returns the numbers of a column; NaN for empty cells and text.
     pub(crate) fn numbers(&self, column: usize) -> Vec<f64> {
-        self.rows.iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
+        self.rows.iter().map(|row| parsed(&row[column])).collect()
     }
 }
 
@@ -176,25 +181,6 @@ fn whole_lines(file: &mut File) -> std::io::Result<u64> {
     Ok(0)
 }
 
-/// Returns unique names of letters, digits and `_` for patches and probes, for use in variable
-/// names.
-pub(crate) fn safe_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
-    let mut safe: Vec<String> = Vec::new();
-    for name in names {
-        let mut plain: String =
-            name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        // NetCDF names start with a letter.
-        if !plain.starts_with(|c: char| c.is_ascii_alphabetic()) {
-            plain.insert_str(0, "at_");
-        }
-        while safe.contains(&plain) {
-            plain.push_str("_2");
-        }
-        safe.push(plain);
-    }
-    safe
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,13 +220,5 @@ mod tests {
         writer.append([vec!["0.625".to_owned()]]).expect("written");
         assert_eq!(Table::read(&path).expect("read").numbers(0), [0.5, 0.625]);
         assert_eq!(writer.length(), std::fs::metadata(&path).expect("its size").len());
-    }
-
-    #[test]
-    fn safe_names_are_distinct() {
-        assert_eq!(
-            safe_names(["inlet", "left side", "left-side", "2"]),
-            ["inlet", "left_side", "left_side_2", "at_2"]
-        );
     }
 }

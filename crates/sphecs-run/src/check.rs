@@ -1,7 +1,7 @@
 //! Check of a scene before a long run: particles, passages, speeds, time scales, and the cost of
 //! the run on this machine.
 //!
-//! The time of a step and the memory are measured by the first steps of the scene itself, without
+//! The time of a step is measured by the first steps of the scene itself, without
 //! output.
 
 use std::time::Instant;
@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::report::{scene_rows, scene_table};
 use super::run_state::LARGEST_MACH;
-use super::{doubtful, memory};
+use super::doubtful;
 use sphecs_core::format::{bytes, duration, grouped, point, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::simulation::{Simulation, Stop};
@@ -24,10 +24,6 @@ use sphecs_scene::wall_particles::overlapping_parts;
 
 /// Wanted number of particles across a passage.
 const WANTED_ACROSS: f64 = 10.0;
-
-/// Memory of buffers and libraries of the output: 25 and 37 MB in `scenes/quickstart.ron` and
-/// `scenes/duct3d.ron`.
-const OUTPUT_MEMORY: &str = "25 to 40 MB";
 
 /// Wall time for the timed steps, s.
 const TIMED_SECONDS: f64 = 1.0;
@@ -59,10 +55,15 @@ pub struct CheckOptions {
 /// Checks a scene with its initial particles on the current thread pool.
 pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) -> CheckReport {
     let until = options.until.unwrap_or(scene.time.end);
-    let mut figures = summary(scene, &seeds);
-    let passage = narrowest_passage(scene, &seeds);
-    let path = flow_path(scene, &seeds);
-    figures.notes.extend(overlap_notes(scene, &seeds));
+    // The path of the flow takes as long as all else together.
+    let (path, (passage, (mut figures, overlaps))) = rayon::join(
+        || flow_path(scene, &seeds),
+        || {
+            let rest = || (summary(scene, &seeds), overlap_notes(scene, &seeds));
+            rayon::join(|| narrowest_passage(scene, &seeds), rest)
+        },
+    );
+    figures.notes.extend(overlaps);
     let by_zone = figures.by_zone.map(|count| count as u64);
     let disk = disk_estimate(scene, by_zone, until);
     let openings: Vec<(String, String)> = opening_figures(scene, until)
@@ -76,17 +77,13 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     rows.push(("time scales", scales_text(scene, path.as_ref())));
     figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
     figures.notes.extend(doubtful::notes(scene, &seeds, until, path.as_ref()));
-    let mut needed = figures.memory as u64;
     if options.timed {
         match time_steps(scene, seeds) {
-            Ok(timing) => {
-                needed = timing.memory.unwrap_or(needed);
-                rows.push(("run time", timing.text(steps_to(scene, until))));
-            }
+            Ok(timing) => rows.push(("run time", timing.text(steps_to(scene, until)))),
             Err(stop) => figures.notes.push(format!("the flow stops within its first steps: {stop}")),
         }
     }
-    rows.push(("memory", format!("about {} for the flow, {OUTPUT_MEMORY} more with output", bytes(needed))));
+    rows.push(("memory", format!("about {} at most, output included", bytes(figures.memory as u64))));
     rows.push(("disk", disk_text(&disk)));
     CheckReport { text: scene_table(scene, &figures, &rows), notes: figures.notes.len() }
 }
@@ -316,15 +313,13 @@ fn disk_text(disk: &DiskEstimate) -> String {
     )
 }
 
-/// Time of a step and memory, measured.
+/// Time of a step, measured.
 #[derive(Clone, Copy, Debug)]
 struct Timing {
     /// Wall time of a step, s.
     step: f64,
     /// Number of timed steps.
     count: u32,
-    /// Largest resident memory of the process, B; None where the system does not say.
-    memory: Option<u64>,
 }
 
 impl Timing {
@@ -346,7 +341,6 @@ impl Timing {
 /// # Errors
 /// [`Stop`] when the flow stops in these steps.
 fn time_steps(scene: &Scene, seeds: Vec<ParticleSeed>) -> Result<Timing, Stop> {
-    memory::reset_peak();
     let built = Simulation::builder(scene.clone()).particles(seeds).build();
     let mut simulation = built.expect("a scene without plugins and saved states can be built");
     for _ in 0..WARM_UP {
@@ -360,5 +354,5 @@ fn time_steps(scene: &Scene, seeds: Vec<ParticleSeed>) -> Result<Timing, Stop> {
         count += 1;
     }
     let step = started.elapsed().as_secs_f64() / f64::from(count);
-    Ok(Timing { step, count, memory: memory::peak() })
+    Ok(Timing { step, count })
 }

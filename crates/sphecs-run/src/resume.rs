@@ -81,7 +81,7 @@ fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>,
             (Some(last), facts, simulation, state)
         }
         None => {
-            let state = RunState::new(scene.output.every, scene.output.monitor_every);
+            let state = RunState::new(&scene.output);
             (None, Facts::default(), Simulation::builder(scene).build()?, state)
         }
     };
@@ -150,7 +150,7 @@ fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<(PathBuf, C
     let fingerprint = header.fingerprint();
     let is_usable = |checkpoint: &Checkpoint| match &checkpoint.facts {
         facts if facts.scene_sha256 != fingerprint => Err("belongs to another scene".to_owned()),
-        facts => has_output(run, facts),
+        facts => has_output(run, header, facts),
     };
     let (found, rejected) = store.latest(is_usable)?;
     let named = |Rejected { path, reason }: &Rejected| format!("`{}`: {reason}", path.display());

@@ -58,7 +58,7 @@ impl RunLoop {
     /// [`RunError::Output`] when the folder cannot be made.
     pub fn start(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Self, RunError> {
         let mut simulation = Simulation::builder(scene).build()?;
-        let first = Frame::from_world(simulation.world_mut());
+        let first = Frame::from_world(simulation.world());
         let scene = simulation.scene();
         let mut header = Header::new(scene, &first);
         (header.until, header.max_steps) = (options.until, options.max_steps);
@@ -66,7 +66,7 @@ impl RunLoop {
         let until = options.until.unwrap_or(scene.time.end);
         let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
         options.console.print(&report::start_summary(scene, simulation.ledger(), until, options));
-        let state = RunState::new(scene.output.every, scene.output.monitor_every);
+        let state = RunState::new(&scene.output);
         Ok(Self::new(simulation, folder, state, None, options, signals))
     }
 
@@ -83,11 +83,7 @@ impl RunLoop {
     ) -> Self {
         let scene = simulation.scene();
         let time = simulation.clock().time;
-        let state = RunState {
-            frames: state.frames.resumed(scene.output.every, time),
-            rows: state.rows.resumed(scene.output.monitor_every, time),
-            ..state
-        };
+        let state = state.resumed(&scene.output, time);
         let last = (simulation.clock().step > 0).then_some(simulation.clock().step);
         Self::new(simulation, folder, state, last, options, signals)
     }
@@ -241,6 +237,8 @@ impl RunLoop {
         if self.state.rows.advance(time) {
             self.write_row()?;
         }
+        let due = self.state.probes_due(time);
+        self.write_samples(&due)?;
         if self.state.frames.advance(time) {
             self.write_frame()?;
         }
@@ -266,6 +264,8 @@ impl RunLoop {
         if self.state.last_row_step != step {
             self.write_row()?;
         }
+        let due: Vec<bool> = self.state.last_samples.iter().map(|last| *last != step).collect();
+        self.write_samples(&due)?;
         if self.state.last_frame != step {
             self.write_frame()?;
         }
@@ -279,16 +279,27 @@ impl RunLoop {
         if let Some(note) = self.state.record_speed(self.simulation.scene()) {
             self.display.print(&format!("note: {note}"));
         }
-        if !self.probes.is_empty() {
-            let samples = self.simulation.sample_seeing(&self.probes.points());
-            let flows = self.simulation.mass_flows(&self.probes.sections());
-            self.folder.probe(&self.probes.reduce(self.state.last_row.time, &samples, &flows))?;
+        Ok(())
+    }
+
+    /// Samples the probes that are due.
+    fn write_samples(&mut self, due: &[bool]) -> Result<(), OutputError> {
+        if !due.contains(&true) {
+            return Ok(());
+        }
+        let clock = self.simulation.clock();
+        let samples = self.simulation.sample_seeing(&self.probes.points(due));
+        let pressures = self.simulation.sample_pressure(&self.probes.section_points(due));
+        let flows = self.simulation.mass_flows(&self.probes.sections(due));
+        self.folder.probe(&self.probes.reduce(due, clock.time, &samples, &pressures, &flows))?;
+        for (last, _) in self.state.last_samples.iter_mut().zip(due).filter(|(_, is_due)| **is_due) {
+            *last = Some(clock.step);
         }
         Ok(())
     }
 
     fn write_frame(&mut self) -> Result<(), OutputError> {
-        self.folder.submit(Frame::from_world(self.simulation.world_mut()))?;
+        self.folder.submit(Frame::from_world(self.simulation.world()))?;
         let clock = self.simulation.clock();
         if self.console == Console::Verbose {
             let row = &self.state.last_row;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::output_schedule::OutputInterval;
 use sphecs_core::format::significant;
 use sphecs_engine::systems::monitor::MonitorRow;
-use sphecs_scene::model::Scene;
+use sphecs_scene::model::{OutputSettings, Scene};
 
 /// Column of a checkpoint that holds this state.
 pub const COLUMN: &str = "run.log";
@@ -25,6 +25,10 @@ pub struct RunState {
     pub frames: OutputInterval,
     /// Schedule of the monitor rows.
     pub rows: OutputInterval,
+    /// Schedule of each probe, in the order of the scene.
+    pub probes: Vec<OutputInterval>,
+    /// Step of the last sample of each probe; None before the first.
+    pub last_samples: Vec<Option<u64>>,
     /// Step of the last frame; None before the first.
     pub last_frame: Option<u64>,
     /// Number of frames submitted.
@@ -48,11 +52,13 @@ pub struct RunState {
 }
 
 impl RunState {
-    /// Returns the state before the first output, with the intervals of frames and rows in s.
-    pub fn new(frames_every: f64, rows_every: f64) -> Self {
+    /// Returns the state before the first output.
+    pub fn new(output: &OutputSettings) -> Self {
         Self {
-            frames: OutputInterval::every(frames_every),
-            rows: OutputInterval::every(rows_every),
+            frames: OutputInterval::every(output.every),
+            rows: OutputInterval::every(output.monitor_every),
+            probes: output.probes.iter().map(|probe| OutputInterval::every(probe.every)).collect(),
+            last_samples: vec![None; output.probes.len()],
             last_frame: None,
             frame_count: 0,
             last_row: MonitorRow::default(),
@@ -64,6 +70,23 @@ impl RunState {
             fast_rows: 0,
             notes: Vec::new(),
         }
+    }
+
+    /// Returns the state of a run resumed at `time`, s, with intervals that may be new.
+    #[must_use]
+    pub fn resumed(self, output: &OutputSettings, time: f64) -> Self {
+        let probes = self.probes.into_iter().zip(&output.probes);
+        Self {
+            frames: self.frames.resumed(output.every, time),
+            rows: self.rows.resumed(output.monitor_every, time),
+            probes: probes.map(|(interval, probe)| interval.resumed(probe.every, time)).collect(),
+            ..self
+        }
+    }
+
+    /// Returns true for each probe that is due at `time`, s, and moves its next sample past it.
+    pub fn probes_due(&mut self, time: f64) -> Vec<bool> {
+        self.probes.iter_mut().map(|interval| interval.advance(time)).collect()
     }
 
     /// Records the largest speed of the last monitor row and returns a note, once in a run, when it
@@ -108,7 +131,7 @@ mod tests {
     fn lasting_speed_is_noted_once() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/quickstart.ron");
         let scene = Scene::from_file(&path).set("fluid.sound_speed", "10").load().expect("a scene");
-        let mut state = RunState::new(1.0, 0.1);
+        let mut state = RunState::new(&scene.output);
         let mut notes = 0;
         for (row, speed) in [1.2, 0.9, 1.2, 1.2, 1.3, 1.4, 0.5, 1.2, 1.2, 1.2].into_iter().enumerate() {
             (state.last_row.time, state.last_row.largest_speed) = (row as f64, speed);

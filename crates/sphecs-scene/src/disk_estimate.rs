@@ -1,6 +1,6 @@
 //! Disk space of a run, estimated from its scene.
 
-use super::model::{Body, ForcesEvery, ProbeKind, Scene};
+use super::model::{Body, ForcesEvery, Probe, ProbeKind, Scene};
 use super::summary::{estimated_volume, frame_bytes, steps_to};
 
 /// Size of a number in a CSV file with its comma, and in the NetCDF file made from it, B.
@@ -9,8 +9,11 @@ const NUMBER_BYTES: f64 = 20.0 + 8.0;
 /// Number of columns of a monitor row without those of inlets and outlets.
 const MONITOR_COLUMNS: f64 = 25.0;
 
-/// Size of a probe point in `probes.csv` and `probes.nc` at one time, B.
-const POINT_BYTES: f64 = 115.0 + 35.0;
+/// Size of the time and the point's number before the values of a probe in its CSV file, B.
+const POINT_BYTES: f64 = 22.0;
+
+/// Size of a value of a probe in its CSV file with its comma, and in `probes.nc`, B.
+const VALUE_BYTES: f64 = 15.0 + 8.0;
 
 /// Number of checkpoints that are kept.
 const CHECKPOINTS: f64 = 2.0;
@@ -29,6 +32,8 @@ pub struct DiskEstimate {
     pub monitor_bytes: f64,
     /// Bytes of the probes.
     pub probe_bytes: f64,
+    /// Part of them from probes at the interval of the frames.
+    pub probe_bytes_with_frames: f64,
     /// Bytes of the forces on bodies.
     pub force_bytes: f64,
     /// Bytes of the checkpoints.
@@ -59,7 +64,11 @@ impl DiskEstimate {
         // Output is written at most once per step, at the start and at the end.
         let times_written = |every: f64| (until / every - 1e-9).ceil().min(steps) + 1.0;
         let rows = times_written(scene.output.monitor_every);
-        let points: f64 = scene.output.probes.iter().map(|probe| points_of(&probe.kind)).sum();
+        let probe_bytes = |probe: &Probe| {
+            times_written(probe.every) * points_of(&probe.kind) * point_bytes(&probe.kind, scene.dimensions)
+        };
+        let probes = scene.output.probes.iter();
+        let with_frames = probes.filter(|probe| probe.every.to_bits() == scene.output.every.to_bits());
         let openings = (scene.inlets.len() + scene.outlets.len()) as f64;
         let force_columns: f64 = scene.bodies.iter().map(|body| force_columns(body, scene.dimensions)).sum();
         let force_rows = match scene.output.forces {
@@ -71,7 +80,8 @@ impl DiskEstimate {
             frames,
             frame_bytes: frames * moving * frame_bytes(scene.dimensions),
             monitor_bytes: rows * NUMBER_BYTES * (MONITOR_COLUMNS + openings),
-            probe_bytes: rows * POINT_BYTES * points,
+            probe_bytes: scene.output.probes.iter().map(probe_bytes).sum(),
+            probe_bytes_with_frames: with_frames.map(probe_bytes).sum(),
             // Time and step before the columns of the bodies.
             force_bytes: if force_columns > 0.0 {
                 force_rows * NUMBER_BYTES * (2.0 + force_columns)
@@ -96,8 +106,9 @@ impl DiskEstimate {
     /// Returns the interval of frames, s, with which a run fits into `space` bytes; None if the
     /// rows alone do not fit.
     pub fn fitting_interval(&self, every: f64, space: f64) -> Option<f64> {
-        let left = space - self.bytes_beside_frames();
-        (left > 0.0).then(|| every * (2.0 * self.frame_bytes / left).max(1.0))
+        let left = space - (self.bytes_beside_frames() - self.probe_bytes_with_frames);
+        let at_interval = 2.0 * self.frame_bytes + self.probe_bytes_with_frames;
+        (left > 0.0).then(|| every * (at_interval / left).max(1.0))
     }
 
     fn row_bytes(&self) -> f64 {
@@ -120,6 +131,16 @@ fn checkpoint_bytes(dimensions: usize) -> f64 {
 fn force_columns(body: &Body, dimensions: usize) -> f64 {
     let components = if dimensions == 2 { 3.0 } else { 6.0 };
     3.0 * components + if body.reference.is_some() { 2.0 } else { 0.0 }
+}
+
+/// Returns the size of a probe's point at one time, B.
+fn point_bytes(kind: &ProbeKind, dimensions: usize) -> f64 {
+    let values = match kind {
+        ProbeKind::Section { .. } => 2,
+        // Velocity, pressure and density.
+        ProbeKind::Line { .. } | ProbeKind::Point(_) => dimensions + 2,
+    };
+    POINT_BYTES + values as f64 * VALUE_BYTES
 }
 
 fn points_of(kind: &ProbeKind) -> f64 {

@@ -8,8 +8,8 @@
 //! points; zones and walls stay on the lattice.
 
 use glam::DVec3;
-use rayon::iter::{IndexedParallelIterator, ParallelIterator};
-use rayon::slice::ParallelSliceMut;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::geometry::Shape;
 use super::lattice::Lattice;
@@ -130,9 +130,7 @@ impl<'a> Filler<'a> {
             let first = row * roles.len();
             self.row(roles, |at| point(first + at), lattice.spacing[axis]);
         });
-        let mut places = Vec::with_capacity(roles.iter().flatten().count());
-        let found = roles.iter().enumerate().filter_map(|(index, role)| role.map(|role| (index, role)));
-        places.extend(found.map(|(index, (zone, patch))| Place { position: point(index), zone, patch }));
+        let mut places = placed(&roles, &point);
         if lattice.jitter > 0.0 {
             let cells =
                 roles.iter().enumerate().filter(|(_, role)| role.is_some()).map(|(index, _)| cell(index));
@@ -244,6 +242,31 @@ impl<'a> Filler<'a> {
                 && patch.covers(point, margin)
         })
     }
+}
+
+/// Points whose places a thread collects at a time.
+const CHUNK: usize = 65_536;
+
+/// Returns the places of the points that have a role, in their order and in one allocation.
+fn placed(roles: &[Option<Role>], point: &(impl Fn(usize) -> DVec3 + Sync)) -> Vec<Place> {
+    let counts: Vec<usize> = roles.par_chunks(CHUNK).map(|roles| roles.iter().flatten().count()).collect();
+    let nothing = Place { position: DVec3::ZERO, zone: Zone::Fluid, patch: 0 };
+    let mut places = vec![nothing; counts.iter().sum()];
+    let mut rest = places.as_mut_slice();
+    let mut parts = Vec::with_capacity(counts.len());
+    for (chunk, count) in counts.into_iter().enumerate() {
+        let (part, others) = rest.split_at_mut(count);
+        rest = others;
+        parts.push((chunk * CHUNK, part));
+    }
+    parts.into_par_iter().for_each(|(first, part)| {
+        let roles = roles[first..].iter().take(CHUNK).enumerate();
+        let found = roles.filter_map(|(at, role)| role.map(|role| (first + at, role)));
+        for (place, (index, (zone, patch))) in part.iter_mut().zip(found) {
+            *place = Place { position: point(index), zone, patch };
+        }
+    });
+    places
 }
 
 /// Returns inlets, then outlets, with true for inlets.

@@ -17,10 +17,11 @@
 //! * [`time_value`], [`potential_flow`]: quantities of its openings in time, and weights that give
 //!   the flow through them
 //! * [`body`], [`probe`]: bodies and probes, which are measured
+//! * [`result_name`](mod@result_name): their names in the results
 //! * [`summary`], [`oblique_walls`]: figures and notes of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`], [`driven_flow`]: its narrowest passage, the
 //!   flow from its inlets, its openings, and the flow that pressures drive
-//! * [`disk_estimate`]: disk space of its run
+//! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run
 //! * [`faults`]: faults of its text
 //! * `manual`: reference of the file from the doc lines of its types, behind the feature `schema`
 //! * [`builder`]: a scene described in Rust, written as the text of a scene file
@@ -43,6 +44,7 @@ pub mod layers;
 pub mod loader;
 #[cfg(feature = "schema")]
 pub mod manual;
+pub mod memory_estimate;
 pub mod model;
 pub mod notation;
 pub mod oblique_walls;
@@ -51,6 +53,7 @@ pub mod outline;
 pub mod passage;
 pub mod potential_flow;
 pub mod probe;
+pub mod result_name;
 pub mod rings;
 pub mod rows;
 pub mod schema;

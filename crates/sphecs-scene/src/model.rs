@@ -336,7 +336,7 @@ pub struct TimeSettings {
 pub struct OutputSettings {
     /// Interval between frames, s.
     pub every: f64,
-    /// Interval between rows of `monitor.nc` and `probes.nc`, s.
+    /// Interval between rows of `monitor.nc`, s.
     pub monitor_every: f64,
     /// Interval between checkpoints, s of wall time.
     pub checkpoint_every: f64,

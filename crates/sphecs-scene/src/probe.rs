@@ -34,6 +34,8 @@ pub struct Probe {
     pub name: String,
     /// Measured quantity.
     pub kind: ProbeKind,
+    /// Interval between samples, s.
+    pub every: f64,
     /// Interval of the time mean in the results, s; None: no mean.
     pub mean: Option<(f64, f64)>,
     /// Particles whose velocity, pressure and density it measures.

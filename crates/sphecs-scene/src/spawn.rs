@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
+use rayon::slice::ParallelSliceMut;
 
 use super::expression::Expression;
 use super::fill::{Place, places};
@@ -13,7 +14,8 @@ use sphecs_core::particles::zone::Zone;
 /// of its lattice. The list is reproducible bit by bit.
 pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
     let mut places = places(scene);
-    places.sort_by_key(|place| place.zone);
+    // The order of the lattice stays within a zone.
+    places.par_sort_by_key(|place| place.zone);
     let mut seeds = Vec::with_capacity(places.len() + scene.reservoir.initial);
     seeds.par_extend(places.into_par_iter().map(|place| seed(scene, place)));
     let parked = scene.inlets.first().map_or(DVec3::ZERO, |inlet| inlet.patch.at);

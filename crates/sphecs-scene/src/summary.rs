@@ -4,14 +4,11 @@ use glam::DVec3;
 
 use super::driven_flow::{driven_speed, largest_pressure, pressure_difference};
 use super::geometry::Shape;
+use super::memory_estimate::memory;
 use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
 use super::oblique_walls;
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::format::{coordinate, point, significant};
-
-/// Memory of a particle in components, arrays, cell list and output, B, rounded up
-/// (docs/book/src/guides/speed.md).
-pub const BYTES_PER_PARTICLE: f64 = 500.0;
 
 /// Returns the size of a particle in a frame before compression, B: position in f64, velocity,
 /// density, pressure and tag in f32, zone and passages.
@@ -35,7 +32,7 @@ pub struct SceneSummary {
     pub viscous_step: f64,
     /// Steps to the end.
     pub steps: f64,
-    /// Memory, B.
+    /// Largest memory of the run with its output, B.
     pub memory: f64,
     /// Straight wall with the worst fit to the lattice: axis, coordinate (m) and misfit in
     /// spacings.
@@ -63,7 +60,7 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> SceneSummary {
         courant_step,
         viscous_step,
         steps,
-        memory: seeds.len() as f64 * BYTES_PER_PARTICLE,
+        memory: memory(scene, seeds.len() as f64),
         worst_fit,
         notes: notes(scene, seeds, worst_fit),
     }

@@ -1,5 +1,8 @@
 //! Particle columns in a checkpoint.
 
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use rayon::slice::ParallelSliceMut;
+
 use super::arrays::ParticleArrays;
 use super::zone::Zone;
 use crate::math::column::{ColumnMismatch, Columns};
@@ -30,6 +33,9 @@ pub fn restore<R: Real, const D: usize>(from: &mut Columns) -> Result<ParticleAr
     ParticleArrays::restore_columns(from)
 }
 
+/// Rows that a thread picks at a time.
+const CHUNK: usize = 8192;
+
 /// Rows that a checkpoint keeps; None: all of them in their present order.
 pub(super) struct SavedRows(Option<Vec<u32>>);
 
@@ -41,16 +47,16 @@ impl SavedRows {
         let rows = (0_u32..).zip(zone).filter(|(_, zone)| **zone != Zone::Reservoir);
         let mut rows: Vec<u32> = rows.map(|(row, _)| row).collect();
         if order == Order::ByNumber {
-            rows.sort_unstable_by_key(|&row| id[row as usize]);
+            rows.par_sort_unstable_by_key(|&row| id[row as usize]);
         }
         Self(Some(rows))
     }
 
     /// Returns the values of the rows.
-    pub(super) fn pick<T: Copy>(&self, column: &[T]) -> Vec<T> {
+    pub(super) fn pick<T: Copy + Send + Sync>(&self, column: &[T]) -> Vec<T> {
         match &self.0 {
-            None => column.to_vec(),
-            Some(rows) => rows.iter().map(|&row| column[row as usize]).collect(),
+            None => column.par_iter().with_min_len(CHUNK).copied().collect(),
+            Some(rows) => rows.par_iter().with_min_len(CHUNK).map(|&row| column[row as usize]).collect(),
         }
     }
 }

@@ -21,6 +21,12 @@ pub(super) enum When {
     WallsExist,
 }
 
+impl When {
+    /// All conditions in their order.
+    pub(super) const ALL: [When; 4] =
+        [When::Always, When::PressureEvolves, When::ParticlesDrift, When::WallsExist];
+}
+
 /// Treatment of a column when the particles are sorted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sort {
@@ -87,6 +93,29 @@ macro_rules! columns {
                     }
                 )*
                 Quantity::push(&mut self.acceleration, row, Default::default());
+            }
+
+            /// Appends particles as [`Self::push`] does, column by column.
+            pub fn extend(&mut self, particles: &[ParticleRow]) {
+                let first = self.len();
+                let used = When::ALL.map(|when| self.is_used(when));
+                rayon::scope(|tasks| {
+                    $(
+                        let is_used = used[When::$when as usize];
+                        let column = &mut self.$name;
+                        tasks.spawn(move |_| {
+                            let begins = |row: &ParticleRow| is_used || When::$when.begins_with(row.zone);
+                            let begin = particles.iter().position(begins).unwrap_or(particles.len());
+                            // Rows before the one that brings a column into use have its default.
+                            for (at, particle) in particles.iter().enumerate().skip(begin) {
+                                Quantity::push(column, first + at, particle.$name);
+                            }
+                        });
+                    )*
+                    for column in &mut self.acceleration {
+                        column.resize(first + particles.len(), R::default());
+                    }
+                });
             }
 
             /// Returns all values of the particle of a row; 0 for columns that are not in use.

@@ -13,11 +13,18 @@
 //! is too noisy for curvatures. Where the neighbours do not span the quadratic basis well, the fit
 //! is linear; where they do not span that basis, it is the Shepard mean.
 
-use glam::{DMat4, DVec3, DVec4};
+use std::marker::PhantomData;
 
+use glam::{DMat4, DVec3, DVec4};
+use rayon::iter::{IndexedParallelIterator, ParallelIterator};
+use rayon::slice::{ParallelSlice, ParallelSliceMut};
+
+use super::density::LEAST_Q2;
 use super::neighbours::Neighbours;
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
+use crate::math::kernel::{KernelShape, WithShape};
+use crate::math::lanes::{self, Lanes, MOST_LANES, Vectorised};
 use crate::math::linear::solve;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -32,12 +39,18 @@ const SMALLEST_DETERMINANT: f64 = 1e-6;
 /// Fields that are fitted at once: velocity, pressure, density.
 const FIELDS: usize = 5;
 
+/// Index of the pressure among the fields; the velocity is before it.
+const PRESSURE: usize = 3;
+
 /// Largest gain of a quadratic fit: variance of its value over that of the particles, for
 /// independent noise.
 ///
 /// The gain is 0.1 to 0.3 within the fluid and 1 to 3 on a flat wall. A fit of gain 1 has the noise
 /// of one particle.
 const MOST_GAIN: f64 = 5.0;
+
+/// Points that a thread takes at a time.
+const POINTS: usize = 16;
 
 /// Samples the fields of sorted particles.
 pub struct Sampler<'a, R: Real, const D: usize> {
@@ -57,93 +70,277 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
         Self { neighbours: Neighbours::new(grid, particles), pair, sees }
     }
 
-    /// Returns velocity, pressure and density at a point; None where no particle is in the support.
-    pub fn sample(&self, point: DVec3) -> Option<Sample> {
-        // A row of moments for each function of the basis: 1, D coordinates and their products.
-        if D == 2 { self.fit::<6>(point) } else { self.fit::<10>(point) }
+    /// Returns velocity, pressure and density at each point; None where no particle is in the
+    /// support.
+    ///
+    /// A result depends on the particles around its point alone, so it is bitwise independent of
+    /// the other points and of the number of threads.
+    pub fn sample(&self, points: &[DVec3]) -> Vec<Option<Sample>> {
+        self.at(points, false)
     }
 
-    fn fit<const N: usize>(&self, point: DVec3) -> Option<Sample> {
+    /// Returns the pressure at each point, Pa, as [`Self::sample`] does, for less work than all
+    /// fields.
+    pub fn pressure(&self, points: &[DVec3]) -> Vec<Option<f64>> {
+        self.at(points, true).into_iter().map(|found| found.map(|sample| sample.pressure)).collect()
+    }
+
+    fn at(&self, points: &[DVec3], pressure_only: bool) -> Vec<Option<Sample>> {
+        let mut found = vec![None; points.len()];
+        let task = AtPoints { sampler: self, points, pressure_only, found: &mut found };
+        self.pair.discretisation.kernel.with_shape(task);
+        found
+    }
+
+    /// Collects the particles in the support of a point and returns their number.
+    #[inline(always)]
+    fn gather(&self, point: [f64; D], near: &mut NearColumns<D>) -> usize {
         let particles = self.neighbours.particles;
-        let scale = 1.0 / self.pair.discretisation.smoothing_length;
-        let mut moments = [[0.0; N]; N];
-        let mut sums = [[0.0; N]; FIELDS];
-        let coordinates: [f64; D] = std::array::from_fn(|axis| point[axis]);
-        self.neighbours.for_each(coordinates, |row, x_ab, r_squared| {
+        let (mass, scale) = (self.pair.discretisation.mass, 1.0 / self.pair.discretisation.smoothing_length);
+        near.clear();
+        self.neighbours.for_each(point, |row, x_ab, _| {
             if !(self.sees)(particles.zone[row]) {
                 return;
             }
+            for d in 0..D {
+                near.offset[d].push(-x_ab[d] * scale);
+                near.fields[d].push(particles.velocity[d][row].to_f64());
+            }
             let density = particles.density[row].to_f64();
-            let weight =
-                self.pair.discretisation.mass / density * self.pair.discretisation.w(r_squared.sqrt());
-            let basis = basis::<D, N>(x_ab.map(|x| -x * scale));
-            let velocity = particles.velocity_of(row);
-            let values = [velocity.x, velocity.y, velocity.z, particles.pressure[row].to_f64(), density];
+            near.fields[PRESSURE].push(particles.pressure[row].to_f64());
+            near.fields[PRESSURE + 1].push(density);
+            near.volume.push(mass / density);
+        });
+        near.pad()
+    }
+
+    /// Fits at a point by `N` functions: 1, `D` coordinates and, for all fields, their products.
+    ///
+    /// Without the products only the pressure is fitted, and the other fields are zero.
+    #[inline(always)]
+    fn fit<K: KernelShape, L: Lanes<Real = f64>, const N: usize>(
+        &self,
+        point: DVec3,
+        near: &mut NearColumns<D>,
+    ) -> Option<Sample> {
+        let count = self.gather(std::array::from_fn(|axis| point[axis]), near);
+        let zero = L::constant(0.0);
+        let (mut moments, mut sums) = ([[zero; N]; N], [[zero; N]; FIELDS]);
+        for at in (0..count).step_by(L::COUNT) {
+            let basis = near.basis::<L, N>(at);
+            let mut q2 = L::constant(LEAST_Q2);
+            for d in 0..D {
+                q2 = basis[1 + d].mul_add(basis[1 + d], q2);
+            }
+            let weight = L::read(&near.volume[at..]) * K::value(q2.roots().0);
+            // The gain needs it once more.
+            weight.write(&mut near.volume[at..]);
             for i in 0..N {
                 let weighted = weight * basis[i];
-                for j in 0..N {
-                    moments[i][j] += weighted * basis[j];
+                for j in i..N {
+                    moments[i][j] = weighted.mul_add(basis[j], moments[i][j]);
                 }
-                for (sums, value) in sums.iter_mut().zip(values) {
-                    sums[i] += weighted * value;
+                for field in 0..FIELDS {
+                    // Pressure and density are fitted by the first 1 + D functions.
+                    let is_fitted = match N > 1 + D {
+                        true if field < PRESSURE => field < D,
+                        true => i <= D,
+                        false => field == PRESSURE,
+                    };
+                    if is_fitted {
+                        let value = L::read(&near.fields[field][at..]);
+                        sums[field][i] = weighted.mul_add(value, sums[field][i]);
+                    }
                 }
             }
-        });
+        }
+        let moments = whole(moments);
+        let mut right = [[0.0; N]; FIELDS];
+        for field in 0..FIELDS {
+            right[field] = lanes::sums(sums[field]);
+        }
         let total = moments[0][0];
         if total <= 0.0 {
             return None;
         }
-        let linear = |field: usize| {
-            let block = std::array::from_fn(|i| {
-                std::array::from_fn(|j| if i.max(j) <= D { moments[i][j] } else { 0.0 })
-            });
-            let right = std::array::from_fn(|i| if i <= D { sums[field][i] } else { 0.0 });
-            solve_linear(block, right, D)
-        };
+        if N == 1 + D {
+            let pressure = linear_value(&moments, &right[PRESSURE], D);
+            return Some(Sample { pressure, ..Sample::default() });
+        }
         // f(x) = Σ_i a_i Σ_b V_b W_b φ_i f_b with a the first column of the inverse moments.
-        let first: [f64; N] = std::array::from_fn(|i| f64::from(u8::from(i == 0)));
-        let shares = solve(moments.map(|row| row.map(|moment| moment / total)), first)
-            .filter(|shares| self.gain(coordinates, total, shares) <= MOST_GAIN);
-        let velocity = |field: usize| match shares {
-            Some(shares) => shares.iter().zip(sums[field]).map(|(share, sum)| share * sum / total).sum(),
-            None => linear(field),
-        };
-        let velocity = DVec3::new(velocity(0), velocity(1), velocity(2));
-        Some(Sample { velocity, pressure: linear(3), density: linear(4) })
+        let shares = first_shares(&moments, total)
+            .filter(|shares| near.gain::<L, N>(count, total, shares) <= MOST_GAIN);
+        Some(sample(&moments, &right, shares.as_ref(), D))
     }
 }
 
-impl<R: Real, const D: usize> Sampler<'_, R, D> {
-    /// Returns Σ_b (V_b W_b Σ_i a_i φ_i / Σ V W)² of a fit with the shares a.
-    fn gain<const N: usize>(&self, point: [f64; D], total: f64, shares: &[f64; N]) -> f64 {
-        let particles = self.neighbours.particles;
-        let scale = 1.0 / self.pair.discretisation.smoothing_length;
-        let mut gain = 0.0;
-        self.neighbours.for_each(point, |row, x_ab, r_squared| {
-            if (self.sees)(particles.zone[row]) {
-                let weight = self.pair.discretisation.mass / particles.density[row].to_f64()
-                    * self.pair.discretisation.w(r_squared.sqrt());
-                let basis = basis::<D, N>(x_ab.map(|x| -x * scale));
-                let share: f64 = basis.iter().zip(shares).map(|(basis, share)| basis * share).sum();
-                gain += (weight * share / total).powi(2);
-            }
-        });
-        gain
-    }
+/// Particles in the support of a point as columns, padded by particles without volume to whole
+/// vectors.
+#[derive(Debug)]
+struct NearColumns<const D: usize> {
+    /// (x_b − x)/h.
+    offset: [Vec<f64>; D],
+    /// Volume, m³ (m² in 2D); after the fit the volume times w(q).
+    volume: Vec<f64>,
+    /// Velocity, m/s, pressure, Pa, and density, kg/m³.
+    fields: [Vec<f64>; FIELDS],
 }
 
-/// Returns 1, the coordinates and their products.
-fn basis<const D: usize, const N: usize>(x: [f64; D]) -> [f64; N] {
-    let mut basis = [1.0; N];
-    basis[1..=D].copy_from_slice(&x);
-    let mut next = D + 1;
-    for i in 0..D {
-        for j in i..D {
-            basis[next] = x[i] * x[j];
-            next += 1;
+impl<const D: usize> NearColumns<D> {
+    fn new() -> Self {
+        Self {
+            offset: std::array::from_fn(|_| Vec::new()),
+            volume: Vec::new(),
+            fields: std::array::from_fn(|_| Vec::new()),
         }
     }
-    basis
+
+    fn clear(&mut self) {
+        let Self { offset, volume, fields } = self;
+        offset.iter_mut().chain([volume]).chain(fields).for_each(Vec::clear);
+    }
+
+    /// Pads the columns and returns the number of particles.
+    fn pad(&mut self) -> usize {
+        let count = self.volume.len();
+        let padded = count.next_multiple_of(MOST_LANES);
+        let Self { offset, volume, fields } = self;
+        offset.iter_mut().chain([volume]).chain(fields).for_each(|column| column.resize(padded, 0.0));
+        count
+    }
+
+    /// Returns 1, the coordinates and their products for the particles of a vector.
+    #[inline(always)]
+    fn basis<L: Lanes<Real = f64>, const N: usize>(&self, at: usize) -> [L; N] {
+        let mut basis = [L::constant(1.0); N];
+        for d in 0..D {
+            basis[1 + d] = L::read(&self.offset[d][at..]);
+        }
+        let mut next = D + 1;
+        for i in 0..D {
+            for j in i..D {
+                if next < N {
+                    basis[next] = basis[1 + i] * basis[1 + j];
+                }
+                next += 1;
+            }
+        }
+        basis
+    }
+
+    /// Returns Σ_b (V_b W_b Σ_i a_i φ_i / Σ V W)² of a fit with the shares a.
+    #[inline(always)]
+    fn gain<L: Lanes<Real = f64>, const N: usize>(&self, count: usize, total: f64, shares: &[f64; N]) -> f64 {
+        let mut gain = L::constant(0.0);
+        for at in (0..count).step_by(L::COUNT) {
+            let basis = self.basis::<L, N>(at);
+            let mut share = L::constant(0.0);
+            for i in 0..N {
+                share = basis[i].mul_add(L::splat(shares[i]), share);
+            }
+            let part = L::read(&self.volume[at..]) * share;
+            gain = part.mul_add(part, gain);
+        }
+        gain.sum() / (total * total)
+    }
+}
+
+/// Returns the first column of the inverse moments, scaled by their first entry; None where the
+/// neighbours do not span the basis.
+fn first_shares<const N: usize>(moments: &[[f64; N]; N], total: f64) -> Option<[f64; N]> {
+    let first: [f64; N] = std::array::from_fn(|i| f64::from(u8::from(i == 0)));
+    solve(moments.map(|row| row.map(|moment| moment / total)), first)
+}
+
+/// Returns the fields of a fit; the velocity is linear without shares of a quadratic fit.
+fn sample<const N: usize>(
+    moments: &[[f64; N]; N],
+    right: &[[f64; N]; FIELDS],
+    shares: Option<&[f64; N]>,
+    dimensions: usize,
+) -> Sample {
+    let total = moments[0][0];
+    let linear = |field: usize| linear_value(moments, &right[field], dimensions);
+    let velocity = |field: usize| match shares {
+        _ if field >= dimensions => 0.0,
+        Some(shares) => shares.iter().zip(right[field]).map(|(share, sum)| share * sum / total).sum(),
+        None => linear(field),
+    };
+    let velocity = DVec3::new(velocity(0), velocity(1), velocity(2));
+    Sample { velocity, pressure: linear(PRESSURE), density: linear(PRESSURE + 1) }
+}
+
+/// Returns the value at the point of the fit by 1 and the coordinates.
+fn linear_value<const N: usize>(moments: &[[f64; N]; N], right: &[f64; N], dimensions: usize) -> f64 {
+    let block = std::array::from_fn(|i| {
+        std::array::from_fn(|j| if i.max(j) <= dimensions { moments[i][j] } else { 0.0 })
+    });
+    let right = std::array::from_fn(|i| if i <= dimensions { right[i] } else { 0.0 });
+    solve_linear(block, right, dimensions)
+}
+
+/// Returns the sums over the lanes of the upper triangle, as a whole symmetric matrix.
+#[inline(always)]
+fn whole<L: Lanes<Real = f64>, const N: usize>(moments: [[L; N]; N]) -> [[f64; N]; N] {
+    let mut all = [[0.0; N]; N];
+    for i in 0..N {
+        for j in i..N {
+            all[i][j] = moments[i][j].sum();
+            all[j][i] = all[i][j];
+        }
+    }
+    all
+}
+
+/// Samples at a list of points, before the kernel is known.
+struct AtPoints<'a, R: Real, const D: usize> {
+    sampler: &'a Sampler<'a, R, D>,
+    points: &'a [DVec3],
+    pressure_only: bool,
+    found: &'a mut [Option<Sample>],
+}
+
+impl<R: Real, const D: usize> WithShape for AtPoints<'_, R, D> {
+    type Output = ();
+
+    fn run<K: KernelShape>(self) {
+        let Self { sampler, points, pressure_only, found } = self;
+        points.par_chunks(POINTS).zip(found.par_chunks_mut(POINTS)).for_each_init(
+            NearColumns::new,
+            |near, (points, found)| {
+                let shape = PhantomData;
+                let chunk = VectorPoints::<K, R, D> { sampler, points, pressure_only, found, near, shape };
+                f64::dispatch(sampler.pair.lanes, chunk);
+            },
+        );
+    }
+}
+
+/// Samples at consecutive points of the list.
+struct VectorPoints<'a, K, R: Real, const D: usize> {
+    sampler: &'a Sampler<'a, R, D>,
+    points: &'a [DVec3],
+    pressure_only: bool,
+    found: &'a mut [Option<Sample>],
+    near: &'a mut NearColumns<D>,
+    shape: PhantomData<K>,
+}
+
+impl<K: KernelShape, R: Real, const D: usize> Vectorised<f64> for VectorPoints<'_, K, R, D> {
+    type Output = ();
+    type Module = Self;
+
+    #[inline(always)]
+    fn run<L: Lanes<Real = f64>>(self) {
+        for (&point, found) in self.points.iter().zip(self.found) {
+            *found = match (D, self.pressure_only) {
+                (2, true) => self.sampler.fit::<K, L, 3>(point, self.near),
+                (2, false) => self.sampler.fit::<K, L, 6>(point, self.near),
+                (_, true) => self.sampler.fit::<K, L, 4>(point, self.near),
+                (_, false) => self.sampler.fit::<K, L, 10>(point, self.near),
+            };
+        }
+    }
 }
 
 /// Returns the value at the point of a linear fit, from its moments and right-hand side.
@@ -166,10 +363,13 @@ pub(super) fn solve_linear(moments: [[f64; 4]; 4], right: [f64; 4], dimensions: 
 mod tests {
     use super::*;
     use crate::math::kernel::Kernel;
+    use crate::math::lanes::InstructionSet;
     use crate::pass::samples::{SPACING, Sample as Particles, WATER, settings};
 
-    fn check<const D: usize>() {
-        let mut sample = Particles::<f64, D>::lattice(settings(Kernel::WendlandC2, D, 1.5), [9; D], false);
+    fn check<const D: usize>(set: InstructionSet) {
+        let mut pair = settings(Kernel::WendlandC2, D, 1.5);
+        pair.lanes = set;
+        let mut sample = Particles::<f64, D>::lattice(pair, [9; D], false);
         sample.stir(0.2, 0.0);
         let linear = |x: f64| 3.0 - 7.0 * (x + 0.3);
         for row in 0..sample.particles.len() {
@@ -189,12 +389,14 @@ mod tests {
             for axis in 0..D {
                 point[axis] = -0.3 + along * SPACING;
             }
-            let found = sampler.sample(point).expect("fluid is near");
+            let found = sampler.sample(&[point])[0].expect("fluid is near");
             assert!((found.velocity.y - linear(point.x)).abs() < 1e-10 && found.velocity.x.abs() < 1e-10);
             assert!((found.pressure - 100.0 * linear(point.x)).abs() < 1e-8, "{} Pa", found.pressure);
             assert!((found.density - WATER.reference_density - linear(point.x)).abs() < 1e-8);
         }
-        assert!(sampler.sample(DVec3::splat(5.0)).is_none());
+        let apart = [DVec3::splat(5.0), DVec3::splat(f64::NAN)];
+        assert_eq!(sampler.sample(&apart), [None, None]);
+        assert!(sampler.sample(&[]).is_empty());
     }
 
     #[test]
@@ -210,7 +412,7 @@ mod tests {
         let sampler = Sampler::new(&sample.grid, &sample.particles, &sample.pair, |_| true);
         for height in [0.0, 0.3, 2.0, 4.7] {
             let point = DVec3::new(-0.3 + 6.6 * SPACING, -0.3 + height * SPACING, 0.0);
-            let found = sampler.sample(point).expect("fluid is near").velocity.x;
+            let found = sampler.sample(&[point])[0].expect("fluid is near").velocity.x;
             assert!(
                 (found - parabola(point.y)).abs() < 1e-9,
                 "{found} at {height}, not {}",
@@ -221,7 +423,30 @@ mod tests {
 
     #[test]
     fn linear_fields_are_exact_at_a_cut_support() {
-        check::<2>();
-        check::<3>();
+        for set in InstructionSet::available() {
+            check::<2>(set);
+            check::<3>(set);
+        }
+    }
+
+    #[test]
+    fn a_sample_is_bitwise_independent_of_other_points_and_of_threads() {
+        let mut flow = Particles::<f32, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.5), [20; 2], false);
+        flow.stir(0.2, 0.1);
+        flow.density();
+        let sampler = Sampler::new(&flow.grid, &flow.particles, &flow.pair, |_| true);
+        let place =
+            |k: u32| DVec3::new(-0.3 + 0.0017 * f64::from(k % 110), -0.3 + 0.0019 * f64::from(k % 97), 0.0);
+        let points: Vec<DVec3> = (0..200).map(place).collect();
+        let on_threads = |count: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
+            pool.install(|| sampler.sample(&points))
+        };
+        let one = on_threads(1);
+        assert_eq!(one, on_threads(3));
+        let pressure = one.iter().map(|found| found.map(|sample| sample.pressure));
+        assert_eq!(sampler.pressure(&points), pressure.collect::<Vec<_>>());
+        assert!(points.iter().zip(&one).all(|(&point, found)| sampler.sample(&[point]) == [*found]));
+        assert!(one.iter().all(Option::is_some));
     }
 }

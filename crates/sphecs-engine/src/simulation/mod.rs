@@ -50,6 +50,7 @@ struct TypedFunctions {
     monitor_row: fn(&mut World) -> MonitorRow,
     gather: fn(&mut World),
     sample: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>>,
+    pressure: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<f64>>,
     mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
 }
 
@@ -65,6 +66,7 @@ impl TypedFunctions {
             monitor_row: monitor::monitor_row::<R, D>,
             gather: state_location::gather::<R, D>,
             sample: sampling::sample::<R, D>,
+            pressure: sampling::pressure::<R, D>,
             mass_flows: sampling::mass_flows::<R, D>,
         }
     }
@@ -216,6 +218,12 @@ impl Simulation {
     pub fn sample_seeing(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
         self.refresh();
         (self.functions.sample)(&self.world, points)
+    }
+
+    /// Returns the pressure of [`Self::sample_seeing`], Pa, for less work than all fields.
+    pub fn sample_pressure(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<f64>> {
+        self.refresh();
+        (self.functions.pressure)(&self.world, points)
     }
 
     /// Returns the mass flow through sections along their normals, kg/s (per metre of depth in 2D).

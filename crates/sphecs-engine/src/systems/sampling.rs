@@ -3,7 +3,6 @@
 
 use bevy_ecs::world::World;
 use glam::DVec3;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::arrays::Arrays;
 use crate::resources::grid::Grid;
@@ -56,15 +55,37 @@ pub(crate) fn sample<R: PairReal<D>, const D: usize>(
     world: &World,
     points: &[(DVec3, ProbeSight)],
 ) -> Vec<Option<Sample>> {
+    by_sight(world, points, |sampler: Sampler<'_, R, D>, points| sampler.sample(points))
+}
+
+/// Returns the pressure of [`sample`], Pa.
+pub(crate) fn pressure<R: PairReal<D>, const D: usize>(
+    world: &World,
+    points: &[(DVec3, ProbeSight)],
+) -> Vec<Option<f64>> {
+    by_sight(world, points, |sampler: Sampler<'_, R, D>, points| sampler.pressure(points))
+}
+
+/// Samples the points of each sight at once and returns the results in the order of the points.
+fn by_sight<R: PairReal<D>, T: Clone, const D: usize>(
+    world: &World,
+    points: &[(DVec3, ProbeSight)],
+    at: impl Fn(Sampler<'_, R, D>, &[DVec3]) -> Vec<Option<T>>,
+) -> Vec<Option<T>> {
     let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<Arrays<R, D>>());
     let pair = &world.resource::<Pair>().0;
-    let fluid = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Fluid.sees(zone));
-    let flow = Sampler::new(grid, arrays, pair, |zone| ProbeSight::Flow.sees(zone));
-    let of = |&(point, sight): &(DVec3, ProbeSight)| match sight {
-        ProbeSight::Fluid => fluid.sample(point),
-        ProbeSight::Flow => flow.sample(point),
-    };
-    points.par_iter().map(of).collect()
+    let mut found = vec![None; points.len()];
+    for sight in [ProbeSight::Fluid, ProbeSight::Flow] {
+        let sees = match sight {
+            ProbeSight::Fluid => |zone| ProbeSight::Fluid.sees(zone),
+            ProbeSight::Flow => |zone| ProbeSight::Flow.sees(zone),
+        };
+        let chosen: Vec<usize> = (0..points.len()).filter(|&index| points[index].1 == sight).collect();
+        let places: Vec<DVec3> = chosen.iter().map(|&index| points[index].0).collect();
+        let samples = at(Sampler::new(grid, arrays, pair, sees), &places);
+        chosen.into_iter().zip(samples).for_each(|(index, sample)| found[index] = sample);
+    }
+    found
 }
 
 /// Returns the mass flows through sections along their normals, kg/s (per metre of depth in 2D).

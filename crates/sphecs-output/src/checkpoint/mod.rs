@@ -33,8 +33,8 @@ pub struct Facts {
     pub frames: u64,
     /// Bytes of `monitor.csv` up to the step.
     pub monitor_bytes: u64,
-    /// Bytes of `probes.csv` up to the step; 0 without probes.
-    pub probes_bytes: u64,
+    /// Bytes of the CSV file of each probe up to the step, in the order of the scene.
+    pub probes_bytes: Vec<u64>,
     /// Bytes of `forces.csv` up to the step; 0 without bodies.
     #[serde(default)]
     pub forces_bytes: u64,

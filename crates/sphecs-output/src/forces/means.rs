@@ -14,7 +14,8 @@ use crate::error::OutputError;
 use crate::header::Header;
 use crate::mean_interval::{cells, covered, note};
 use crate::paths::FORCES_MEAN_CSV;
-use crate::table::{Table, TableColumn, TableWriter, number, safe_names};
+use crate::table::{Table, TableColumn, TableWriter, number};
+use sphecs_scene::result_name::result_name;
 
 /// Name and long name of all quantities.
 pub const QUANTITIES: [(&str, &str); 5] = [
@@ -53,10 +54,10 @@ pub(super) fn means_of_bodies(header: &Header, table: &Table) -> Vec<(String, Me
         index.map(|index| table.numbers(index)).unwrap_or_default()
     };
     let times = column("time");
-    let names = safe_names(header.bodies.iter().map(|body| body.name.as_str()));
     let mut found = Vec::new();
-    for (body, name) in header.bodies.iter().zip(names) {
+    for body in &header.bodies {
         let Some(reference) = body.reference else { continue };
+        let name = result_name(&body.name);
         let [drag, lift] = ["c_d", "c_l"].map(|coefficient| {
             let values = column(&format!("{coefficient}_{name}"));
             if body.five_point_mean { five_point_mean(&values) } else { values }

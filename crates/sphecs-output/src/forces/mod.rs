@@ -21,12 +21,13 @@ use means::Means;
 
 use super::error::OutputError;
 use super::header::{BodyHeader, Header};
-use super::netcdf::dataset::{Dataset, Variable};
+use super::netcdf::dataset::{Dataset, Group, Variable, over, over_time};
 use super::pack::Packed;
 use super::paths::{FORCES_CSV, FORCES_NETCDF};
-use super::table::{Table, TableColumn, TableWriter, number, safe_names};
+use super::table::{Table, TableColumn, TableWriter, number};
 use sphecs_core::pass::body::BodySum;
 use sphecs_engine::systems::body_forces::BodyForcesRow;
+use sphecs_scene::result_name::result_name;
 
 /// Appends rows to `forces.csv`.
 #[derive(Debug)]
@@ -35,36 +36,50 @@ pub struct ForcesWriter {
     header: Header,
 }
 
-/// Returns column and long name of each quantity of a row.
-fn columns(header: &Header) -> Vec<(TableColumn, String)> {
+/// Returns the columns before those of the bodies, with their long names.
+fn clock_columns() -> [(TableColumn, String); 2] {
+    [
+        (TableColumn::new("time", "s"), "time at the beginning of the step".to_owned()),
+        (TableColumn::new("step", "1"), "steps done before".to_owned()),
+    ]
+}
+
+/// Returns the columns of a body without its name, with their long names.
+fn body_columns(header: &Header, body: &BodyHeader) -> Vec<(TableColumn, String)> {
     // In 2D per metre of depth.
     let [force, torque] = if header.dimensions == 2 { ["N m-1", "N"] } else { ["N", "N m"] };
     let mut columns = Vec::new();
     let mut add =
         |name: String, unit: &str, long_name: String| columns.push((TableColumn::new(name, unit), long_name));
-    add("time".into(), "s", "time at the beginning of the step".into());
-    add("step".into(), "1", "steps done before".into());
-    let names = safe_names(header.bodies.iter().map(|body| body.name.as_str()));
-    for (body, name) in header.bodies.iter().zip(names) {
-        for (part, of) in
-            [("", "of the fluid"), ("pressure_", "of the pressure"), ("viscous_", "of all but the pressure")]
-        {
-            for axis in header.axes() {
-                add(
-                    format!("{part}force_{axis}_{name}"),
-                    force,
-                    format!("force {of} on {} along {axis}", body.name),
-                );
-            }
-            for axis in torque_axes(header) {
-                let long_name = format!("torque {of} on {} about {axis}", body.name);
-                add(format!("{part}torque_{axis}_{name}"), torque, long_name);
-            }
+    for (part, of) in
+        [("", "of the fluid"), ("pressure_", "of the pressure"), ("viscous_", "of all but the pressure")]
+    {
+        for axis in header.axes() {
+            let long_name = format!("force {of} on {} along {axis}", body.name);
+            add(format!("{part}force_{axis}"), force, long_name);
         }
-        if body.reference.is_some() {
-            add(format!("c_d_{name}"), "1", format!("drag coefficient of {}", body.name));
-            add(format!("c_l_{name}"), "1", format!("lift coefficient of {}", body.name));
+        for axis in torque_axes(header) {
+            let long_name = format!("torque {of} on {} about {axis}", body.name);
+            add(format!("{part}torque_{axis}"), torque, long_name);
         }
+    }
+    if body.reference.is_some() {
+        add("c_d".to_owned(), "1", format!("drag coefficient of {}", body.name));
+        add("c_l".to_owned(), "1", format!("lift coefficient of {}", body.name));
+    }
+    columns
+}
+
+/// Returns the columns of `forces.csv`, those of the bodies with their names behind.
+fn columns(header: &Header) -> Vec<TableColumn> {
+    let mut columns: Vec<TableColumn> = clock_columns().map(|(column, _)| column).to_vec();
+    for body in &header.bodies {
+        let name = result_name(&body.name);
+        let named = |(column, _): (TableColumn, String)| {
+            let name = format!("{}_{name}", column.name);
+            TableColumn { name, ..column }
+        };
+        columns.extend(body_columns(header, body).into_iter().map(named));
     }
     columns
 }
@@ -89,8 +104,7 @@ impl ForcesWriter {
     pub fn resume(folder: &Path, header: &Header, length: u64) -> Result<Self, OutputError> {
         let path = folder.join(FORCES_CSV);
         let table = if length == 0 {
-            let columns: Vec<TableColumn> = columns(header).into_iter().map(|(column, _)| column).collect();
-            TableWriter::create(&path, &columns)?
+            TableWriter::create(&path, &columns(header))?
         } else {
             TableWriter::resume(&path, length)?
         };
@@ -174,23 +188,46 @@ pub(crate) fn pack(folder: &Path, header: &Header, packed: &mut Packed) -> Resul
         return Ok(());
     }
     let table = Table::read(&source)?;
-    let mut dataset =
-        Dataset::over_time("force and torque on the bodies over time", &table, &columns(header));
     let found = means::means_of_bodies(header, &table);
-    for (name, long_name) in means::QUANTITIES {
-        for (body, means) in &found {
-            dataset.variables.push(Variable {
-                name: format!("{name}_{body}"),
-                dimensions: Vec::new(),
-                values: vec![means.get(name)],
-                attributes: vec![("units", "1".to_owned()), ("long_name", long_name.to_owned())],
-            });
-        }
-    }
+    let mut next = clock_columns().len();
+    let groups = header.bodies.iter().map(|body| {
+        let columns = body_columns(header, body);
+        let first = next;
+        next += columns.len();
+        Ok(group(body, &table, &columns, first, &found))
+    });
     let path = folder.join(FORCES_NETCDF);
-    dataset.write(&path, header)?;
+    let title = "force and torque on the bodies over time".to_owned();
+    Dataset { title, root: Group::default() }.write_with(&path, header, groups)?;
     packed.files.push(path);
     packed.files.extend(means::write(folder, header, &found)?);
     packed.notes.extend(means::notes(header, &table));
     Ok(())
+}
+
+/// Returns the group of a body, whose columns begin at `first` in the table.
+fn group(
+    body: &BodyHeader,
+    table: &Table,
+    columns: &[(TableColumn, String)],
+    first: usize,
+    found: &[(String, Means)],
+) -> Group {
+    let name = result_name(&body.name);
+    let clock = clock_columns();
+    let own = clock.iter().zip(0..).chain(columns.iter().zip(first..));
+    let over_rows = |((column, long_name), index): (&(TableColumn, String), usize)| {
+        over_time(column, &column.name, Some(long_name), table.numbers(index))
+    };
+    let mut variables: Vec<Variable> = own.map(over_rows).collect();
+    if let Some((_, means)) = found.iter().find(|(other, _)| *other == name) {
+        variables.extend(means::QUANTITIES.map(|(quantity, long_name)| Variable {
+            name: quantity.to_owned(),
+            dimensions: Vec::new(),
+            values: vec![means.get(quantity)],
+            attributes: vec![("units", "1".to_owned()), ("long_name", long_name.to_owned())],
+        }));
+    }
+    let attributes = vec![("long_name", body.name.clone())];
+    Group { name, attributes, variables, ..over(table.rows.len()) }
 }

@@ -2,11 +2,13 @@
 
 use std::cell::Cell;
 use std::path::Path;
+use std::sync::Once;
 
 use ::hdf5_metno_sys::LOCK;
 use ::hdf5_metno_sys::h5::H5dont_atexit;
 use ::hdf5_metno_sys::h5e::{H5E_DEFAULT, H5Eset_auto2};
-use ::netcdf::{AttributeValue, File, FileMut, NcTypeDescriptor, VariableMut};
+use ::netcdf::{AttributeValue, File, FileMut, GroupMut, NcTypeDescriptor, VariableMut};
+use ::netcdf_sys::nc_set_chunk_cache;
 
 use crate::disk;
 use crate::error::OutputError;
@@ -40,7 +42,18 @@ impl From<::netcdf::Error> for WriteError {
     }
 }
 
-/// Disables error printing and exit handlers of HDF5 for this thread.
+/// Size of the cache of each variable of an open file, B. No chunk is used twice: the default, 16
+/// MB, would keep the last frames of each of a dozen variables until the file is closed.
+const CHUNK_CACHE: usize = 1 << 18;
+
+/// Slots of the cache's hash table, a prime number.
+const CHUNK_CACHE_SLOTS: usize = 521;
+
+/// Preemption of chunks that were read or written completely, from 0 to 1.
+const CHUNK_CACHE_PREEMPTION: f32 = 1.0;
+
+/// Bounds the memory of all files, and disables error printing and exit handlers of HDF5 for this
+/// thread.
 ///
 /// NetCDF handles errors of optional items but disables their printing only in the first thread
 /// that uses it, and HDF5 stores this setting by thread. At exit HDF5 flushes files that could not
@@ -50,6 +63,15 @@ fn prepare() {
     thread_local! {
         static DONE: Cell<bool> = const { Cell::new(false) };
     }
+    static CACHED: Once = Once::new();
+    CACHED.call_once(|| {
+        let _guard = LOCK.lock();
+        // SAFETY: the function sets three numbers, under the lock of the netcdf crate. It fails for
+        // a preemption outside 0 to 1 only.
+        unsafe {
+            nc_set_chunk_cache(CHUNK_CACHE, CHUNK_CACHE_SLOTS, CHUNK_CACHE_PREEMPTION);
+        }
+    });
     if !DONE.replace(true) {
         let _guard = LOCK.lock();
         // SAFETY: the default error stack always exists, and without a function its data is not
@@ -107,18 +129,43 @@ pub(super) fn add_variable<'f, T: Stored>(
     attributes: &[(&str, AttributeValue)],
 ) -> Result<VariableMut<'f>, ::netcdf::Error> {
     let mut variable = file.add_variable::<T>(name, dimensions)?;
+    set_up::<T>(&mut variable, dimensions, chunks, attributes)?;
+    Ok(variable)
+}
+
+/// Adds a variable to a group as [`add_variable`] does to the root of a file.
+pub(super) fn add_to_group<'g, T: Stored>(
+    group: &'g mut GroupMut<'_>,
+    name: &str,
+    dimensions: &[&str],
+    chunks: &[usize],
+    attributes: &[(&str, AttributeValue)],
+) -> Result<VariableMut<'g>, ::netcdf::Error> {
+    let mut variable = group.add_variable::<T>(name, dimensions)?;
+    set_up::<T>(&mut variable, dimensions, chunks, attributes)?;
+    Ok(variable)
+}
+
+fn set_up<T: Stored>(
+    variable: &mut VariableMut<'_>,
+    dimensions: &[&str],
+    chunks: &[usize],
+    attributes: &[(&str, AttributeValue)],
+) -> Result<(), ::netcdf::Error> {
     if !dimensions.is_empty() {
         variable.set_chunking(chunks)?;
         // This is the only compression that xarray, ParaView and netCDF-Java all read.
         variable.set_compression(1, true)?;
     }
-    if let Some(missing) = T::MISSING {
+    // CF allows no missing values in a coordinate variable.
+    let is_coordinate = dimensions == [variable.name()];
+    if let Some(missing) = T::MISSING.filter(|_| !is_coordinate) {
         variable.set_fill_value(missing)?;
     }
     for (name, value) in attributes {
         variable.put_attribute(name, value.clone())?;
     }
-    Ok(variable)
+    Ok(())
 }
 
 /// Element type of a variable.

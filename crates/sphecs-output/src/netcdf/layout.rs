@@ -12,8 +12,10 @@
 //! step time_step (time)
 //! ```
 //!
-//! A slot takes 41 bytes in 2D and 53 in 3D before compression. CF has no standard names for
-//! liquids in general, so the names for sea water are used.
+//! A slot takes 41 bytes in 2D and 53 in 3D before compression. CF has standard names for air and
+//! sea water only, so the fields have long names and units. The file declares no `featureType`: a
+//! slot is no trajectory, since its particle may leave, wait in the reservoir and enter again as
+//! another piece of fluid (`passage`).
 
 use ::netcdf::{AttributeValue, FileMut};
 
@@ -22,15 +24,17 @@ use super::slots::{Slots, pick};
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use sphecs_core::particles::zone::Zone;
+use sphecs_scene::result_name::result_name;
 
 /// Largest number of slots in a chunk: 2 MiB of doubles.
 const CHUNK: usize = 1 << 18;
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
-const AXIS_STANDARD_NAMES: [&str; 3] = ["projection_x_coordinate", "projection_y_coordinate", "height"];
 pub(super) const VELOCITIES: [&str; 3] = ["u", "v", "w"];
-const VELOCITY_STANDARD_NAMES: [&str; 3] =
-    ["sea_water_x_velocity", "sea_water_y_velocity", "upward_sea_water_velocity"];
+
+/// Attributes of the coordinate `time` in all files.
+pub(super) const TIME_ATTRIBUTES: [(&str, &str); 3] =
+    [("units", "s"), ("standard_name", "time"), ("axis", "T")];
 
 /// Adds the attributes that every file of a run has.
 pub(super) fn put_header(file: &mut FileMut, header: &Header, title: &str) -> Result<(), ::netcdf::Error> {
@@ -80,13 +84,9 @@ pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Resu
     file.add_dimension("particle", slots.particles.len().max(1))?;
     let units =
         |units: &'static str, long_name: String| vec![text("units", units), text("long_name", long_name)];
-    add_variable::<f64>(
-        file,
-        "time",
-        &["time"],
-        &[512],
-        &units("s", "time since the start of the run".into()),
-    )?;
+    let mut attributes = TIME_ATTRIBUTES.map(|(name, value)| text(name, value)).to_vec();
+    attributes.push(text("long_name", "time since the start of the run"));
+    add_variable::<f64>(file, "time", &["time"], &[512], &attributes)?;
     add_variable::<i64>(file, "step", &["time"], &[512], &units("1", "steps done".into()))?;
     add_variable::<f64>(file, "time_step", &["time"], &[512], &units("s", "size of the last step".into()))?;
 
@@ -94,23 +94,21 @@ pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Resu
     let shape = ["time", "particle"];
     let chunks = [1, particle_chunk];
     for axis in 0..header.dimensions {
-        let mut attributes = units("m", format!("{} coordinate", AXES[axis]));
-        attributes.push(text("standard_name", AXIS_STANDARD_NAMES[axis]));
+        let attributes = units("m", format!("{} coordinate", AXES[axis]));
         add_variable::<f64>(file, AXES[axis], &shape, &chunks, &attributes)?;
     }
     let coordinates = || text("coordinates", header.axes().join(" "));
     for axis in 0..header.dimensions {
         let mut attributes = units("m s-1", format!("velocity along {}", AXES[axis]));
-        attributes.extend([text("standard_name", VELOCITY_STANDARD_NAMES[axis]), coordinates()]);
+        attributes.push(coordinates());
         add_variable::<f32>(file, VELOCITIES[axis], &shape, &chunks, &attributes)?;
     }
-    for (name, unit, long_name, standard_name) in [
-        ("density", "kg m-3", "density", Some("sea_water_density")),
-        ("pressure", "Pa", "pressure above that of the reference density", Some("sea_water_pressure")),
-        ("tag", "1", "passive scalar carried along", None),
+    for (name, unit, long_name) in [
+        ("density", "kg m-3", "density"),
+        ("pressure", "Pa", "pressure above that of the reference density"),
+        ("tag", "1", "passive scalar carried along"),
     ] {
         let mut attributes = units(unit, long_name.into());
-        attributes.extend(standard_name.map(|name| text("standard_name", name)));
         attributes.push(coordinates());
         add_variable::<f32>(file, name, &shape, &chunks, &attributes)?;
     }
@@ -128,7 +126,11 @@ pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Resu
         units("1", "number of times the particle was injected again from the reservoir".into());
     attributes.push(coordinates());
     add_variable::<u32>(file, "passage", &shape, &chunks, &attributes)?;
-    let attributes = units("1", "number of the particle in the run".into());
+    let mut attributes = units("1", "number of the particle in the run".into());
+    attributes.push(text(
+        "comment",
+        "one slot per particle; each passage through the flow is another piece of fluid",
+    ));
     let mut ids = add_variable::<u32>(file, "particle_id", &["particle"], &[particle_chunk], &attributes)?;
     if !slots.particles.is_empty() {
         ids.put_values(&slots.particles, ..)?;
@@ -152,7 +154,6 @@ pub(super) fn put_walls(
         let attributes = [
             text("units", "m"),
             text("long_name", format!("{} coordinate of the wall particle", AXES[axis])),
-            text("standard_name", AXIS_STANDARD_NAMES[axis]),
         ];
         let values: Vec<f64> = pick(&frame.position[axis], &slots.walls);
         let name = format!("wall_{}", AXES[axis]);
@@ -160,7 +161,7 @@ pub(super) fn put_walls(
     }
     let attributes = [text("units", "1"), text("long_name", "number of the wall particle in the run")];
     add_variable::<u32>(file, "wall_id", &["wall"], &chunks, &attributes)?.put_values(&slots.walls, ..)?;
-    let names: Vec<String> = header.wall_parts.iter().map(|name| name.replace(' ', "_")).collect();
+    let names: Vec<String> = header.wall_parts.iter().map(|name| result_name(name)).collect();
     let mut attributes = vec![text("units", "1"), text("long_name", "wall part of the scene")];
     if !names.is_empty() {
         let values: Vec<u16> = (0..names.len() as u16).collect();

@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use super::series::{read, time_mean};
-use super::writer::quantities;
+use super::series::{read, read_places, time_mean};
 use crate::error::OutputError;
-use crate::header::Header;
-use crate::paths::PROBES_CSV;
+use crate::header::{Header, ProbeHeader, ProbeShape};
 
 /// Time series of one probe.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,19 +28,18 @@ impl ProbeHistory {
         if header.probes.is_empty() {
             return Ok(Vec::new());
         }
-        let (times, all) = read(&folder.join(PROBES_CSV), header)?;
-        let names = quantities(header).map(|(name, ..)| name);
-        let histories = all.into_iter().map(|series| {
-            let measured = series.measured();
-            let columns = names.into_iter().zip(series.values).enumerate();
-            Self {
-                name: series.probe.name.clone(),
-                places: series.places,
-                times: times.clone(),
-                columns: columns.filter(|(at, _)| measured.contains(at)).map(|(_, column)| column).collect(),
+        let places = read_places(folder, header)?;
+        let history = |(probe, places): (&ProbeHeader, Vec<[f64; 3]>)| {
+            let series = read(folder, header, probe, places)?;
+            let columns = series.columns.into_iter().map(|(quantity, values)| (quantity.name, values));
+            let mut columns: Vec<_> = columns.collect();
+            // The files of a plane flow leave out w.
+            if header.dimensions == 2 && probe.kind != ProbeShape::Section {
+                columns.insert(2, ("w", vec![0.0; columns[0].1.len()]));
             }
-        });
-        Ok(histories.collect())
+            Ok(Self { name: probe.name.clone(), places: series.places, times: series.times, columns })
+        };
+        header.probes.iter().zip(places).map(history).collect()
     }
 
     /// Returns all values of a quantity; None if the probe does not measure it.

@@ -56,8 +56,8 @@ pub enum ProbeValues {
 pub struct ProbeSample {
     /// Time, s.
     pub time: f64,
-    /// Values in the order of the scene's probes.
-    pub values: Vec<ProbeValues>,
+    /// Values in the order of the scene's probes; None for a probe that is not due.
+    pub values: Vec<Option<ProbeValues>>,
 }
 
 /// Probes of a scene with their points.
@@ -83,34 +83,59 @@ impl ProbeSet {
         self.probes.is_empty()
     }
 
-    /// Returns the points of all probes, m, with the particles sampled there, in the order of
-    /// [`Self::reduce`].
-    pub fn points(&self) -> Vec<(DVec3, ProbeSight)> {
+    /// Returns the points of the point and line probes that are due, m, with the particles sampled
+    /// there, in the order of [`Self::reduce`].
+    pub fn points(&self, due: &[bool]) -> Vec<(DVec3, ProbeSight)> {
+        self.points_of(due, |shape| shape != ProbeShape::Section)
+    }
+
+    /// Returns the points of the sections that are due, m, at which the pressure is sampled.
+    pub fn section_points(&self, due: &[bool]) -> Vec<(DVec3, ProbeSight)> {
+        self.points_of(due, |shape| shape == ProbeShape::Section)
+    }
+
+    fn points_of(&self, due: &[bool], is_meant: fn(ProbeShape) -> bool) -> Vec<(DVec3, ProbeSight)> {
         let of =
             |probe: &ProbePoints| probe.points.iter().map(|&point| (point, probe.sees)).collect::<Vec<_>>();
-        self.probes.iter().flat_map(of).collect()
+        self.due(due).filter(|probe| is_meant(probe.shape)).flat_map(of).collect()
     }
 
-    /// Returns all sections, in the order of the mass flows of [`Self::reduce`].
-    pub fn sections(&self) -> Vec<&Section> {
-        self.probes.iter().filter_map(|probe| probe.section.as_ref()).collect()
+    /// Returns the sections that are due, in the order of the mass flows of [`Self::reduce`].
+    pub fn sections<'a>(&'a self, due: &'a [bool]) -> Vec<&'a Section> {
+        self.due(due).filter_map(|probe| probe.section.as_ref()).collect()
     }
 
-    /// Returns the results of samples at [`Self::points`] and of mass flows (kg/s) through
-    /// [`Self::sections`].
-    ///
-    /// Missing samples count as points without fluid.
-    pub fn reduce(&self, time: f64, samples: &[Option<Sample>], mass_flows: &[f64]) -> ProbeSample {
-        let mut rest = samples;
-        let mut flows = mass_flows.iter();
+    fn due<'a>(&'a self, due: &'a [bool]) -> impl Iterator<Item = &'a ProbePoints> + 'a {
+        self.probes.iter().zip(due).filter(|&(_, &is_due)| is_due).map(|(probe, _)| probe)
+    }
+
+    /// Returns the results of samples at [`Self::points`], of pressures (Pa) at
+    /// [`Self::section_points`] and of mass flows (kg/s) through [`Self::sections`] of the probes
+    /// that are due.
+    pub fn reduce(
+        &self,
+        due: &[bool],
+        time: f64,
+        samples: &[Option<Sample>],
+        pressures: &[Option<f64>],
+        mass_flows: &[f64],
+    ) -> ProbeSample {
+        let (mut samples, mut pressures, mut flows) = (samples.iter(), pressures.iter(), mass_flows.iter());
         let values = self
             .probes
             .iter()
-            .map(|probe| {
-                let (own, others) = rest.split_at(probe.points.len().min(rest.len()));
-                rest = others;
+            .zip(due)
+            .map(|(probe, &is_due)| {
+                if !is_due {
+                    return None;
+                }
+                let count = probe.points.len();
+                if probe.shape != ProbeShape::Section {
+                    return Some(ProbeValues::Fields(samples.by_ref().take(count).copied().collect()));
+                }
                 let flow = probe.section.as_ref().and_then(|_| flows.next());
-                probe.reduce(own, flow.copied())
+                let mean_pressure = probe.mean(pressures.by_ref().take(count));
+                Some(ProbeValues::Section { mass_flow: flow.copied().unwrap_or(0.0), mean_pressure })
             })
             .collect();
         ProbeSample { time, values }
@@ -118,18 +143,16 @@ impl ProbeSet {
 }
 
 impl ProbePoints {
-    fn reduce(&self, samples: &[Option<Sample>], mass_flow: Option<f64>) -> ProbeValues {
-        if self.shape != ProbeShape::Section {
-            return ProbeValues::Fields(samples.to_vec());
-        }
-        let (mut pressure, mut area) = (0.0, 0.0);
-        for (sample, &part) in samples.iter().zip(&self.areas) {
-            if let Some(sample) = sample {
-                pressure += part * sample.pressure;
+    /// Returns the mean over the areas of the points with fluid nearby; NaN without any.
+    fn mean<'a>(&self, pressures: impl Iterator<Item = &'a Option<f64>>) -> f64 {
+        let (mut sum, mut area) = (0.0, 0.0);
+        for (pressure, &part) in pressures.zip(&self.areas) {
+            if let Some(pressure) = pressure {
+                sum += part * pressure;
                 area += part;
             }
         }
-        ProbeValues::Section { mass_flow: mass_flow.unwrap_or(0.0), mean_pressure: pressure / area }
+        sum / area
     }
 }
 
@@ -187,8 +210,8 @@ mod tests {
         }
     }
 
-    fn linear_pressure(point: &DVec3) -> Option<Sample> {
-        Some(Sample { velocity: DVec3::ZERO, pressure: 20.0 * point.y, density: 1000.0 })
+    fn linear_pressure(point: &DVec3) -> Option<f64> {
+        Some(20.0 * point.y)
     }
 
     #[test]
@@ -196,10 +219,14 @@ mod tests {
         let point =
             ProbePoints { shape: ProbeShape::Point, section: None, points: vec![DVec3::X], ..section() };
         let set = ProbeSet { probes: vec![point, section()] };
-        assert_eq!(set.sections().len(), 1);
-        let samples: Vec<_> = set.points().iter().map(|(point, _)| linear_pressure(point)).collect();
-        let sample = set.reduce(0.25, &samples, &[1005.0]);
-        let ProbeValues::Section { mass_flow, mean_pressure } = sample.values[1] else {
+        let due = [true; 2];
+        assert_eq!(set.sections(&due).len(), 1);
+        assert!(set.sections(&[true, false]).is_empty());
+        let pressures = set.section_points(&due).into_iter().map(|(point, _)| linear_pressure(&point));
+        let fields = [Some(Sample::default())];
+        let sample = set.reduce(&due, 0.25, &fields, &pressures.collect::<Vec<_>>(), &[1005.0]);
+        assert_eq!(sample.values[0], Some(ProbeValues::Fields(fields.to_vec())));
+        let Some(ProbeValues::Section { mass_flow, mean_pressure }) = sample.values[1] else {
             panic!("a section has integrals");
         };
         assert_eq!(mass_flow, 1005.0);
@@ -209,12 +236,15 @@ mod tests {
     #[test]
     fn point_without_fluid_has_no_pressure() {
         let set = ProbeSet { probes: vec![section()] };
-        let pressure = |samples: &[Option<Sample>]| match set.reduce(0.0, samples, &[0.0]).values[0] {
-            ProbeValues::Section { mean_pressure, .. } => mean_pressure,
-            ProbeValues::Fields(_) => panic!("a section has integrals"),
+        let pressure = |found: &[Option<f64>]| match set.reduce(&[true], 0.0, &[], found, &[0.0]).values[0] {
+            Some(ProbeValues::Section { mean_pressure, .. }) => mean_pressure,
+            _ => panic!("a section has integrals"),
         };
-        let samples: Vec<_> =
-            set.points().iter().map(|(p, _)| linear_pressure(p).filter(|_| p.y < 0.5)).collect();
+        let samples: Vec<_> = set
+            .section_points(&[true])
+            .iter()
+            .map(|(p, _)| linear_pressure(p).filter(|_| p.y < 0.5))
+            .collect();
         assert!((pressure(&samples) - 5.0).abs() < 1e-12);
         assert!(pressure(&[None; 10]).is_nan());
     }

@@ -1,23 +1,26 @@
-//! Rows of `probes.csv` sorted by probe, and time means.
+//! Samples of the probes read from their CSV files, and time means.
 
 use std::path::Path;
 
-use super::writer::PLACE;
+use super::writer::{Quantity, quantities};
 use crate::error::OutputError;
 use crate::header::{Header, ProbeHeader, ProbeShape};
-use crate::table::{for_each_row, safe_names};
+use crate::paths::{self, PROBES_POINTS_CSV};
+use crate::table::{for_each_row, parsed};
+use sphecs_scene::result_name::result_name;
 
-/// Rows of one probe.
+/// Samples of one probe.
 pub(super) struct Series<'a> {
     /// Header of the probe.
     pub(super) probe: &'a ProbeHeader,
-    /// Name of the probe in variables.
+    /// Name of the probe in files and groups.
     pub(super) name: String,
     /// Points, m.
     pub(super) places: Vec<[f64; 3]>,
-    /// `values[quantity][time · points + point]`; empty for quantities that the probe does not
-    /// measure.
-    pub(super) values: [Vec<f64>; 7],
+    /// Times, s.
+    pub(super) times: Vec<f64>,
+    /// Quantities with their values, `values[time · points + point]`.
+    pub(super) columns: Vec<(Quantity, Vec<f64>)>,
 }
 
 impl Series<'_> {
@@ -25,59 +28,52 @@ impl Series<'_> {
     pub(super) fn points(&self) -> usize {
         self.places.len()
     }
-
-    /// Returns the range of the quantities that the probe measures.
-    pub(super) fn measured(&self) -> std::ops::Range<usize> {
-        match self.probe.kind {
-            ProbeShape::Section => 5..7,
-            ProbeShape::Point | ProbeShape::Line => 0..5,
-        }
-    }
 }
 
-/// Reads times and rows of `probes.csv` by probe; times without rows of all probes, as after a
-/// kill, are omitted.
+/// Reads the points of all probes, m.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
-pub(super) fn read<'a>(path: &Path, header: &'a Header) -> Result<(Vec<f64>, Vec<Series<'a>>), OutputError> {
-    let names = safe_names(header.probes.iter().map(|probe| probe.name.as_str()));
-    let mut all: Vec<Series> = header
-        .probes
-        .iter()
-        .zip(names)
-        .map(|(probe, name)| Series { probe, name, places: Vec::new(), values: Default::default() })
-        .collect();
-    // Times of the rows of each probe, as written.
-    let mut times: Vec<Vec<String>> = vec![Vec::new(); all.len()];
-    for_each_row(path, |row| {
-        let Some(index) = all.iter().position(|series| series.probe.name == row[1]) else {
-            return;
-        };
-        let (series, times) = (&mut all[index], &mut times[index]);
-        let cell = |column: usize| row[column].parse().unwrap_or(f64::NAN);
-        if times.last().is_none_or(|last| *last != row[0]) {
-            times.push(row[0].to_owned());
-        }
-        if times.len() == 1 {
-            series.places.push([3, 4, 5].map(cell));
-        }
-        for quantity in series.measured() {
-            series.values[quantity].push(cell(PLACE + quantity));
+pub(super) fn read_places(folder: &Path, header: &Header) -> Result<Vec<Vec<[f64; 3]>>, OutputError> {
+    let mut all = vec![Vec::new(); header.probes.len()];
+    for_each_row(&folder.join(PROBES_POINTS_CSV), |row| {
+        let index = header.probes.iter().position(|probe| probe.name == row[0]);
+        if let Some(places) = index.map(|index| &mut all[index]) {
+            places.push(std::array::from_fn(|axis| row.get(2 + axis).map_or(0.0, parsed)));
         }
     })?;
-    let complete = |series: &Series| {
-        let rows = series.values[series.measured().start].len();
-        rows.checked_div(series.points())
-    };
-    let length = all.iter().filter_map(complete).min().unwrap_or(0);
-    for series in &mut all {
-        let rows = length * series.points();
-        series.values.iter_mut().for_each(|values| values.truncate(rows));
-    }
-    let longest = times.into_iter().max_by_key(Vec::len).unwrap_or_default();
-    let times = longest.iter().take(length).map(|time| time.parse().unwrap_or(f64::NAN)).collect();
-    Ok((times, all))
+    Ok(all)
+}
+
+/// Reads the samples of a probe; the last time is omitted if its rows are incomplete, as after a
+/// kill.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub(super) fn read<'a>(
+    folder: &Path,
+    header: &Header,
+    probe: &'a ProbeHeader,
+    places: Vec<[f64; 3]>,
+) -> Result<Series<'a>, OutputError> {
+    let first = if probe.kind == ProbeShape::Line { 2 } else { 1 };
+    let quantities = quantities(probe.kind, header.dimensions).into_iter();
+    let mut columns: Vec<(Quantity, Vec<f64>)> = quantities.map(|quantity| (quantity, Vec::new())).collect();
+    let points = places.len().max(1);
+    let (mut rows, mut times) = (0_usize, Vec::new());
+    for_each_row(&paths::probe(folder, &probe.name), |row| {
+        if rows.is_multiple_of(points) {
+            times.push(parsed(&row[0]));
+        }
+        rows += 1;
+        for ((_, values), cell) in columns.iter_mut().zip(first..) {
+            values.push(parsed(&row[cell]));
+        }
+    })?;
+    let complete = rows / points;
+    times.truncate(complete);
+    columns.iter_mut().for_each(|(_, values)| values.truncate(complete * points));
+    Ok(Series { probe, name: result_name(&probe.name), places, times, columns })
 }
 
 /// Returns the mean from `begin` to `end`, s, of the linear interpolation between samples.
@@ -104,28 +100,19 @@ mod tests {
     use crate::table::TableWriter;
 
     #[test]
-    fn time_without_all_probes_is_omitted() {
+    fn time_without_all_points_is_omitted() {
         let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("probes.csv");
-        let probes = ["wake, behind", "throat", "tip"].map(|name| ProbeHeader {
-            name: name.to_owned(),
-            kind: ProbeShape::Point,
-            mean: None,
-        });
-        let header = Header { dimensions: 2, probes: probes.to_vec(), ..Header::default() };
-        let mut rows = Vec::new();
-        for time in ["0", "1"] {
-            for probe in &header.probes {
-                let mut row = vec![time.to_owned(), probe.name.clone()];
-                row.resize(PLACE + 7, "1".to_owned());
-                rows.push(row);
-            }
-        }
-        rows.pop();
-        TableWriter::create(&path, &columns(&header)).expect("created").append(rows).expect("written");
-        let (times, all) = read(&path, &header).expect("read");
-        assert_eq!(times, [0.0]);
-        assert!(all.iter().all(|series| series.values[0].len() == 1));
+        let probe = ProbeHeader { name: "wake, behind".to_owned(), kind: ProbeShape::Line, mean: None };
+        let header = Header { dimensions: 2, probes: vec![probe.clone()], ..Header::default() };
+        let path = paths::probe(folder.path(), &probe.name);
+        std::fs::create_dir(path.parent().expect("a folder")).expect("made");
+        let rows = [["0", "0"], ["0", "1"], ["1", "0"]];
+        let rows = rows.map(|row| row.into_iter().chain(["1"; 4]).map(str::to_owned).collect());
+        let mut writer = TableWriter::create(&path, &columns(probe.kind, 2)).expect("created");
+        writer.append(rows).expect("written");
+        let series = read(folder.path(), &header, &probe, vec![[0.0; 3]; 2]).expect("read");
+        assert_eq!(series.times, [0.0]);
+        assert!(series.columns.len() == 4 && series.columns.iter().all(|(_, values)| values.len() == 2));
     }
 
     #[test]

@@ -11,8 +11,8 @@ description! {
     pub struct Output {
         /// Sets the interval between frames, s.
         every: Number,
-        /// Sets the interval between rows of the monitor and the probes, s, default a tenth of that
-        /// between frames.
+        /// Sets the interval between rows of the monitor, of points and of sections, s, default a
+        /// tenth of that between frames.
         monitor_every: Number,
         /// Sets the interval at which the forces on bodies are written, default `Step`.
         forces: ForcesEvery,
@@ -38,6 +38,9 @@ description! {
         name: String,
         /// Sets place and quantities.
         kind: ProbeKind,
+        /// Sets the interval between samples, s, default that of the frames for lines and that of
+        /// the monitor for points and sections.
+        every: Number,
         /// Sets the interval of the time mean, s.
         mean: Interval,
         /// Sets the particles that it measures, default `Fluid`.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::checker::Checker;
+use super::names::{Named, names};
 use super::patches::{PatchFile, Site, patch};
 use super::tables;
 use crate::expression::Expression;
@@ -26,7 +27,8 @@ pub fn inlets(
     folder: &Path,
     check: &mut Checker<'_>,
 ) -> Option<Vec<Inlet>> {
-    names(files.iter().map(|file| file.name.as_ref()), "inlets", check);
+    let given = files.iter().map(|file| file.name.as_ref());
+    names(&with_defaults(given, "inlet"), "inlets", check);
     let inlets: Vec<Option<Inlet>> =
         files.iter().enumerate().map(|(index, file)| inlet(file, index, site, folder, check)).collect();
     inlets.into_iter().collect()
@@ -42,7 +44,7 @@ fn inlet(
     let patch = patch(
         &PatchFile {
             name: file.name.as_ref(),
-            default_name: format!("inlet {index}"),
+            default_name: default_name("inlet", index),
             at: &file.at,
             towards: &file.towards,
             depth: file.depth.as_ref(),
@@ -62,18 +64,15 @@ fn inlet(
     Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure, feed: file.feed })
 }
 
-fn names<'a>(names: impl Iterator<Item = Option<&'a Text>>, kind: &str, check: &mut Checker<'_>) {
-    let mut known: Vec<&str> = Vec::new();
-    for name in names.flatten() {
-        if known.contains(&name.value.as_str()) {
-            check.report(Fault::new(
-                format!("two {kind} are called `{}`", name.value),
-                name.span,
-                "must differ",
-            ));
-        }
-        known.push(&name.value);
-    }
+fn default_name(kind: &str, index: usize) -> String {
+    format!("{kind} {index}")
+}
+
+fn with_defaults<'a>(given: impl Iterator<Item = Option<&'a Text>>, kind: &str) -> Vec<Named<'a>> {
+    let named = |(index, name): (usize, Option<&'a Text>)| {
+        name.map_or_else(|| Named::Default(default_name(kind, index)), Named::Given)
+    };
+    given.enumerate().map(named).collect()
 }
 
 fn velocity(
@@ -170,7 +169,8 @@ pub fn outlets(
     folder: &Path,
     check: &mut Checker<'_>,
 ) -> Option<Vec<Outlet>> {
-    names(files.iter().map(|file| file.name.as_ref()), "outlets", check);
+    let names_given = files.iter().map(|file| file.name.as_ref());
+    names(&with_defaults(names_given, "outlet"), "outlets", check);
     let outlets: Vec<Option<Outlet>> = files
         .iter()
         .enumerate()
@@ -179,7 +179,7 @@ pub fn outlets(
             let patch = patch(
                 &PatchFile {
                     name: file.name.as_ref(),
-                    default_name: format!("outlet {index}"),
+                    default_name: default_name("outlet", index),
                     at: &file.at,
                     towards: &file.towards,
                     depth: file.depth.as_ref(),

@@ -7,10 +7,11 @@ use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill::{self, Place};
 use crate::geometry::Shape;
+use crate::memory_estimate::bytes_per_particle;
 use crate::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
 use crate::notation::tree::Span;
 use crate::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
-use crate::summary::{self, BYTES_PER_PARTICLE};
+use crate::summary;
 use sphecs_core::format;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::wall::Slip;
@@ -87,7 +88,8 @@ pub fn too_many(
     let reach = fill::layers(scheme) * spacing;
     let volume = summary::estimated_volume(domain, reach, dimensions);
     let count = volume / spacing.powi(dimensions as i32);
-    let limit = f64::from(u32::MAX).min(memory.unwrap_or(f64::INFINITY) / BYTES_PER_PARTICLE);
+    let bytes = bytes_per_particle(scheme, file.precision);
+    let limit = f64::from(u32::MAX).min(memory.unwrap_or(f64::INFINITY) / bytes);
     if let Some(stored) = file.reservoir.particles.filter(|n| n.value as f64 > limit) {
         return Some(Fault::new(
             "the reservoir is larger than the memory",
@@ -101,7 +103,7 @@ pub fn too_many(
     let have = memory.map_or("particle numbers end at 4.29e9".to_owned(), |bytes| {
         format!("{:.1} GB are free", bytes / 1e9)
     });
-    let needed = count * BYTES_PER_PARTICLE / 1e9;
+    let needed = count * bytes / 1e9;
     let least = 1.02 * (volume / limit).powf(1.0 / dimensions as f64);
     Some(
         Fault::new(

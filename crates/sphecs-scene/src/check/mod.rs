@@ -1,8 +1,9 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`cut`], [`driven`], [`section`], [`tables`],
-//!    [`layout`], [`walls`], [`scheme`], [`settings`]: one section of the file each
+//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`cut`], [`driven`], [`section`],
+//!    [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one section
+//!    each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
 //! 4. [`consistency`]: faults that only the complete scene shows, once its parts are valid
 
@@ -27,6 +28,7 @@ pub mod cut;
 pub mod driven;
 pub mod layout;
 pub mod mass_flow;
+pub mod names;
 pub mod patches;
 pub mod scheme;
 pub mod section;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::checker::Checker;
+use super::names::{Named, names};
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill;
@@ -59,16 +60,10 @@ pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> O
     let every = check.positive(&file.every, "s");
     let monitor_every =
         file.monitor_every.as_ref().map_or(every / 10.0, |number| check.positive(number, "s"));
+    let given = file.probes.iter().map(|probe| Named::Given(&probe.name));
+    names(&given.collect::<Vec<_>>(), "probes", check);
     let mut probes: Vec<Probe> = Vec::new();
     for probe in &file.probes {
-        let name = &probe.name;
-        if name.value.is_empty() || probes.iter().any(|other| other.name == name.value) {
-            check.report(Fault::new(
-                "a probe's name is empty or given twice",
-                name.span,
-                "every probe must have a unique name",
-            ));
-        }
         let mean = probe.mean.as_ref().map(|mean| {
             let (from, to) = &mean.value;
             let interval = (check.not_negative(from, "s"), check.positive(to, "s"));
@@ -80,7 +75,9 @@ pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> O
             interval
         });
         let kind = probe_kind(&probe.kind.value, check);
-        probes.push(Probe { name: name.value.clone(), kind, mean, sees: probe.sees });
+        let usual = if matches!(kind, ProbeKind::Line { .. }) { every } else { monitor_every };
+        let every = probe.every.as_ref().map_or(usual, |number| check.positive(number, "s"));
+        probes.push(Probe { name: probe.name.value.clone(), kind, every, mean, sees: probe.sees });
     }
     let checkpoint_every =
         file.checkpoint_every.as_ref().map_or(CHECKPOINT_EVERY, |number| check.positive(number, "s"));

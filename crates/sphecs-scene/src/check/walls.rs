@@ -1,6 +1,7 @@
 //! Checks of the walls of a scene file.
 
 use super::checker::Checker;
+use super::names::{Named, names};
 use super::shapes;
 use crate::expression::Expression;
 use crate::faults::Fault;
@@ -55,15 +56,12 @@ pub fn walls(
             ),
         }
     }
+    // What belongs to no part is called `walls`.
+    let rest_of_all = std::iter::once(Named::Default(parts[0].name.clone()));
+    let given = file.parts.iter().map(|part| Named::Given(&part.name));
+    names(&rest_of_all.chain(given).collect::<Vec<_>>(), "wall parts", check);
     for part in &file.parts {
         let name = &part.name;
-        if parts.iter().any(|other| other.name == name.value) {
-            check.report(Fault::new(
-                format!("two wall parts are called `{}`", name.value),
-                name.span,
-                "must differ (the rest is called `walls`)",
-            ));
-        }
         let is_layered = match part.fill.as_ref().map(|fill| (fill, &fill.value)) {
             None => layered.first() == Some(&0),
             Some((_, WallFillFile::Layers)) => true,

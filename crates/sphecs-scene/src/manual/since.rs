@@ -15,6 +15,7 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Outlet.extent",
             "Outlet.closed",
             "Extent",
+            "Probe.every",
             "OutletCondition.Pressure",
             "OutletCondition.TotalPressure",
             "OutletCondition.Resistance",

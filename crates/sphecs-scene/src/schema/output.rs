@@ -13,7 +13,8 @@ use crate::notation::typed::Spanned;
 pub struct OutputFile {
     /// Interval between frames, s.
     pub every: Number,
-    /// Interval between rows of the monitor and the probes, s, default a tenth of `every`.
+    /// Interval between rows of the monitor, of points and of sections, s, default a tenth of
+    /// `every`.
     #[serde(default)]
     pub monitor_every: Option<Number>,
     /// Interval at which the forces on bodies are written, default `Step`.
@@ -32,10 +33,14 @@ pub struct OutputFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Probe", deny_unknown_fields)]
 pub struct ProbeFile {
-    /// Name, unique in the scene.
+    /// Name, which must differ from the others in letters a to z or digits.
     pub name: Text,
     /// Place and quantities.
     pub kind: Spanned<ProbeKindFile>,
+    /// Interval between samples, s, default that of the frames for lines and that of the monitor
+    /// for points and sections.
+    #[serde(default)]
+    pub every: Option<Number>,
     /// Interval of the time mean, s, default no mean.
     #[serde(default)]
     pub mean: Option<Spanned<(Number, Number)>>,

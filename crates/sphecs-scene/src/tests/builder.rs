@@ -247,7 +247,7 @@ fn complete() -> SceneBuilder {
                 .forces(ForcesEvery::Row)
                 .checkpoint_every(60)
                 .probe(Probe::point("point", (0.0, "R")).sees(ProbeSight::Flow))
-                .probe(Probe::line("line", (0.0, 0.0), (1.0, 0.0), 11).mean((0.0, "R")))
+                .probe(Probe::line("line", (0.0, 0.0), (1.0, 0.0), 11).every("R/10").mean((0.0, "R")))
                 .probe(Probe::section("section", (0.0, 0.0), (1.0, 0.0))),
         );
     let at = |velocity| opening.clone().at((0.0, 0.0)).towards((1.0, 0.0)).velocity(velocity);

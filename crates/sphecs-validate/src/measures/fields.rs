@@ -26,17 +26,33 @@ pub fn probe<'a>(probes: &'a [ProbeHistory], pattern: &str) -> Result<Cow<'a, Pr
     match found[..] {
         [] => Err(format!("no probe `{pattern}`")),
         [single] => Ok(Cow::Borrowed(single)),
-        [first, ..] => Ok(Cow::Owned(ProbeHistory {
-            name: pattern.to_owned(),
-            places: found.iter().flat_map(|probe| probe.places.iter().copied()).collect(),
-            times: first.times.clone(),
-            columns: first
-                .columns
-                .iter()
-                .filter(|(name, _)| found.iter().all(|probe| probe.column(name).is_some()))
-                .map(|&(name, _)| (name, joined(&found, name, first.times.len())))
-                .collect(),
-        })),
+        [first, ..] => {
+            let count = common_times(&found, pattern)?;
+            Ok(Cow::Owned(ProbeHistory {
+                name: pattern.to_owned(),
+                places: found.iter().flat_map(|probe| probe.places.iter().copied()).collect(),
+                times: first.times[..count].to_vec(),
+                columns: first
+                    .columns
+                    .iter()
+                    .filter(|(name, _)| found.iter().all(|probe| probe.column(name).is_some()))
+                    .map(|&(name, _)| (name, joined(&found, name, count)))
+                    .collect(),
+            }))
+        }
+    }
+}
+
+/// Returns the number of times that all probes have; a kill may leave one probe a row behind.
+fn common_times(probes: &[&ProbeHistory], pattern: &str) -> Result<usize, String> {
+    let count = probes.iter().map(|probe| probe.times.len()).min().unwrap_or(0);
+    let times = &probes[0].times[..count];
+    match probes.iter().find(|probe| probe.times[..count] != *times) {
+        Some(other) => Err(format!(
+            "`{pattern}`: the probes `{}` and `{}` are sampled at different times, must have the same `every`",
+            probes[0].name, other.name
+        )),
+        None => Ok(count),
     }
 }
 

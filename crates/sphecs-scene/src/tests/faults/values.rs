@@ -215,7 +215,7 @@ fn vectors_have_as_many_components_as_the_scene_has_dimensions() {
 #[test]
 fn probes_have_unique_names_and_lie_in_the_domain() {
     let two = "probes: [(name: \"p\", kind: Point(at: (0.1, 0.2))), (name";
-    check("probes: [(name", two, "a probe's name is empty or given twice", "\"p\"");
+    check("probes: [(name", two, "two probes are called `p`", "\"p\"");
     check("Point(at: (0.5, 0.2))", "Point(at: (0.5, 2.0))", "probe `p` is outside the domain", "Point");
     check(
         "(0.5, 0.2)))",
@@ -223,6 +223,28 @@ fn probes_have_unique_names_and_lie_in_the_domain() {
         "the interval of a time mean is wrong",
         "(2.0, 1.0)",
     );
+}
+
+#[test]
+fn names_are_apart_in_the_results() {
+    let probes = |name: &str| format!("probes: [(name: \"{name}\", kind: Point(at: (0.1, 0.2))), (name");
+    let same = "two probes have the same name in the results";
+    // The name of the second is marked; letters beyond ASCII become `_`, case does not count.
+    for (first, second) in [("a b", "a_b"), ("Gap", "gap"), ("ä", "ö")] {
+        let between = format!(", (name: \"{second}\", kind: Point(at: (0.3, 0.2))), (name");
+        let three = probes(first).replace(", (name", &between);
+        let report = check("probes: [(name", &three, same, &format!("\"{second}\""));
+        assert!(report.contains("case does not count"), "{report}");
+    }
+    let long = format!("\"{}\"", "n".repeat(250));
+    check("\"p\"", &long, "a name among the probes is empty or too long", &long);
+    check("\"p\"", "\"\"", "a name among the probes is empty or too long", "\"\"");
+    // An opening without a name has a default one.
+    let named = "outlets: [(name: \"outlet_1\", at: (0.5, 0.4), towards: (0.0, 1.0)), (at";
+    check("outlets: [(at", named, "two outlets have the same name in the results", "\"outlet_1\"");
+    let parts =
+        "walls: (slip: NoSlip, parts: [(name: \"Walls\", region: Box(min: (0.0, 0.0), max: (0.1, 0.1)))])";
+    check("walls: (slip: NoSlip)", parts, "two wall parts have the same name in the results", "\"Walls\"");
 }
 
 #[test]
