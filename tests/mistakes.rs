@@ -13,7 +13,7 @@ const SCENE: &str = include_str!("../scenes/quickstart.ron");
 
 /// Text of the scene, text that a user wrote in its place, and text that the message must suggest;
 /// empty where nothing can be.
-const MISTAKES: [(&str, &str, &str); 80] = [
+const MISTAKES: [(&str, &str, &str); 79] = [
     // Names of fields.
     ("dimensions: 2,", "dimension: 2,", "did you mean `dimensions`"),
     ("spacing: 1.25e-3", "spaceing: 1.25e-3", "did you mean `spacing`"),
