@@ -73,8 +73,8 @@ fn wall_function_note(scene: &Scene) -> Option<String> {
     })
 }
 
-/// Returns a note for each wall part that moves into or out of the fluid. The wall particles stay in
-/// their places, so such a wall is porous.
+/// Returns a note for each wall part that moves into or out of the fluid. The wall particles stay
+/// in their places, so such a wall is porous.
 fn wall_velocity_notes(scene: &Scene, seeds: &[ParticleSeed], until: f64) -> Vec<String> {
     let moving = scene.walls.parts.iter().enumerate().filter(|(_, part)| part.moves());
     let note = |(index, part): (usize, &sphecs_scene::model::WallPart)| {
