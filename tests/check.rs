@@ -105,3 +105,20 @@ fn size(folder: &Path) -> u64 {
         })
         .sum()
 }
+
+/// Libraries ignore these variables if they are misspelt.
+#[test]
+fn misspelt_environment_variable_is_bad_input() {
+    let with = |name, value, code| {
+        let mut command = sphecs(["check", "scenes/quickstart.ron", "--smoke", "--no-timing"]);
+        let output = command.env(name, value).output().expect("the program starts");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{message}");
+        message
+    };
+    let lanes = with("SPHECS_LANES", "avx3", 2);
+    assert!(lanes.contains("`SPHECS_LANES`: is `avx3`") && lanes.contains("`portable`"), "{lanes}");
+    assert!(with("RAYON_NUM_THREADS", "all", 2).contains("whole number"));
+    with("SPHECS_LANES", "", 0);
+    with("SPHECS_LANES", "portable", 0);
+}

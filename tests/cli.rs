@@ -23,10 +23,6 @@ fn answer<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
     sphecs(arguments).output().expect("the program starts")
 }
 
-fn answer_of(command: &mut Command) -> Output {
-    command.output().expect("the program starts")
-}
-
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
@@ -250,22 +246,6 @@ fn requests_for_what_a_run_does_not_have_are_refused() {
     refused(&plan, 2, &["leave `--slice` out"]);
     let folder_as_scene = sphecs([run.as_os_str()]).output().expect("started");
     refused(&folder_as_scene, 2, &["is a folder", "sphecs resume", "sphecs info"]);
-}
-
-#[test]
-fn misspelt_environment_variable_is_bad_input() {
-    let with =
-        |name, value| answer_of(sphecs(["check", "scenes/quickstart.ron", "--no-timing"]).env(name, value));
-    refused(&with("SPHECS_LANES", "avx3"), 2, &["`SPHECS_LANES`: is `avx3`", "`portable`"]);
-    refused(&with("RAYON_NUM_THREADS", "all"), 2, &["`RAYON_NUM_THREADS`", "whole number"]);
-    done(&with("SPHECS_LANES", ""));
-    done(&with("SPHECS_LANES", "portable"));
-}
-
-#[test]
-fn cases_are_listed_with_their_titles() {
-    let list = done(&answer(["validate", "--list"]));
-    assert!(list.lines().count() > 20 && list.contains("poiseuille  "), "{list}");
 }
 
 #[test]

@@ -107,8 +107,8 @@ const MISTAKES: [(&str, &str, &str); 79] = [
     ("towards: (1.0, 0.0), condition", "towards: (-1.0, 0.0), condition", "turn the sign of `towards`"),
     ("from: (0.0, 0.0), to: (\"L\", 0.0)", "from: (0.0, 1.0), to: (\"L\", 1.0)", ""),
     (
-        "inlets: [(\n        at: (0.0, 0.0)",
-        "periodic: [\"x\"], inlets: [(\n        at: (0.0, 0.0)",
+        "outlets: [(at: (\"L\", 0.0), towards",
+        "periodic: [\"x\"], outlets: [(at: (\"L\", 0.0), towards",
         "take \"x\" out of `periodic`",
     ),
 ];

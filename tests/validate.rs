@@ -15,6 +15,15 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+#[test]
+fn cases_are_listed_with_their_titles() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = validate(&["--list"], folder.path());
+    let list = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(list.lines().count() > 20 && list.contains("poiseuille  "), "{list}");
+}
+
 /// Uniform periodic flow of 0.25 m/s along x with probes.
 const SCENE: &str = r#"Scene(
     title: "Uniform stream", dimensions: 2, spacing: 0.05, smoke: 0.1,

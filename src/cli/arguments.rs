@@ -169,7 +169,8 @@ pub struct RenderArguments {
     /// Field to draw
     #[arg(long, default_value = Field::Speed.name(), value_parser = fields())]
     pub field: Field,
-    /// Time of the frame, s; the nearest one is drawn, at most one interval away [default: the last frame]
+    /// Time of the frame, s; the nearest one is drawn, at most one interval away [default: the last
+    /// frame]
     #[arg(long, value_name = "T", conflicts_with = "all", value_parser = finite, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Draw every frame with one colour scale

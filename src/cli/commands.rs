@@ -13,6 +13,7 @@ use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
 use sphecs_bench::BenchOptions;
 use sphecs_bench::cases::BenchCase;
 use sphecs_core::format::{grouped, significant};
+use sphecs_output::disk;
 use sphecs_output::error::OutputError;
 use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
@@ -113,7 +114,7 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     if let Some(path) = &arguments.picture {
         make_parent(path)?;
         let options = RenderOptions { slice: arguments.slice, ..RenderOptions::default() };
-        picture::render_plan(&scene, &seeds, &options, path)?;
+        picture::render_plan(&scene, &seeds, &options, &disk::target(path))?;
     }
     let options = CheckOptions { until: arguments.until, timed: !arguments.no_timing };
     let report =
@@ -147,7 +148,8 @@ pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
         let count = grouped(pictures.len() as u64);
         Console::Normal.print(&format!("{count} pictures, {} to {}", first.display(), last.display()));
     } else {
-        let time = picture::render(&results, arguments.time, &options, &path)?;
+        let target = if arguments.output.is_some() { disk::target(&path) } else { path.clone() };
+        let time = picture::render(&results, arguments.time, &options, &target)?;
         Console::Normal.print(&format!(
             "{} at t = {} s: {}",
             arguments.field.name(),

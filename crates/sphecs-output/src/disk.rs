@@ -29,6 +29,16 @@ pub fn is_link(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink())
 }
 
+/// Returns the file that a path names, behind a symbolic link.
+///
+/// A file written under a partial name would replace the link.
+pub fn target(path: &Path) -> PathBuf {
+    match fs::read_link(path) {
+        Ok(link) => fs::canonicalize(path).unwrap_or_else(|_| path.with_file_name(link)),
+        Err(_) => path.to_path_buf(),
+    }
+}
+
 /// Makes a file written under its partial name durable and gives it its own name.
 ///
 /// # Errors
@@ -132,6 +142,18 @@ mod tests {
         let link = folder.path().join("link");
         std::os::unix::fs::symlink("/proc", &link).expect("a link");
         assert_eq!([free_space(&link), free_space(&link.join("deep/run"))], [Some(0); 2]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn link_leads_to_the_file_that_is_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [file, link, new] = ["file", "link", "new"].map(|name| folder.path().join(name));
+        std::os::unix::fs::symlink(&file, &link).expect("a link");
+        std::os::unix::fs::symlink("file", &new).expect("a link");
+        assert_eq!([target(&link), target(&new), target(&file)], [file.clone(), file.clone(), file.clone()]);
+        fs::write(&file, "mine").expect("written");
+        assert_eq!(target(&link), fs::canonicalize(&file).expect("a path"));
     }
 
     #[test]

@@ -14,7 +14,7 @@ pub const SUMMARY: &str = "summary.json";
 pub const LOCK: &str = ".lock";
 /// Initial files of a run that is about to start.
 pub const STAGED: &str = ".sphecs-start";
-/// The same, while they get their places.
+/// Initial files while they get their places.
 pub const PLACED: &str = ".sphecs-placed";
 /// Earlier run until the new one has its initial files.
 pub const REPLACED: &str = ".sphecs-replaced";

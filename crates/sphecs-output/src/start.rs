@@ -301,7 +301,7 @@ mod tests {
         assert!(parent.path().join("thesis.tex").exists());
     }
 
-    /// A folder renamed or made anew would have another inode and the usual permissions.
+    /// A folder that was renamed or made again would have another inode and the usual permissions.
     #[test]
     fn folder_that_exists_keeps_its_place_and_permissions() {
         let parent = tempfile::tempdir().expect("a folder");

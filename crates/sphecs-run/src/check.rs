@@ -8,9 +8,9 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+use super::doubtful;
 use super::report::{scene_rows, scene_table};
 use super::run_state::LARGEST_MACH;
-use super::doubtful;
 use sphecs_core::format::{bytes, duration, grouped, point, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::simulation::{Simulation, Stop};

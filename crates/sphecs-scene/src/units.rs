@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn number_with_a_unit_is_told_from_other_text() {
+    fn number_with_a_unit_differs_from_other_text() {
         assert_eq!(quantity("1.25 mm"), Some((1.25, 1e-3, 5)));
         assert_eq!(quantity("-2e-3m"), Some((-2e-3, 1.0, 5)));
         for text in ["1.25", "mm", "2*h", "1.0e-3", "2 x"] {

@@ -58,8 +58,8 @@ impl Default for RenderOptions {
 /// Draws the frame nearest to `time` (s; None: the last) into a PNG file and returns its time, s.
 ///
 /// # Errors
-/// [`OutputError`] when the run has no frames, none near the time, the options do not match it, or a file cannot be
-/// read or written.
+/// [`OutputError`] when the run has no frames, none near the time, the options do not match it, or
+/// a file cannot be read or written.
 pub fn render(
     results: &Results,
     time: Option<f64>,

@@ -118,7 +118,7 @@ fn depth(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> f64 
     layers(depth)
 }
 
-/// Checks that the domain does not go on behind the opening as a periodic one.
+/// Checks that the opening is not at an end of the domain that is periodic.
 fn not_periodic(
     file: &PatchFile<'_>,
     towards: DVec3,
@@ -133,7 +133,7 @@ fn not_periodic(
         Fault::new(
             format!("the {kind} is at an end of the domain that is periodic"),
             file.towards.span,
-            format!("points along {name}, which is in `periodic`: what leaves there enters at the other end"),
+            format!("points along {name}, which is in `periodic`: there fluid passes to the other end of the domain"),
         )
         .help(format!("take \"{name}\" out of `periodic`, or leave the inlets and outlets along {name} out")),
     );

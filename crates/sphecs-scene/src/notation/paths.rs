@@ -2,8 +2,8 @@
 //!
 //! A path names fields, entries of maps and, from 0, items of lists: `fluid.sound_speed`,
 //! `constants.v0`, `outlets.0.condition`. If the text lacks the last name of a path, it is inserted
-//! as a new field or constant, and so is a field of the scene that has it, such as `walls.slip`. The
-//! typed reader then checks that the schema has it.
+//! as a new field or constant, and so is a field of the scene that has it, such as `walls.slip`.
+//! The typed reader then checks that the schema has it.
 
 use super::reader;
 use super::tree::{Node, Span, Value};

@@ -164,7 +164,7 @@ fn expression_faults_mark_their_token() {
     check("\"v0 * y\"", "\"min(v0)\"", "`min` has the wrong number of arguments", "min");
     check("\"y > 0.2\"", "\"(y > 0.2\"", "never closed", "(");
     check("\"H\")", "\"H + \")", "the expression ends too early", "");
-    check("\"H\")", "\"x\")", "cannot be used", "x");
+    check("\"H\")", "\"x\")", "unknown name `x`", "x");
     check("\"H\": 0.4", "\"H\": \"G\"", "unknown name `G`", "G");
     check("\"H\": 0.4", "\"H\": \"0.4/0\"", "cannot be used", "0.4/0");
 }

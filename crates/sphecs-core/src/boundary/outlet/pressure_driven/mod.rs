@@ -192,10 +192,12 @@ impl<L: PressureLaw> OutletMethod for L {
     }
 }
 
-/// Returns the mean over the section of the dynamic pressure of inflow, Pa.
-fn dynamic_pressure<R: PairReal<D>, const D: usize>(zone: &OutflowZone<'_, R, D>) -> f64 {
+/// Returns the mean over the section of the dynamic pressure of inflow, Pa, for an excess speed of
+/// the zone, m/s.
+fn dynamic_pressure<R: PairReal<D>, const D: usize>(zone: &OutflowZone<'_, R, D>, excess_speed: f64) -> f64 {
     let points = &zone.fitted()[zone.rows.len()..];
-    let of_point = |flow: &Option<PointFlow>| flow.map_or(0.0, |flow| flow.velocity.min(0.0).powi(2));
+    let of_point =
+        |flow: &Option<PointFlow>| flow.map_or(0.0, |flow| (flow.velocity + excess_speed).min(0.0).powi(2));
     0.5 * zone.flow.density * points.iter().map(of_point).sum::<f64>() / points.len().max(1) as f64
 }
 
@@ -234,7 +236,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let prescribed = law.velocity(&opening);
     opening.velocity = prescribed.unwrap_or(opening.velocity);
     let level = law.pressure(&opening, &mut memory.law);
-    let dynamic = if law.enters_from_rest() { dynamic_pressure(zone) } else { 0.0 };
+    let dynamic = if law.enters_from_rest() { dynamic_pressure(zone, memory.excess_speed) } else { 0.0 };
     let target = level - dynamic;
     let lag = RATE_LAG * zone.extent / zone.flow.sound_speed;
     let followed = memory.followed.get_or_insert(target);
