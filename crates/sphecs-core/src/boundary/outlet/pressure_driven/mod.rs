@@ -192,12 +192,10 @@ impl<L: PressureLaw> OutletMethod for L {
     }
 }
 
-/// Returns the mean over the section of the dynamic pressure of inflow, Pa, for an excess speed of
-/// the zone, m/s.
-fn dynamic_pressure<R: PairReal<D>, const D: usize>(zone: &OutflowZone<'_, R, D>, excess_speed: f64) -> f64 {
+/// Returns the mean over the section of the dynamic pressure of inflow, Pa.
+fn dynamic_pressure<R: PairReal<D>, const D: usize>(zone: &OutflowZone<'_, R, D>) -> f64 {
     let points = &zone.fitted()[zone.rows.len()..];
-    let of_point =
-        |flow: &Option<PointFlow>| flow.map_or(0.0, |flow| (flow.velocity + excess_speed).min(0.0).powi(2));
+    let of_point = |flow: &Option<PointFlow>| flow.map_or(0.0, |flow| flow.velocity.min(0.0).powi(2));
     0.5 * zone.flow.density * points.iter().map(of_point).sum::<f64>() / points.len().max(1) as f64
 }
 
@@ -219,13 +217,13 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     memory: &mut DrivenMemory<L::State>,
 ) -> Plane {
     let impedance = zone.flow.impedance();
-    // What the zone carries off, which the balance of mass has made right.
+    // What the zone carries off, as a law that prescribes it needs.
     let measured = mean.velocity + memory.excess_speed;
     let plane = &mut memory.wave.non_reflecting.plane;
     let through = zone.through_velocity.unwrap_or(0.0);
     let mut opening = OpeningFlow {
         given: zone.given,
-        velocity: through + plane.mean_velocity.unwrap_or(measured - through),
+        velocity: through + plane.mean_velocity.unwrap_or(mean.velocity - through),
         measured_velocity: measured,
         area: zone.patch.area,
         total_inflow: zone.total_inflow,
@@ -236,7 +234,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let prescribed = law.velocity(&opening);
     opening.velocity = prescribed.unwrap_or(opening.velocity);
     let level = law.pressure(&opening, &mut memory.law);
-    let dynamic = if law.enters_from_rest() { dynamic_pressure(zone, memory.excess_speed) } else { 0.0 };
+    let dynamic = if law.enters_from_rest() { dynamic_pressure(zone) } else { 0.0 };
     let target = level - dynamic;
     let lag = RATE_LAG * zone.extent / zone.flow.sound_speed;
     let followed = memory.followed.get_or_insert(target);
@@ -253,7 +251,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
                 density: zone.flow.density,
                 sound_speed: zone.flow.sound_speed,
             };
-            let rest = measured - through;
+            let rest = mean.velocity - through;
             (plane.advance(&setting, mean.pressure, rest, zone.time_step), Waves::All)
         }
     };
