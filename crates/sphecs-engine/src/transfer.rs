@@ -8,9 +8,7 @@ use bevy_ecs::entity::Entity;
 use bevy_ecs::query::{Has, With, Without};
 use bevy_ecs::world::World;
 use glam::DVec3;
-use rayon::iter::{
-    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator,
-};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::components::{
     Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Velocity, Wall,
@@ -79,13 +77,7 @@ pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: 
 }
 
 /// Particles with a place in the arrays.
-type Listed = (
-    With<ParticleId>,
-    With<Position>,
-    With<Velocity>,
-    With<Thermodynamics>,
-    Without<Reservoir>,
-);
+type Listed = (With<ParticleId>, With<Position>, With<Velocity>, With<Thermodynamics>, Without<Reservoir>);
 
 /// Particles whose components are read at once, before the columns are filled: their rows take
 /// less than 20 MB.

@@ -97,10 +97,7 @@ fn dataset(header: &Header, around: &Neighbourhood, diverged: &DivergedParticle)
             "particles around particle {} when the flow diverged: {}",
             diverged.id, diverged.found
         ),
-        root: Group {
-            dimensions: vec![("particle".to_owned(), around.particles.len())],
-            ..Group::default()
-        },
+        root: Group { dimensions: vec![("particle".to_owned(), around.particles.len())], ..Group::default() },
     };
     let mut add = |name: String, units: &str, long_name: &str, value: &dyn Fn(&NearbyParticle) -> f64| {
         dataset.root.variables.push(Variable {

@@ -180,8 +180,14 @@ impl Frame {
 }
 
 /// Components of every particle.
-type Particle =
-    (Entity, &'static ParticleId, &'static Position, &'static Velocity, &'static Thermodynamics, &'static Tracer);
+type Particle = (
+    Entity,
+    &'static ParticleId,
+    &'static Position,
+    &'static Velocity,
+    &'static Thermodynamics,
+    &'static Tracer,
+);
 
 /// Components that state the role of a particle.
 type Roles = (Option<&'static Wall>, Option<&'static Inflow>, Option<&'static Outflow>, Has<Reservoir>);

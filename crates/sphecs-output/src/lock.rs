@@ -46,7 +46,9 @@ impl Lock {
     pub fn acquire_without_links(run: &Path) -> Result<Self, OutputError> {
         let lock = Self::acquire(run)?;
         let inner = [JOURNAL, PACKED_JOURNAL, CHECKPOINTS, PROBES].map(|name| run.join(name));
-        for folder in std::iter::once(run).chain(inner.iter().map(PathBuf::as_path)).filter(|folder| folder.exists()) {
+        for folder in
+            std::iter::once(run).chain(inner.iter().map(PathBuf::as_path)).filter(|folder| folder.exists())
+        {
             for entry in fs::read_dir(folder).map_err(OutputError::io(folder, "read"))? {
                 let path = entry.map_err(OutputError::io(folder, "read"))?.path();
                 if disk::is_link(&path) {

@@ -232,8 +232,7 @@ const CHUNK: usize = 65_536;
 
 /// Returns the places of the points that have a role, in their order and in one allocation.
 fn placed(roles: &[Option<Role>], point: &(impl Fn(usize) -> DVec3 + Sync)) -> Vec<Place> {
-    let counts: Vec<usize> =
-        roles.par_chunks(CHUNK).map(|roles| roles.iter().flatten().count()).collect();
+    let counts: Vec<usize> = roles.par_chunks(CHUNK).map(|roles| roles.iter().flatten().count()).collect();
     let nothing = Place { position: DVec3::ZERO, zone: Zone::Fluid, patch: 0 };
     let mut places = vec![nothing; counts.iter().sum()];
     let mut rest = places.as_mut_slice();

@@ -36,9 +36,9 @@ pub mod geometry;
 pub mod inflow;
 pub mod lattice;
 pub mod loader;
-pub mod memory_estimate;
 #[cfg(feature = "schema")]
 pub mod manual;
+pub mod memory_estimate;
 pub mod model;
 pub mod notation;
 pub mod opening_figures;

@@ -7,8 +7,8 @@ use std::sync::Once;
 use ::hdf5_metno_sys::LOCK;
 use ::hdf5_metno_sys::h5::H5dont_atexit;
 use ::hdf5_metno_sys::h5e::{H5E_DEFAULT, H5Eset_auto2};
-use ::netcdf_sys::nc_set_chunk_cache;
 use ::netcdf::{AttributeValue, File, FileMut, GroupMut, NcTypeDescriptor, VariableMut};
+use ::netcdf_sys::nc_set_chunk_cache;
 
 use crate::disk;
 use crate::error::OutputError;

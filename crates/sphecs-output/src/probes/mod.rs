@@ -240,8 +240,11 @@ mod tests {
             Some(ProbeValues::Section { mean_pressure, .. }) => mean_pressure,
             _ => panic!("a section has integrals"),
         };
-        let samples: Vec<_> =
-            set.section_points(&[true]).iter().map(|(p, _)| linear_pressure(p).filter(|_| p.y < 0.5)).collect();
+        let samples: Vec<_> = set
+            .section_points(&[true])
+            .iter()
+            .map(|(p, _)| linear_pressure(p).filter(|_| p.y < 0.5))
+            .collect();
         assert!((pressure(&samples) - 5.0).abs() < 1e-12);
         assert!(pressure(&[None; 10]).is_nan());
     }

@@ -58,8 +58,7 @@ pub(super) fn read<'a>(
 ) -> Result<Series<'a>, OutputError> {
     let first = if probe.kind == ProbeShape::Line { 2 } else { 1 };
     let quantities = quantities(probe.kind, header.dimensions).into_iter();
-    let mut columns: Vec<(Quantity, Vec<f64>)> =
-        quantities.map(|quantity| (quantity, Vec::new())).collect();
+    let mut columns: Vec<(Quantity, Vec<f64>)> = quantities.map(|quantity| (quantity, Vec::new())).collect();
     let points = places.len().max(1);
     let (mut rows, mut times) = (0_usize, Vec::new());
     for_each_row(&paths::probe(folder, &probe.name), |row| {

@@ -242,7 +242,8 @@ fn names_are_apart_in_the_results() {
     // An opening without a name has a default one.
     let named = "outlets: [(name: \"outlet_1\", at: (0.5, 0.4), towards: (0.0, 1.0)), (at";
     check("outlets: [(at", named, "two outlets have the same name in the results", "\"outlet_1\"");
-    let parts = "walls: (slip: NoSlip, parts: [(name: \"Walls\", region: Box(min: (0.0, 0.0), max: (0.1, 0.1)))])";
+    let parts =
+        "walls: (slip: NoSlip, parts: [(name: \"Walls\", region: Box(min: (0.0, 0.0), max: (0.1, 0.1)))])";
     check("walls: (slip: NoSlip)", parts, "two wall parts have the same name in the results", "\"Walls\"");
 }
 
