@@ -70,10 +70,8 @@ impl RunLoop {
         Ok(Self::new(simulation, folder, state, None, options, signals))
     }
 
-    /// Continues a run whose folder is cut back to a checkpoint; simulation and state come from the
-    /// same checkpoint.
-    ///
-    /// The header of the folder has the end of the run.
+    /// Continues a run whose folder is cut back to a checkpoint, from which simulation and state
+    /// come; the header of the folder has the end of the run.
     pub(super) fn resume(
         simulation: Simulation,
         folder: RunFolder,
@@ -97,10 +95,9 @@ impl RunLoop {
         signals: Signals,
     ) -> Self {
         let (scene, header) = (simulation.scene(), folder.header());
-        let until = header.until.unwrap_or(scene.time.end);
+        let (until, started) = (header.until.unwrap_or(scene.time.end), Instant::now());
         let max_steps = header.max_steps.unwrap_or(u64::MAX);
         let every = options.checkpoint_every.unwrap_or(scene.output.checkpoint_every);
-        let started = Instant::now();
         let progress = Progress {
             elapsed: 0.0,
             fraction: fraction(&simulation.clock(), until, max_steps),
@@ -258,15 +255,14 @@ impl RunLoop {
     }
 
     fn write_last_output(&mut self) -> Result<(), OutputError> {
-        let step = Some(self.simulation.clock().step);
+        let step = self.simulation.clock().step;
         // A row may already be written at this step without a frame; a second one would repeat its
         // time.
-        if self.state.last_row_step != step {
+        if self.state.last_row_step != Some(step) {
             self.write_row()?;
         }
-        let due: Vec<bool> = self.state.last_samples.iter().map(|last| *last != step).collect();
-        self.write_samples(&due)?;
-        if self.state.last_frame != step {
+        self.write_samples(&self.state.probes_without(step))?;
+        if self.state.last_frame != Some(step) {
             self.write_frame()?;
         }
         Ok(())
@@ -292,9 +288,7 @@ impl RunLoop {
         let pressures = self.simulation.sample_pressure(&self.probes.section_points(due));
         let flows = self.simulation.mass_flows(&self.probes.sections(due));
         self.folder.probe(&self.probes.reduce(due, clock.time, &samples, &pressures, &flows))?;
-        for (last, _) in self.state.last_samples.iter_mut().zip(due).filter(|(_, is_due)| **is_due) {
-            *last = Some(clock.step);
-        }
+        self.state.record_samples(due, clock.step);
         Ok(())
     }
 
@@ -347,18 +341,16 @@ impl RunLoop {
     fn close(self, status: Status) -> Result<(), RunError> {
         let summary = self.summary(status, None);
         let wall_time = summary.wall_time;
-        let stages: Vec<(String, f64)> =
-            summary.stages.iter().map(|stage| (stage.stage.clone(), stage.seconds)).collect();
+        let stages = summary.stages.clone();
         let stages: Vec<(&str, f64)> =
-            stages.iter().map(|(name, seconds)| (name.as_str(), *seconds)).collect();
-        let ledger = self.simulation.ledger().clone();
+            stages.iter().map(|stage| (stage.stage.as_str(), stage.seconds)).collect();
         let end = report::EndState {
             status,
             clock: self.simulation.clock(),
             wall_time,
             particle_steps: self.state.particle_steps,
             stages: &stages,
-            ledger: &ledger,
+            ledger: &self.simulation.ledger().clone(),
         };
         let (header, path) = (self.folder.header().clone(), self.folder.path().to_owned());
         let packed: Packed = self.folder.finish(summary)?;

@@ -84,6 +84,18 @@ impl RunState {
         }
     }
 
+    /// Returns true for each probe without a sample at a step.
+    pub fn probes_without(&self, step: u64) -> Vec<bool> {
+        self.last_samples.iter().map(|last| *last != Some(step)).collect()
+    }
+
+    /// Records that the probes that are due were sampled at a step.
+    pub fn record_samples(&mut self, due: &[bool], step: u64) {
+        for (last, _) in self.last_samples.iter_mut().zip(due).filter(|(_, is_due)| **is_due) {
+            *last = Some(step);
+        }
+    }
+
     /// Returns true for each probe that is due at `time`, s, and moves its next sample past it.
     pub fn probes_due(&mut self, time: f64) -> Vec<bool> {
         self.probes.iter_mut().map(|interval| interval.advance(time)).collect()

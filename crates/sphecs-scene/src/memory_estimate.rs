@@ -4,8 +4,9 @@
 //! M = M_program + n_probes M_probe + n_particles M_particle
 //! ```
 //!
-//! Measured on two threads at 0.4 to 1 400 thousand particles in 2D and 3D (`docs/notebook/memory.md`);
-//! `python/tests/test_memory.py` compares it with the peak of every shipped scene.
+//! Measured on two threads with 400 to 1 400 000 particles in 2D and 3D
+//! (`docs/notebook/2026-11-26-output.md`); `python/tests/test_memory.py` compares it with the peak of
+//! every shipped scene.
 
 use super::model::{Precision, Scene};
 use super::scheme::Scheme;

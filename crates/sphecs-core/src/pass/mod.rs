@@ -10,7 +10,7 @@
 //! | [`strain`] | fluid, inflow, outflow | velocity gradient among the neighbours and rate of strain, summed with the density |
 //! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets, by [`fits`] |
 //! | [`waves`] | outflow | sums of an outlet's wave equation, and concentration gradient |
-//! | [`sampling`] | none | the fluid's fields at arbitrary points, one by one |
+//! | [`sampling`] | none | the fluid's fields at arbitrary points, vectorised over the neighbours |
 //! | [`section`] | none | mass flow through planes |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
 //! | [`wall_friction`] | fluid | friction of walls with a wall function |
@@ -29,6 +29,7 @@
 //! - [`body`]: force and torque on a body
 //! - [`column_access`]: which pass reads which columns
 //! - [`neighbours`]: neighbours of a point, one by one
+//! - `near_columns`: neighbours of a point as columns
 //! - [`settings`]: the scene in the form of plain values
 //! - [`sums`]: columns that the passes write
 //! - [`wall_velocity`]: velocities of dummy walls
@@ -41,6 +42,7 @@ pub mod edac;
 pub mod fits;
 pub(crate) mod fused;
 pub mod gradients;
+mod near_columns;
 pub mod neighbours;
 pub mod pack;
 pub mod pair_real;

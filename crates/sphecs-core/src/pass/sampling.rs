@@ -20,11 +20,12 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::density::LEAST_Q2;
+use super::near_columns::{FIELDS, NearColumns, sums_of, whole};
 use super::neighbours::Neighbours;
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
-use crate::math::lanes::{self, Lanes, MOST_LANES, Vectorised};
+use crate::math::lanes::{Lanes, Vectorised};
 use crate::math::linear::solve;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -35,9 +36,6 @@ use crate::particles::zone::Zone;
 ///
 /// A full support has about 0.1^D.
 const SMALLEST_DETERMINANT: f64 = 1e-6;
-
-/// Fields that are fitted at once: velocity, pressure, density.
-const FIELDS: usize = 5;
 
 /// Index of the pressure among the fields; the velocity is before it.
 const PRESSURE: usize = 3;
@@ -157,7 +155,7 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
         let moments = whole(moments);
         let mut right = [[0.0; N]; FIELDS];
         for field in 0..FIELDS {
-            right[field] = lanes::sums(sums[field]);
+            right[field] = sums_of(&sums[field]);
         }
         let total = moments[0][0];
         if total <= 0.0 {
@@ -171,77 +169,6 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
         let shares = first_shares(&moments, total)
             .filter(|shares| near.gain::<L, N>(count, total, shares) <= MOST_GAIN);
         Some(sample(&moments, &right, shares.as_ref(), D))
-    }
-}
-
-/// Particles in the support of a point as columns, padded by particles without volume to whole
-/// vectors.
-#[derive(Debug)]
-struct NearColumns<const D: usize> {
-    /// (x_b − x)/h.
-    offset: [Vec<f64>; D],
-    /// Volume, m³ (m² in 2D); after the fit the volume times w(q).
-    volume: Vec<f64>,
-    /// Velocity, m/s, pressure, Pa, and density, kg/m³.
-    fields: [Vec<f64>; FIELDS],
-}
-
-impl<const D: usize> NearColumns<D> {
-    fn new() -> Self {
-        Self {
-            offset: std::array::from_fn(|_| Vec::new()),
-            volume: Vec::new(),
-            fields: std::array::from_fn(|_| Vec::new()),
-        }
-    }
-
-    fn clear(&mut self) {
-        let Self { offset, volume, fields } = self;
-        offset.iter_mut().chain([volume]).chain(fields).for_each(Vec::clear);
-    }
-
-    /// Pads the columns and returns the number of particles.
-    fn pad(&mut self) -> usize {
-        let count = self.volume.len();
-        let padded = count.next_multiple_of(MOST_LANES);
-        let Self { offset, volume, fields } = self;
-        offset.iter_mut().chain([volume]).chain(fields).for_each(|column| column.resize(padded, 0.0));
-        count
-    }
-
-    /// Returns 1, the coordinates and their products for the particles of a vector.
-    #[inline(always)]
-    fn basis<L: Lanes<Real = f64>, const N: usize>(&self, at: usize) -> [L; N] {
-        let mut basis = [L::constant(1.0); N];
-        for d in 0..D {
-            basis[1 + d] = L::read(&self.offset[d][at..]);
-        }
-        let mut next = D + 1;
-        for i in 0..D {
-            for j in i..D {
-                if next < N {
-                    basis[next] = basis[1 + i] * basis[1 + j];
-                }
-                next += 1;
-            }
-        }
-        basis
-    }
-
-    /// Returns Σ_b (V_b W_b Σ_i a_i φ_i / Σ V W)² of a fit with the shares a.
-    #[inline(always)]
-    fn gain<L: Lanes<Real = f64>, const N: usize>(&self, count: usize, total: f64, shares: &[f64; N]) -> f64 {
-        let mut gain = L::constant(0.0);
-        for at in (0..count).step_by(L::COUNT) {
-            let basis = self.basis::<L, N>(at);
-            let mut share = L::constant(0.0);
-            for i in 0..N {
-                share = basis[i].mul_add(L::splat(shares[i]), share);
-            }
-            let part = L::read(&self.volume[at..]) * share;
-            gain = part.mul_add(part, gain);
-        }
-        gain.sum() / (total * total)
     }
 }
 
@@ -277,19 +204,6 @@ fn linear_value<const N: usize>(moments: &[[f64; N]; N], right: &[f64; N], dimen
     });
     let right = std::array::from_fn(|i| if i <= dimensions { right[i] } else { 0.0 });
     solve_linear(block, right, dimensions)
-}
-
-/// Returns the sums over the lanes of the upper triangle, as a whole symmetric matrix.
-#[inline(always)]
-fn whole<L: Lanes<Real = f64>, const N: usize>(moments: [[L; N]; N]) -> [[f64; N]; N] {
-    let mut all = [[0.0; N]; N];
-    for i in 0..N {
-        for j in i..N {
-            all[i][j] = moments[i][j].sum();
-            all[j][i] = all[i][j];
-        }
-    }
-    all
 }
 
 /// Samples at a list of points, before the kernel is known.
