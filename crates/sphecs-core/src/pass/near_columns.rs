@@ -103,13 +103,9 @@ pub(super) fn sums_of<L: Lanes<Real = f64>, const N: usize>(vectors: &[L; N]) ->
     for at in (0..N).step_by(L::COUNT) {
         let count = L::COUNT.min(N - at);
         let mut group = [L::constant(0.0); MOST_LANES];
-        for i in 0..count {
-            group[i] = vectors[at + i];
-        }
+        group[..count].copy_from_slice(&vectors[at..at + count]);
         let found = L::sum_each(&group).to_array();
-        for i in 0..count {
-            sums[at + i] = found[i];
-        }
+        sums[at..at + count].copy_from_slice(&found[..count]);
     }
     sums
 }
