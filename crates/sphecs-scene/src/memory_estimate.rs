@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Measured on two threads with 400 to 1 400 000 particles in 2D and 3D
-//! (`docs/notebook/2026-11-26-output.md`); `python/tests/test_memory.py` compares it with the peak of
-//! every shipped scene.
+//! (`docs/notebook/2026-11-26-output.md`); `python/tests/test_memory.py` compares it with the peak
+//! of every shipped scene.
 
 use super::model::{Precision, Scene};
 use super::scheme::Scheme;

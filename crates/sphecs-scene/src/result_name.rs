@@ -3,7 +3,8 @@
 //! NetCDF names and file names bear neither every character nor any length. A name is written
 //! with ASCII letters, digits and `_` only, and the scene is checked for two that would become one.
 
-/// Most characters of a name; a NetCDF name of 256 has room for it behind `outlet_mass_flow_`.
+/// Most characters of a name, so that with `outlet_mass_flow_` in front it is shorter than the 256
+/// of a NetCDF name.
 pub const MOST_CHARACTERS: usize = 100;
 
 /// Returns a name as the results have it: every character that is no ASCII letter or digit becomes
