@@ -7,6 +7,7 @@ mod filling;
 mod manual;
 mod mutations;
 mod openings;
+mod potential_flow;
 mod schema_fields;
 mod sets;
 mod shapes;

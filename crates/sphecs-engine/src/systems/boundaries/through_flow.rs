@@ -18,8 +18,8 @@
 //! ```
 //!
 //! Sound inside the domain adds to the first sum in the ratio of its length to that of the domain,
-//! until it leaves with the pressures p'_j at the openings. S_i counts what left. Without it a pulse
-//! that leaves through one opening is answered by the others.
+//! until it leaves with the pressures p'_j at the openings. S_i counts that momentum. Without it a
+//! pulse that leaves through one opening is answered by the others.
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
