@@ -113,7 +113,7 @@ fn file_beyond_its_limit_ends_the_run_in_order() {
     let quick = run(QUICK, &out, &["--steps", "400"]);
     let mut command = Command::new("sh");
     // Blocks of 512 bytes: the frames and tables fit, the checkpoint does not.
-    command.args(["-c", "ulimit -f 400; exec \"$0\" \"$@\""]).arg(quick.get_program()).args(quick.get_args());
+    command.args(["-c", "ulimit -f 200; exec \"$0\" \"$@\""]).arg(quick.get_program()).args(quick.get_args());
     command.current_dir(env!("CARGO_MANIFEST_DIR"));
     let said = ends(command, 4);
     assert!(said.contains("File too large"), "{said}");
