@@ -59,6 +59,7 @@ pub mod parameters {
     pub use super::pressure::{OutletPressure, Waves};
     pub use super::pressure_driven::Acoustics;
     pub use super::pressure_driven::flow_share::FlowShare;
+    pub use super::pressure_driven::given_pressure::GivenPressure;
     pub use super::pressure_driven::prescribed_pressure::Pressure;
     pub use super::pressure_driven::resistance::Resistance;
     pub use super::pressure_driven::time_function::TimeFunction;

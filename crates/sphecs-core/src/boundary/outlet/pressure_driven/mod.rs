@@ -1,6 +1,7 @@
 //! Openings that a pressure drives: fluid may enter and leave, at once in parts of the section.
 //!
 //! - [`flow_share`]: a share of the prescribed inflow
+//! - [`given_pressure`]: pressure that a scene gives in time
 //! - [`prescribed_pressure`]: static pressure
 //! - [`resistance`]: pressure in proportion to the flow
 //! - [`time_function`]: a quantity that a scene gives in time
@@ -35,6 +36,7 @@
 //! the fluid at the plane have the pressure of the opening in the long run.
 
 pub mod flow_share;
+pub mod given_pressure;
 pub mod prescribed_pressure;
 pub mod resistance;
 pub mod time_function;

@@ -11,35 +11,23 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::given_pressure::GivenPressure;
 use super::time_function::{Given, TimeFunction};
 use super::{Acoustics, OpeningFlow, PressureLaw};
 use crate::boundary::outlet::method::{Needs, OutletParameters, References};
 use crate::physics::parameter_fault::ParameterFault;
 
-/// Parameters of the condition: the pressure in one of three forms.
+/// Pressure of the reservoir at rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct TotalPressure {
-    /// Pressure of the reservoir at rest, Pa: a number or an expression of t; default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub value: Option<TimeFunction>,
-    /// Rows of time and pressure, linear between rows, s and Pa, default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rows: Option<Vec<(f64, f64)>>,
-    /// CSV file in the folder of the scene with the columns time (s) and pressure (Pa), default
-    /// none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub file: Option<String>,
-    /// Acoustic waves at the opening, default `Transmitted`.
-    #[serde(default)]
-    pub acoustics: Acoustics,
-}
+#[cfg_attr(feature = "schema", schemars(inline))]
+#[serde(transparent)]
+pub struct TotalPressure(pub GivenPressure);
 
 impl TotalPressure {
-    /// Returns a pressure of the reservoir, Pa: a number or an expression of t.
+    /// Returns a pressure, Pa: a number or an expression of t.
     pub fn new(value: impl Into<TimeFunction>) -> Self {
-        Self { value: Some(value.into()), ..Self::default() }
+        Self(GivenPressure::new(value))
     }
 }
 
@@ -53,18 +41,15 @@ impl OutletParameters for TotalPressure {
     }
 
     fn references(&self) -> References {
-        match self.value {
-            Some(TimeFunction::Number(pressure)) => References { velocity: 0.0, pressure },
-            _ => References::default(),
-        }
+        self.0.references()
     }
 
     fn given(&self) -> Option<Given<'_>> {
-        Some(Given { value: self.value.as_ref(), rows: self.rows.as_deref(), file: self.file.as_deref() })
+        Some(self.0.given())
     }
 
     fn faults(&self) -> Vec<ParameterFault> {
-        self.given().map_or(Vec::new(), |given| given.faults("Pa"))
+        self.0.faults()
     }
 }
 
@@ -76,7 +61,7 @@ impl PressureLaw for TotalPressure {
     }
 
     fn acoustics(&self) -> Acoustics {
-        self.acoustics
+        self.0.acoustics
     }
 
     fn enters_from_rest(&self) -> bool {
