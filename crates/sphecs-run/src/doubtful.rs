@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 
 use sphecs_core::format::{significant, with_digits};
 use sphecs_core::particles::zone::Zone;
-use sphecs_core::physics::viscosity::Viscosity;
 use sphecs_core::physics::wall::Slip;
 use sphecs_scene::flow_path::FlowPath;
 use sphecs_scene::model::{Inlet, ParticleSeed, Scene};
@@ -64,9 +63,7 @@ fn kernel_note(scene: &Scene) -> Option<String> {
 
 fn wall_function_note(scene: &Scene) -> Option<String> {
     let has_law = scene.walls.parts.iter().any(|part| part.slip == Slip::WallFunction);
-    let is_turbulent =
-        scene.scheme.wcsph().is_some_and(|scheme| matches!(scheme.viscosity, Viscosity::Sps { .. }));
-    (has_law && !is_turbulent).then(|| {
+    (has_law && !scene.scheme.has_stress()).then(|| {
         "`WallFunction` is the friction of a turbulent boundary layer, the fluid has no model of turbulence: take \
          `viscosity: Sps()` of `Wcsph` with it, or `NoSlip` where the spacing resolves the layer"
             .to_owned()

@@ -4,7 +4,6 @@ use crate::driven_flow::sampled_times;
 use crate::faults::Fault;
 use crate::model::Scene;
 use crate::schema::SceneFile;
-use sphecs_core::boundary::outlet::OutletCondition;
 
 /// Rounding of the sum of shares.
 const SLACK: f64 = 1e-9;
@@ -22,8 +21,8 @@ pub fn check_openings(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) 
             let label = format!("is `{}` at t = {time} s, must be finite", given.at(time));
             faults.push(Fault::new("the quantity of an opening is not finite", written.head, label));
         }
-        if let OutletCondition::FlowShare(condition) = &outlet.condition {
-            shares += condition.share;
+        if let Some(share) = outlet.condition.parameters().share() {
+            shares += share;
             last_share = Some(written.head);
             if scene.inlets.is_empty() {
                 let label = "must have a prescribed inflow to share";
@@ -33,7 +32,7 @@ pub fn check_openings(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) 
         }
     }
     let Some(head) = last_share else { return };
-    if scene.outlets.iter().all(|outlet| matches!(outlet.condition, OutletCondition::FlowShare(_))) {
+    if scene.outlets.iter().all(|outlet| outlet.condition.parameters().share().is_some()) {
         let label = "nothing sets the pressure";
         let help =
             "give one outlet `Pressure(value: 0.0)` or the default condition; it takes the rest of the flow";

@@ -28,6 +28,11 @@ pub trait OutletParameters: Debug + Send + Sync {
         References::default()
     }
 
+    /// Returns the share of the prescribed inflow that the condition takes; None by default.
+    fn share(&self) -> Option<f64> {
+        None
+    }
+
     /// Returns the quantity that the scene gives as a function of time; None by default.
     fn given(&self) -> Option<Given<'_>> {
         None

@@ -39,6 +39,10 @@ impl OutletParameters for FlowShare {
         Needs { uses_through_flow: false, ..super::needs() }
     }
 
+    fn share(&self) -> Option<f64> {
+        Some(self.share)
+    }
+
     fn faults(&self) -> Vec<ParameterFault> {
         ParameterFault::unless_within(0.0..=1.0, "share", self.share).into_iter().collect()
     }
