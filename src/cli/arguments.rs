@@ -118,7 +118,7 @@ pub struct SceneArguments {
     /// repeatable
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
     pub sets: Vec<(String, String)>,
-    /// Run at the scene's coarse smoke spacing, for a quick look
+    /// Run at the scene's coarse smoke spacing, for a quick look; `--set spacing=…` has precedence
     #[arg(long)]
     pub smoke: bool,
 }

@@ -9,15 +9,7 @@
 //! openings and L their largest distance. Both are upper bounds of an order of magnitude.
 
 use super::model::{Outlet, Scene};
-
-/// Number of intervals in which times of a run are sampled.
-const INTERVALS: u32 = 1000;
-
-/// Returns the times, s, at which quantities of openings are sampled.
-pub fn sampled_times(end: f64) -> impl Iterator<Item = f64> {
-    let end = if end.is_finite() { end } else { 0.0 };
-    (0..=INTERVALS).map(move |index| end * f64::from(index) / f64::from(INTERVALS))
-}
+use super::sampled_times::largest_in_time;
 
 /// Returns the largest difference of the pressures that the openings of a scene are given, Pa, at
 /// one time of the run; 0 unless two openings have given pressures.
@@ -37,7 +29,7 @@ pub fn pressure_difference(scene: &Scene) -> f64 {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
         high - low
     };
-    sampled_times(scene.time.end).map(spread).fold(0.0, f64::max)
+    largest_in_time(scene.time.end, spread).max(0.0)
 }
 
 /// Returns true if an outlet has a pressure that drives a flow.
@@ -48,7 +40,7 @@ fn sets_pressure(outlet: &Outlet) -> bool {
 /// Returns the largest pressure in absolute value that an opening is given, Pa.
 pub fn largest_pressure(scene: &Scene) -> f64 {
     let given = scene.outlets.iter().filter_map(|outlet| outlet.given.as_ref());
-    given.flat_map(|given| sampled_times(scene.time.end).map(|time| given.at(time).abs())).fold(0.0, f64::max)
+    given.map(|given| largest_in_time(scene.time.end, |time| given.at(time).abs())).fold(0.0, f64::max)
 }
 
 /// Returns an estimate of the largest speed that the given pressures cause, m/s.

@@ -19,7 +19,8 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 
 use super::fill::beyond;
-use super::model::{ParticleSeed, Scene};
+use super::model::{Inlet, ParticleSeed, Scene};
+use super::sampled_times::sampled_times;
 use sphecs_core::particles::zone::Zone;
 
 /// Length Δs of a section along the flow, spacings.
@@ -27,9 +28,6 @@ const SECTION_LENGTH: f64 = 4.0;
 
 /// Largest number of grid cells, of 5 B each.
 const MOST_CELLS: f64 = 4e8;
-
-/// Number of times at which the volume flow is evaluated.
-const TIMES: i32 = 200;
 
 /// Number of points along each side of an opening at which its velocity is evaluated.
 const POINTS: usize = 40;
@@ -120,9 +118,11 @@ fn largest_flow(scene: &Scene) -> Option<(f64, f64)> {
             .map(|(inlet, points)| inlet.volume_flow(scene.fluid.viscosity, points, time))
             .sum()
     };
-    let end = if scene.time.end.is_finite() { scene.time.end } else { 0.0 };
-    (0..=TIMES)
-        .map(|index| end * f64::from(index) / f64::from(TIMES))
+    let end = if scene.inlets.iter().any(Inlet::is_unsteady) { scene.time.end } else { 0.0 };
+    // A steady flow needs one time, and many points of a large section take long.
+    let times = if end > 0.0 { sampled_times(end).collect() } else { vec![0.0] };
+    times
+        .into_iter()
         .map(|time| (flow(time), time))
         .filter(|(flow, _)| *flow > 0.0)
         // Of equal flows the first.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::expression::Expression;
 use super::model::{Inlet, InletVelocity, Scene};
 use super::time_value::interpolated;
 use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
@@ -35,6 +36,19 @@ impl Inlet {
     pub fn volume_flow(&self, viscosity: f64, points: &[DVec3], time: f64) -> f64 {
         let speed = |point: &DVec3| self.velocity_at(viscosity, *point, time).dot(self.patch.towards);
         self.patch.area * points.iter().map(speed).sum::<f64>() / points.len().max(1) as f64
+    }
+
+    /// Returns true if the prescribed velocity varies in time.
+    pub fn is_unsteady(&self) -> bool {
+        let varies = |expression: &Expression| expression.depends_on(&[3]);
+        match &self.velocity {
+            InletVelocity::Normal(speed) => varies(speed),
+            InletVelocity::Components(components) => components.iter().any(varies),
+            InletVelocity::MassFlow { rate, profile, .. } => varies(rate) || varies(profile),
+            InletVelocity::TimeTable(_)
+            | InletVelocity::ProfileTable { .. }
+            | InletVelocity::PoiseuilleStartup { .. } => true,
+        }
     }
 
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.

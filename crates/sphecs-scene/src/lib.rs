@@ -21,6 +21,8 @@
 //! * [`summary`], [`oblique_walls`]: figures and notes of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`], [`driven_flow`]: its narrowest passage, the
 //!   flow from its inlets, its openings, and the flow that pressures drive
+//! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
+//!   are sought
 //! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run
 //! * [`faults`]: faults of its text
 //! * `manual`: reference of the file from the doc lines of its types, behind the feature `schema`
@@ -37,6 +39,7 @@ pub mod faults;
 pub mod fill;
 pub mod flow_path;
 pub mod geometry;
+pub mod given_speed;
 pub mod inflow;
 pub mod lattice;
 pub mod lattice_rotation;
@@ -56,6 +59,7 @@ pub mod probe;
 pub mod result_name;
 pub mod rings;
 pub mod rows;
+pub mod sampled_times;
 pub mod schema;
 pub mod scheme;
 pub mod sheets;

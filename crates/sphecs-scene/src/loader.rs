@@ -120,7 +120,8 @@ impl SceneLoader {
         self
     }
 
-    /// Takes the `smoke` spacing of the scene for its spacing: coarse, for quick tests.
+    /// Takes the `smoke` spacing of the scene for its spacing: coarse, for quick tests. A spacing
+    /// that is set has precedence.
     pub fn smoke(mut self) -> Self {
         self.smoke = true;
         self
@@ -155,7 +156,8 @@ impl SceneLoader {
                 }
             };
         // A fault of either spacing is reported by the reading at the scene's own spacing.
-        if let Some(smoke) = self.smoke.then(|| smoke_spacing(&text, &self.sets)).flatten() {
+        let is_set = self.sets.iter().any(|(path, _)| path == "spacing");
+        if let Some(smoke) = (self.smoke && !is_set).then(|| smoke_spacing(&text, &self.sets)).flatten() {
             self = self.set("spacing", smoke);
         }
         let source = SceneSource {

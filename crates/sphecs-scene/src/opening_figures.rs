@@ -1,6 +1,7 @@
 //! Figures of the openings of a scene before a run: section, mean velocity and flow.
 
 use super::model::{Patch, Scene};
+use super::sampled_times::sampled_times;
 
 /// Figures of an opening.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,9 +21,6 @@ pub struct OpeningFigures {
 
 /// Least number of points along each side of an opening at which its velocity is evaluated.
 const POINTS: usize = 40;
-
-/// Number of intervals in which times of a run are sampled.
-const INTERVALS: u32 = 1000;
 
 /// Returns the figures of the inlets, then of the outlets, at the beginning of a run to `until`, s,
 /// and when all inlets together bring in least and most.
@@ -54,10 +52,8 @@ pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
 
 /// Returns the times, s, of the beginning, of the smallest and of the largest value.
 fn extreme_times(until: f64, value: impl Fn(f64) -> f64) -> [f64; 3] {
-    let until = if until.is_finite() { until } else { 0.0 };
-    let times = (0..=INTERVALS).map(|index| until * f64::from(index) / f64::from(INTERVALS));
     let mut found = [(0.0, value(0.0)); 2];
-    for time in times {
+    for time in sampled_times(until) {
         let value = value(time);
         // Rounding must not move the time of a steady flow.
         let slack = 1e-9 * value.abs();

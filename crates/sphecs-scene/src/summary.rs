@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-use super::driven_flow::{driven_speed, largest_pressure, pressure_difference};
+use super::driven_flow::{largest_pressure, pressure_difference};
 use super::geometry::Shape;
+use super::given_speed::inlet_speed;
 use super::memory_estimate::memory;
-use super::model::{BodyForce, Inlet, InletVelocity, ParticleSeed, Scene};
+use super::model::{ParticleSeed, Scene};
 use super::oblique_walls;
 use sphecs_core::boundary::inlet::Feed;
 use sphecs_core::format::{coordinate, point, significant};
@@ -158,85 +159,6 @@ fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f6
         }
     }
     notes
-}
-
-/// Returns the largest speed that inlets, walls and initial fields prescribe, from samples, m/s.
-pub fn largest_given_speed(scene: &Scene) -> f64 {
-    let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
-    inlets.max(initial_speed(scene)).max(forced_speed(scene)).max(driven_speed(scene))
-}
-
-/// Returns the largest speed that an inlet prescribes, from samples, m/s.
-pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
-    let times: Vec<f64> = (0..=20).map(|k| scene.time.end * f64::from(k) / 20.0).collect();
-    let patch = &inlet.patch;
-    let places: Vec<DVec3> = (-10..=10)
-        .flat_map(|i| {
-            let offset = f64::from(i) / 10.0;
-            (0..2).map(move |axis| patch.at + offset * patch.half_extent[axis] * patch.across[axis])
-        })
-        .filter(|point| patch.covers(*point, 0.0))
-        .collect();
-    match &inlet.velocity {
-        InletVelocity::TimeTable(rows) => rows.iter().map(|row| row.1.abs()).fold(0.0, f64::max),
-        InletVelocity::ProfileTable { speeds, .. } => {
-            speeds.iter().flatten().map(|speed| speed.abs()).fold(0.0, f64::max)
-        }
-        InletVelocity::PoiseuilleStartup { half_width, body_force } => {
-            steady_poiseuille(*body_force, *half_width, scene.fluid.viscosity)
-        }
-        InletVelocity::MassFlow { .. } => places
-            .iter()
-            .flat_map(|p| times.iter().map(|t| inlet.velocity_at(0.0, *p, *t).length()))
-            .fold(0.0, f64::max),
-        InletVelocity::Normal(speed) => places
-            .iter()
-            .flat_map(|p| times.iter().map(move |t| speed.value(p.x, p.y, p.z, *t).abs()))
-            .fold(0.0, f64::max),
-        InletVelocity::Components(components) => places
-            .iter()
-            .flat_map(|p| {
-                times.iter().map(move |t| {
-                    DVec3::from(components.each_ref().map(|c| c.value(p.x, p.y, p.z, *t))).length()
-                })
-            })
-            .fold(0.0, f64::max),
-    }
-}
-
-/// Returns the peak velocity of plane Poiseuille flow, g H²/2ν, m/s.
-fn steady_poiseuille(force: f64, half_width: f64, viscosity: f64) -> f64 {
-    if viscosity > 0.0 { force.abs() * half_width * half_width / (2.0 * viscosity) } else { 0.0 }
-}
-
-/// Returns the speed that a constant body force reaches between plates without inlets, m/s.
-fn forced_speed(scene: &Scene) -> f64 {
-    match &scene.body_force {
-        BodyForce::Constant(force) if scene.inlets.is_empty() && scene.layout.walled => {
-            let half_width = 0.5 * scene.reference_length;
-            steady_poiseuille(force.length(), half_width, scene.fluid.viscosity)
-        }
-        _ => 0.0,
-    }
-}
-
-fn initial_speed(scene: &Scene) -> f64 {
-    let (low, high) = scene.domain.bounds();
-    let count = if scene.dimensions == 2 { 32 } else { 12 };
-    let mut largest = 0.0_f64;
-    for index in 0..count * count * if scene.dimensions == 3 { count } else { 1 } {
-        let share = |place: i32| (f64::from(index / place % count) + 0.5) / f64::from(count);
-        let mut at = DVec3::ZERO;
-        for (axis, place) in [1, count, count * count].into_iter().enumerate().take(scene.dimensions) {
-            at[axis] = low[axis] + share(place) * (high[axis] - low[axis]);
-        }
-        let velocity = scene.initial.velocity.each_ref().map(|c| c.value(at.x, at.y, at.z, 0.0));
-        let speed = DVec3::from(velocity).length();
-        if scene.domain.contains(at, 0.0) && speed.is_finite() {
-            largest = largest.max(speed);
-        }
-    }
-    largest
 }
 
 /// Returns the volume (area in 2D) within `reach` of a domain, m³ (m²), from samples, accurate to 1

@@ -1,9 +1,9 @@
 //! Limits of a weakly compressible fluid.
 
 use crate::faults::Fault;
+use crate::given_speed::inlet_speed;
 use crate::model::{Scene, Scheme};
 use crate::schema::SceneFile;
-use crate::summary;
 use sphecs_core::boundary::outlet::method::References;
 use sphecs_core::format::significant;
 use sphecs_core::physics::edac::Edac;
@@ -14,7 +14,7 @@ pub fn check_limits(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     let sound_speed = scene.fluid.sound_speed;
     let most = scene.fluid.density * sound_speed * sound_speed;
     for (inlet, written) in scene.inlets.iter().zip(&file.inlets) {
-        let speed = summary::inlet_speed(inlet, scene);
+        let speed = inlet_speed(inlet, scene);
         if speed.is_finite() && speed >= sound_speed {
             let label = format!(
                 "reaches {} m/s, must stay below the sound speed, {sound_speed} m/s",

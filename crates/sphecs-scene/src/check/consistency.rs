@@ -10,6 +10,7 @@ use crate::geometry::Shape;
 use crate::memory_estimate::bytes_per_particle;
 use crate::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
 use crate::notation::tree::Span;
+use crate::sampled_times::sampled_times;
 use crate::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
 use crate::summary;
 use sphecs_core::format;
@@ -270,9 +271,6 @@ fn printed(point: DVec3, scene: &Scene) -> String {
     format::point(&point.to_array()[..scene.dimensions], scene.spacing)
 }
 
-/// Intervals of a run at whose ends fields are checked.
-const TIMES: u32 = 1000;
-
 /// Largest numbers of times at which all places are checked, and of places at all times.
 const FEW_TIMES: usize = 10;
 const PLACES: usize = 20;
@@ -307,8 +305,7 @@ fn fields(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fa
     };
     let flowing = of(|zone| zone != Zone::Wall);
     let walls = of(|zone| zone == Zone::Wall);
-    let end = scene.time.end;
-    let all_times: Vec<f64> = (0..=TIMES).map(|k| end * f64::from(k) / f64::from(TIMES)).collect();
+    let all_times: Vec<f64> = sampled_times(scene.time.end).collect();
     let mut finite = |expression: &Expression, formula: &Formula, points: &[DVec3], times: &[f64]| {
         faults.extend(not_finite(expression, formula, points, times));
     };

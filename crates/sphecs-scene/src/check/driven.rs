@@ -1,8 +1,8 @@
 //! Checks of the openings that a pressure drives.
 
-use crate::driven_flow::sampled_times;
 use crate::faults::Fault;
 use crate::model::Scene;
+use crate::sampled_times::sampled_times;
 use crate::schema::SceneFile;
 
 /// Rounding of the sum of shares.

@@ -7,11 +7,11 @@ use super::names::{Named, names};
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill;
+use crate::given_speed::largest_given_speed;
 use crate::model::{
     BodyForce, OutputSettings, Patch, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
 };
 use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
-use crate::summary;
 use sphecs_core::boundary::inlet::Feed;
 
 /// Returns the number of dimensions, 2 or 3.
@@ -152,7 +152,7 @@ pub fn derive(scene: &mut Scene, file: &SceneFile) {
     let length = file.reference.length.as_ref().map(|n| n.value);
     scene.reference_length = length.unwrap_or_else(|| narrowest(scene));
     let velocity = file.reference.velocity.as_ref().map(|n| n.value);
-    scene.reference_velocity = velocity.unwrap_or_else(|| summary::largest_given_speed(scene));
+    scene.reference_velocity = velocity.unwrap_or_else(|| largest_given_speed(scene));
 }
 
 /// Returns the width of the narrowest patch, or of the domain across periodic directions, m.
