@@ -96,6 +96,7 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
     pub fn set(&mut self, share: f64, pressure: impl Fn(Option<PointFlow>, DVec3, f64) -> f64 + Sync) {
         let InflowBuffers { fits, states } = &mut *self.buffers;
         let (arrays, fitted, pair, motion) = (&*self.arrays, &fits.found, self.pair, self.motion);
+        let (patch, reference, time_step) = (self.patch, self.density, self.time_step);
         let is_first_step = self.is_first_step;
         let found = self.rows.par_iter().enumerate().with_min_len(CHUNK).map(|(index, &row)| {
             let row = row as usize;
@@ -103,7 +104,16 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
             let pressure = pressure(fitted.get(index).copied().flatten(), position, own);
             let at_once = arrays.needs_restart[row] || is_first_step;
             let pressure = if at_once { pressure } else { own + share * (pressure - own) };
-            InflowState { velocity: motion.velocity(position), pressure, density: pair.density_at(pressure) }
+            let density = pair.density_at(pressure);
+            let mut velocity = motion.velocity(position);
+            if let Some(density) = density {
+                velocity *= reference / density;
+                if !at_once {
+                    let rise = density - arrays.density[row].to_f64();
+                    velocity -= patch.towards * (patch.along(position) * rise / (density * time_step));
+                }
+            }
+            InflowState { velocity, pressure, density }
         });
         found.collect_into_vec(states);
         for (&row, &InflowState { velocity, pressure, density }) in self.rows.iter().zip(&*states) {

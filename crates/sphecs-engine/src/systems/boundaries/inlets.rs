@@ -86,30 +86,45 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
 }
 
 /// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
-/// `velocities` is a buffer that is kept from step to step.
+/// `changes` is a buffer that is kept from step to step.
 pub fn move_inflow<R: PairReal<D>, const D: usize>(
-    inlet: &Inlet,
-    viscosity: f64,
+    (scene, inlet): (&Scene, &Inlet),
     rows: &[u32],
     (time, time_step): (f64, f64),
-    velocities: &mut Vec<DVec3>,
+    changes: &mut Vec<DVec3>,
     arrays: &mut ParticleArrays<R, D>,
 ) {
-    let before = &*arrays;
-    let next = rows
-        .par_iter()
-        .with_min_len(CHUNK)
-        .map(|&row| inlet.velocity_at(viscosity, before.position_of(row as usize), time + time_step));
-    next.collect_into_vec(velocities);
-    for (&row, &next) in rows.iter().zip(&*velocities) {
+    let (before, viscosity) = (&*arrays, scene.fluid.viscosity);
+    let change = rows.par_iter().with_min_len(CHUNK).map(|&row| {
+        let row = row as usize;
+        let position = before.position_of(row);
+        let [now, next] =
+            [time, time + time_step].map(|time| inlet.velocity_at(viscosity, position, time));
+        (next - now) * stretch(scene, before, row)
+    });
+    change.collect_into_vec(changes);
+    for (&row, &change) in rows.iter().zip(&*changes) {
         let row = row as usize;
         let v = arrays.velocity_of(row);
         set_real_vector(&mut arrays.previous_velocity, row, v);
-        set_real_vector(&mut arrays.velocity, row, next);
+        set_real_vector(&mut arrays.velocity, row, v + change);
         // The mean of both ends carries the prescribed flux through a ramp to second order.
-        let way = (v + next) * (0.5 * time_step);
+        let way = (v + 0.5 * change) * time_step;
         for axis in 0..D {
             arrays.position[axis][row] += way[axis];
         }
+    }
+}
+
+/// Returns the distance of two rows of an inflow zone, over the spacing: ρ0/ρ where the density
+/// follows from the pressure.
+pub fn stretch<R: PairReal<D>, const D: usize>(
+    scene: &Scene,
+    arrays: &ParticleArrays<R, D>,
+    row: usize,
+) -> f64 {
+    match scene.scheme.wcsph() {
+        Some(_) => scene.fluid.density / arrays.density[row].to_f64(),
+        None => 1.0,
     }
 }

@@ -33,6 +33,7 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
+use super::boundaries::inlets::stretch;
 use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
 use crate::arrays::Arrays;
@@ -51,6 +52,10 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Inlet, Patch, Scene};
+
+/// Distance behind the upstream end of an inflow zone at which a particle leaves it, over Δ: the
+/// compression of the zone moves its end to and fro.
+const END_TOLERANCE: f64 = 0.05;
 
 /// Change of zone that a row has to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,7 +178,7 @@ fn due_change<R: PairReal<D>, const D: usize>(
             let along = inlet.along(point);
             if along >= 0.0 {
                 Some((Zone::Fluid, patch))
-            } else if along < -inlet.depth {
+            } else if along < -stretch(scene, arrays, row) * inlet.depth - END_TOLERANCE * scene.spacing {
                 Some((Zone::Reservoir, patch))
             } else {
                 None
@@ -259,6 +264,7 @@ fn follow_inflow<R: PairReal<D>, const D: usize>(
         return;
     }
     let velocity = arrays.velocity_of(change.row);
+    let stretch = stretch(scene, arrays, change.row);
     let injection = |place: DVec3, returned: bool| Injection {
         place,
         zone: Zone::Inflow,
@@ -275,9 +281,9 @@ fn follow_inflow<R: PairReal<D>, const D: usize>(
             line.holds(inlet, at).then(|| inlet.along(at))
         });
         let last = last.unwrap_or(inlet.along(point));
-        injections.extend(line.vacancies(inlet, last).map(|place| injection(place, false)));
+        injections.extend(line.vacancies(inlet, last, stretch).map(|place| injection(place, false)));
     } else {
-        injections.push(injection(point - inlet.towards * inlet.depth, returned));
+        injections.push(injection(point - inlet.towards * (stretch * inlet.depth), returned));
     }
 }
 
