@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::case::Case;
 use super::measures::measurement::error_of;
-use super::measures::{FORCES, MONITOR, fields};
+use super::measures::{FORCES, MONITOR, fields, reference};
 use super::picture;
 use super::schema::{
     CurveFile, FeatureFile, FieldFile, PictureFile, ReferenceFile, RunFile, ValueFile, WhenFile,
@@ -243,7 +243,17 @@ impl<'a> Check<'a> {
                 self.field(field);
                 reference.iter().for_each(|reference| self.reference(reference));
             }
-            CurveFile::Series { run, table, .. } => self.table_of(run, table),
+            CurveFile::Series { run, table, reference, .. } => {
+                self.table_of(run, table);
+                let Some(reference) = reference else { return };
+                self.reference(reference);
+                if matches!(table.value.as_str(), MONITOR | FORCES) || reference::run_of(reference).is_some()
+                {
+                    let title = "the reference of this series cannot be drawn";
+                    let help = "a series of a probe can have a formula, a table or an exact solution";
+                    self.faults.push(Fault::new(title, table.span, "has no place").help(help));
+                }
+            }
             CurveFile::Distance { run, probe, field, reference, label, .. } => {
                 self.probe(run, probe);
                 self.field(field);

@@ -83,17 +83,26 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
             });
             Ok(Curve { label: label.clone(), points, reference: line })
         }
-        CurveFile::Series { run, table, column, over, label } => {
-            let (times, values) = series::column(context.run(&run.value)?, &table.value, &column.value)?;
+        CurveFile::Series { run, table, column, over, reference, label } => {
+            let run = context.run(&run.value)?;
+            let (times, values) = series::column(run, &table.value, &column.value)?;
             let (from, to) =
                 over.as_ref().map_or((f64::NEG_INFINITY, f64::INFINITY), |(from, to)| (from.value, to.value));
             let points = times.into_iter().zip(values);
             let shown = |point: &(f64, f64)| point.1.is_finite() && point.0 >= from && point.0 <= to;
-            Ok(Curve {
-                label: label.clone(),
-                points: thinned(&points.filter(shown).collect::<Vec<_>>()),
-                reference: Vec::new(),
-            })
+            let points = thinned(&points.filter(shown).collect::<Vec<_>>());
+            let function = match reference {
+                Some(reference) => reference::function(reference, context.case)?,
+                None => None,
+            };
+            let line = match function {
+                Some(function) => {
+                    let place = run.probe(&table.value)?.places.first().copied().unwrap_or_default();
+                    points.iter().map(|&(time, _)| (time, function(place, time))).collect()
+                }
+                None => Vec::new(),
+            };
+            Ok(Curve { label: label.clone(), points, reference: line })
         }
         CurveFile::Distance { run, probe, field, reference, norm, scale, label } => {
             let probe = context.run(&run.value)?.probe(&probe.value)?;

@@ -3,8 +3,8 @@
 use super::{FORCES, MONITOR, RunResults, slope};
 use crate::schema::{CoefficientFile, TakeFile};
 
-/// Returns times, s, and values of a column of the monitor, of the forces on bodies or of a probe
-/// with one point.
+/// Returns times, s, and values of a column of the monitor, of the forces on bodies or of a probe;
+/// the mean over its points if it has several.
 ///
 /// # Errors
 /// There is no such column.
@@ -12,10 +12,9 @@ pub fn column(run: &RunResults, table: &str, column: &str) -> Result<(Vec<f64>, 
     if table != MONITOR && table != FORCES {
         let probe = run.probe(table)?;
         let values = probe.column(column).ok_or_else(|| format!("probe `{table}` has no `{column}`"))?;
-        if probe.places.len() != 1 {
-            return Err(format!("probe `{table}` has many points"));
-        }
-        return Ok((probe.times.clone(), values.to_vec()));
+        let points = probe.places.len().max(1);
+        let means = values.chunks(points).map(|sample| sample.iter().sum::<f64>() / points as f64);
+        return Ok((probe.times.clone(), means.collect()));
     }
     let (columns, what) = match table {
         MONITOR => (&run.monitor, "the monitor has"),

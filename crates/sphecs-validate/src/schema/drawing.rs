@@ -51,7 +51,7 @@ pub enum CurveFile {
         /// Label in the legend.
         label: String,
     },
-    /// Column over time.
+    /// Column over time, the mean over the points of a probe.
     Series {
         /// Run.
         run: Text,
@@ -62,6 +62,9 @@ pub enum CurveFile {
         /// Interval shown, s, default all.
         #[serde(default)]
         over: Option<(Number, Number)>,
+        /// Reference at the first point of the probe.
+        #[serde(default)]
+        reference: Option<Box<ReferenceFile>>,
         /// Label in the legend.
         label: String,
     },

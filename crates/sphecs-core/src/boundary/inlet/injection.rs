@@ -104,7 +104,11 @@ mod tests {
         assert!(line.holds(&patch, point) && !line.holds(&patch, point + patch.across[0] * 0.011));
         // There are 16 lines of 0.010125 m; the volume of a particle is Δ².
         assert!((line.pitch * 2.0 * line.half_width[0] - 1e-4).abs() < 1e-15);
-        assert_eq!(line.vacancies(&patch, -5.0 * line.pitch, 1.0).count(), 0, "the zone is 5.06 pitches long");
+        assert_eq!(
+            line.vacancies(&patch, -5.0 * line.pitch, 1.0).count(),
+            0,
+            "the zone is 5.06 pitches long"
+        );
         let positions: Vec<DVec3> = line.vacancies(&patch, -2.0 * line.pitch + 0.001, 1.0).collect();
         assert_eq!(positions.len(), 3);
         for place in positions {

@@ -98,8 +98,7 @@ pub fn move_inflow<R: PairReal<D>, const D: usize>(
     let change = rows.par_iter().with_min_len(CHUNK).map(|&row| {
         let row = row as usize;
         let position = before.position_of(row);
-        let [now, next] =
-            [time, time + time_step].map(|time| inlet.velocity_at(viscosity, position, time));
+        let [now, next] = [time, time + time_step].map(|time| inlet.velocity_at(viscosity, position, time));
         (next - now) * stretch(scene, before, row)
     });
     change.collect_into_vec(changes);

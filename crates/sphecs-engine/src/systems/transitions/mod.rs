@@ -296,7 +296,8 @@ fn follow_backflow<R: PairReal<D>, const D: usize>(
 ) -> Injection {
     let outlet = &scene.outlets[usize::from(change.patch)].patch;
     Injection {
-        place: arrays.position_of(change.row) + outlet.towards * outlet.depth,
+        place: arrays.position_of(change.row)
+            + outlet.towards * (stretch(scene, arrays, change.row) * outlet.depth),
         zone: Zone::Outflow,
         patch: change.patch,
         velocity: arrays.velocity_of(change.row),
