@@ -53,9 +53,9 @@ use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Inlet, Patch, Scene};
 
-/// Distance behind the upstream end of an inflow zone at which a particle leaves it, over Δ: the
-/// compression of the zone moves its end to and fro.
-const END_TOLERANCE: f64 = 0.05;
+/// Distance behind the upstream end of an inflow zone at which a particle leaves it, over Δ: sound
+/// moves the end of the zone to and fro, and a line that lost a particle would keep its gap.
+const END_TOLERANCE: f64 = 0.5;
 
 /// Change of zone that a row has to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
