@@ -1,5 +1,7 @@
 //! Figures of the openings of a scene before a run: section, mean velocity and flow.
 
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
 use super::model::{Patch, Scene};
 
 /// Figures of an opening.
@@ -53,12 +55,12 @@ pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
 }
 
 /// Returns the times, s, of the beginning, of the smallest and of the largest value.
-fn extreme_times(until: f64, value: impl Fn(f64) -> f64) -> [f64; 3] {
+fn extreme_times(until: f64, value: impl Fn(f64) -> f64 + Sync) -> [f64; 3] {
     let until = if until.is_finite() { until } else { 0.0 };
-    let times = (0..=INTERVALS).map(|index| until * f64::from(index) / f64::from(INTERVALS));
+    let times = (0..=INTERVALS).into_par_iter().map(|index| until * f64::from(index) / f64::from(INTERVALS));
+    let values: Vec<(f64, f64)> = times.map(|time| (time, value(time))).collect();
     let mut found = [(0.0, value(0.0)); 2];
-    for time in times {
-        let value = value(time);
+    for (time, value) in values {
         // Rounding must not move the time of a steady flow.
         let slack = 1e-9 * value.abs();
         if value < found[0].1 - slack {
