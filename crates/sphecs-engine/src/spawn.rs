@@ -91,9 +91,14 @@ pub(crate) fn spawn_saved(world: &mut World, scene: &Scene, particles: &[Option<
     let turbulent = scene.scheme.has_stress();
     let mut index = vec![Entity::PLACEHOLDER; particles.len()];
     let mut spawned = Vec::new();
-    for (zone, returned) in Zone::ALL.into_iter().flat_map(|zone| [(zone, false), (zone, true)]) {
-        let is_in = |particle: &&SavedParticle| particle.zone == zone && particle.returned == returned;
-        let group: Vec<&SavedParticle> = particles.iter().flatten().filter(is_in).collect();
+    let roles: Vec<_> = Zone::ALL.into_iter().flat_map(|zone| [(zone, false), (zone, true)]).collect();
+    // All groups in one pass: the particles of a large scene do not fit into the cache.
+    let mut groups: Vec<Vec<&SavedParticle>> = vec![Vec::new(); roles.len()];
+    for particle in particles.iter().flatten() {
+        let role = roles.iter().position(|role| *role == (particle.zone, particle.returned));
+        groups[role.expect("all roles are listed")].push(particle);
+    }
+    for ((zone, returned), group) in roles.into_iter().zip(groups) {
         let state = group.iter().map(|particle| (particle.bundle, **particle));
         let mut spawn = Spawn { world, turbulent, entities: &mut spawned };
         match (zone, returned) {

@@ -13,7 +13,7 @@ use crate::error::OutputError;
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use crate::journal;
-use crate::netcdf::particles::ParticleFile;
+use crate::netcdf::particles::{self, ParticleFile};
 use crate::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 
 /// Checks that the output counted by a checkpoint exists.
@@ -85,16 +85,35 @@ fn unpack(run: &Path, journal: &Path, header: &Header, count: u64) -> Result<(),
     fs::create_dir(&partial).map_err(OutputError::io(&partial, "make the folder"))?;
     let packed = run.join(PARTICLES);
     if count > 0 {
-        let file = ParticleFile::open(&packed)?;
-        let walls = file.walls()?;
-        journal::write_all(&partial, header, count as usize, |index| {
-            let mut frame = file.frame(index, &walls)?;
-            trim(&mut frame);
-            Ok(frame)
-        })?;
+        let walls = ParticleFile::open(&packed)?.walls()?;
+        particles::write_walls(&paths::walls(&partial), header, &walls)?;
+        for index in 0..count {
+            unpack_frame(&packed, &paths::frame(&partial, index), header, index as usize, &walls)?;
+        }
     }
     fs::rename(&partial, journal).map_err(OutputError::io(journal, "make the folder"))?;
     disk::sync_folder(run)
+}
+
+/// Writes a frame of `particles.nc` into a file of its own.
+fn unpack_frame(
+    packed: &Path,
+    target: &Path,
+    header: &Header,
+    index: usize,
+    walls: &Frame,
+) -> Result<(), OutputError> {
+    let file = ParticleFile::open(packed)?;
+    if file.has_last_slot(index)? {
+        let (slots, time) = (file.slots.clone(), file.frame_time(index)?);
+        drop(file);
+        if let Some(chunks) = particles::read_chunks(packed, header, index, slots.particles.len())? {
+            return particles::write_chunks(target, header, &slots, &time, &chunks);
+        }
+    }
+    let mut frame = ParticleFile::open(packed)?.frame(index, walls)?;
+    trim(&mut frame);
+    particles::write_frame(target, header, &frame, rayon::current_num_threads())
 }
 
 /// Removes slots at the end that had no particle at the time, since the packed file has the slots

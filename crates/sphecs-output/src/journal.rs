@@ -37,19 +37,6 @@ pub fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
     Ok(found)
 }
 
-/// Writes the walls and the first `count` frames of a run into the folder `journal`.
-///
-/// # Errors
-/// [`OutputError`] of a frame, or with path and cause.
-pub fn write_all(
-    journal: &Path,
-    header: &Header,
-    count: usize,
-    mut frame: impl FnMut(usize) -> Result<Frame, OutputError>,
-) -> Result<(), OutputError> {
-    (0..count).try_for_each(|index| write_frame(journal, header, index as u64, &frame(index)?))
-}
-
 /// Item for the writer thread.
 enum Item {
     Frame(Box<Frame>),
@@ -73,6 +60,8 @@ pub struct FrameWriter {
 struct WriterThread {
     journal: PathBuf,
     header: Header,
+    /// Number of threads that compress a frame.
+    threads: usize,
     store: Store,
     written: Arc<AtomicU64>,
     checkpoint: Arc<AtomicU64>,
@@ -90,6 +79,7 @@ impl FrameWriter {
         let writer = WriterThread {
             journal: journal.to_path_buf(),
             header: header.clone(),
+            threads: rayon::current_num_threads(),
             store,
             written: Arc::clone(&written),
             checkpoint: Arc::clone(&checkpoint),
@@ -169,7 +159,11 @@ impl WriterThread {
             match item {
                 Item::Frame(frame) => {
                     let index = self.written.load(Ordering::Relaxed);
-                    write_frame(&self.journal, &self.header, index, &frame)?;
+                    if index == 0 {
+                        particles::write_walls(&paths::walls(&self.journal), &self.header, &frame)?;
+                    }
+                    let path = paths::frame(&self.journal, index);
+                    particles::write_frame(&path, &self.header, &frame, self.threads)?;
                     self.written.store(index + 1, Ordering::Release);
                 }
                 Item::Checkpoint(checkpoint, tables) => {
@@ -184,11 +178,4 @@ impl WriterThread {
         }
         Ok(())
     }
-}
-
-fn write_frame(journal: &Path, header: &Header, index: u64, frame: &Frame) -> Result<(), OutputError> {
-    if index == 0 {
-        particles::write_walls(&paths::walls(journal), header, frame)?;
-    }
-    particles::write_frame(&paths::frame(journal, index), header, frame)
 }

@@ -69,14 +69,24 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
         check_free_space(&target, &paths)?;
         let walls: Frame = ParticleFile::open(&paths::walls(journal))?.walls()?;
         let mut slots = Slots { particles: Vec::new(), walls: Slots::of(&walls).walls };
+        let (mut times, mut counts) = (Vec::new(), Vec::new());
         for path in &paths {
             let file = ParticleFile::open(path)?;
+            times.push(file.frame_time(0)?);
+            counts.push(file.slots.particles.len());
             if file.slots.particles.len() > slots.particles.len() {
                 slots.particles = file.slots.particles;
             }
         }
-        particles::write_run(&target, header, &slots, &walls, paths.len(), |index| {
-            ParticleFile::open(&paths[index])?.frame(0, &walls)
+        particles::write_run(&target, header, &slots, &walls, &times, |index| {
+            // A frame from before the last growth of the reservoir has fewer slots than the file.
+            if counts[index] == slots.particles.len()
+                && let Some(chunks) = particles::read_chunks(&paths[index], header, 0, counts[index])?
+            {
+                return Ok(chunks);
+            }
+            let frame = ParticleFile::open(&paths[index])?.frame(0, &walls)?;
+            Ok(particles::compress(&frame, header, &slots))
         })?;
     }
     let packed_journal = folder.join(PACKED_JOURNAL);

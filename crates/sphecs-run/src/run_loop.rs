@@ -38,6 +38,8 @@ pub struct RunLoop {
     /// Step of the last checkpoint submitted; None before the first.
     last_checkpoint: Option<u64>,
     speed: SpeedEstimate,
+    /// Frame of the header, until it is written.
+    first_frame: Option<Frame>,
     /// Number of the simulation's notes already printed.
     notes_printed: usize,
     started: Instant,
@@ -67,7 +69,8 @@ impl RunLoop {
         let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
         options.console.print(&report::start_summary(scene, simulation.ledger(), until, options));
         let state = RunState::new(&scene.output);
-        Ok(Self::new(simulation, folder, state, None, options, signals))
+        let first_frame = Some(first);
+        Ok(Self { first_frame, ..Self::new(simulation, folder, state, None, options, signals) })
     }
 
     /// Continues a run whose folder is cut back to a checkpoint, from which simulation and state
@@ -106,6 +109,7 @@ impl RunLoop {
         Self {
             wall_clock: WallClock::new(started, every, options.max_wall_time),
             probes: ProbeSet::new(scene),
+            first_frame: None,
             notes_printed: simulation.notes().len(),
             simulation,
             folder,
@@ -131,17 +135,14 @@ impl RunLoop {
         match halt {
             Ok(Halt::Done) => self.close(Status::Completed).map(|()| Ending::Completed),
             Ok(Halt::Signal(signal)) => {
-                let status = match signal {
-                    Signal::Interrupt => Status::Interrupted,
-                    Signal::Terminate | Signal::HangUp | Signal::ProcessorTime => Status::Terminated,
-                };
+                let interrupted = signal == Signal::Interrupt;
+                let status = if interrupted { Status::Interrupted } else { Status::Terminated };
                 self.close(status).map(|()| Ending::Stopped(signal))
             }
             Ok(Halt::OutOfTime) => self.close(Status::OutOfTime).map(|()| Ending::OutOfTime),
             Ok(Halt::Flow(stop)) => Err(self.close_after_failure(stop)),
             Err(error) => {
-                // The first error is reported, since closing may fail for the same reason, such as
-                // a full disk.
+                // The first error is reported: closing may fail for the same reason.
                 let summary = self.summary(Status::Failed, Some(error.to_string()));
                 let _second = self.folder.finish(summary);
                 Err(error.into())
@@ -155,8 +156,7 @@ impl RunLoop {
             let now = Instant::now();
             let halt = self.halt(now);
             let is_requested = self.signals.take_checkpoint_request();
-            // The checkpoint precedes the last row and frame, which an uninterrupted run would not
-            // write.
+            // It precedes the last row and frame, which an uninterrupted run would not write.
             if halt.is_some() || self.wall_clock.is_checkpoint_due(now) || is_requested {
                 self.write_checkpoint(now)?;
             }
@@ -256,8 +256,7 @@ impl RunLoop {
 
     fn write_last_output(&mut self) -> Result<(), OutputError> {
         let step = self.simulation.clock().step;
-        // A row may already be written at this step without a frame; a second one would repeat its
-        // time.
+        // A row may be written at this step without a frame; a second one would repeat its time.
         if self.state.last_row_step != Some(step) {
             self.write_row()?;
         }
@@ -293,8 +292,9 @@ impl RunLoop {
     }
 
     fn write_frame(&mut self) -> Result<(), OutputError> {
-        self.folder.submit(Frame::from_world(self.simulation.world()))?;
         let clock = self.simulation.clock();
+        let first = self.first_frame.take().filter(|first| first.step == clock.step);
+        self.folder.submit(first.unwrap_or_else(|| Frame::from_world(self.simulation.world())))?;
         if self.console == Console::Verbose {
             let row = &self.state.last_row;
             self.display.print(&format!(
@@ -363,10 +363,10 @@ impl RunLoop {
         let (status, cure) = report::status_and_cure(&stop);
         let summary = self.summary(status, Some(stop.to_string()));
         let (path, header) = (self.folder.path().to_owned(), self.folder.header().clone());
-        let (clock, frames) = (self.simulation.clock(), self.state.frame_count);
+        let (clock, frames, scene) =
+            (self.simulation.clock(), self.state.frame_count, self.simulation.scene());
         let report = match self.folder.finish(summary) {
             Ok(_) => {
-                let scene = self.simulation.scene();
                 let report = |diverged| report::failure_report(&path, &header, scene, &clock, diverged);
                 let on_particle = self.simulation.diverged_particle().map(report).unwrap_or_default();
                 on_particle + &report::results_kept(&path, frames, self.last_checkpoint)

@@ -13,10 +13,8 @@
 //! or a bifurcation the sections follow the flow. Where streams of different inlets meet, U is an
 //! estimate.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use glam::DVec3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::fill::beyond;
 use super::model::{Inlet, ParticleSeed, Scene};
@@ -120,10 +118,10 @@ fn largest_flow(scene: &Scene) -> Option<(f64, f64)> {
     };
     let end = if scene.inlets.iter().any(Inlet::is_unsteady) { scene.time.end } else { 0.0 };
     // A steady flow needs one time, and many points of a large section take long.
-    let times = if end > 0.0 { sampled_times(end).collect() } else { vec![0.0] };
-    times
+    let times: Vec<f64> = if end > 0.0 { sampled_times(end).collect() } else { vec![0.0] };
+    let flows: Vec<(f64, f64)> = times.into_par_iter().map(|time| (flow(time), time)).collect();
+    flows
         .into_iter()
-        .map(|time| (flow(time), time))
         .filter(|(flow, _)| *flow > 0.0)
         // Of equal flows the first.
         .reduce(|largest, next| if next.0 > largest.0 * (1.0 + 1e-9) { next } else { largest })
@@ -156,22 +154,46 @@ impl Cells {
         (k * self.counts[1] + j) * self.counts[0] + i
     }
 
-    /// Returns the neighbours of a cell, diagonal ones included, and the length of the way, m.
-    fn neighbours(&self, cell: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
+    /// Visits the cells around a cell, diagonal ones included, with the length of the way, m.
+    fn for_each_neighbour(&self, cell: usize, mut visit: impl FnMut(usize, f32)) {
         let [nx, ny, _] = self.counts;
         let place = [cell % nx, cell / nx % ny, cell / (nx * ny)];
-        let range =
-            |axis: usize| place[axis].saturating_sub(1)..=(place[axis] + 1).min(self.counts[axis] - 1);
-        let (columns, rows, layers) = (range(0), range(1), range(2));
-        layers.flat_map(move |k| {
-            let columns = columns.clone();
-            rows.clone().flat_map(move |j| {
-                columns.clone().map(move |i| {
-                    let axes = u8::from(i != place[0]) + u8::from(j != place[1]) + u8::from(k != place[2]);
-                    ((k * ny + j) * nx + i, f32::from(axes).sqrt() * self.spacing as f32)
-                })
-            })
-        })
+        // The length for a difference along no axis, one, two and three of them.
+        let lengths = [0.0_f32, 1.0, 2.0, 3.0].map(|axes| axes.sqrt() * self.spacing as f32);
+        let [columns, rows, layers] =
+            [0, 1, 2].map(|axis| place[axis].saturating_sub(1)..(place[axis] + 2).min(self.counts[axis]));
+        for k in layers {
+            for j in rows.clone() {
+                let differing = usize::from(j != place[1]) + usize::from(k != place[2]);
+                for i in columns.clone() {
+                    visit((k * ny + j) * nx + i, lengths[differing + usize::from(i != place[0])]);
+                }
+            }
+        }
+    }
+}
+
+/// Cells whose distance is known but whose neighbours' is not, in bins of distances.
+///
+/// A bin is as wide as the shortest way between two cells. So no cell of a bin shortens the way to
+/// another one of it, and their order does not matter: no heap has to keep it.
+struct Queue {
+    width: f32,
+    bins: Vec<Vec<u32>>,
+}
+
+impl Queue {
+    fn bin(&self, distance: f32) -> usize {
+        (distance / self.width) as usize
+    }
+
+    fn push(&mut self, distance: f32, cell: usize) {
+        let bin = self.bin(distance);
+        if bin >= self.bins.len() {
+            self.bins.resize_with(bin + 1, Vec::new);
+        }
+        // There are fewer than `MOST_CELLS`.
+        self.bins[bin].push(cell as u32);
     }
 }
 
@@ -188,7 +210,7 @@ fn distances_from_inlets(scene: &Scene, fluid: &[DVec3]) -> Option<Vec<f32>> {
     for &cell in &indices {
         distances[cell] = f32::INFINITY;
     }
-    let mut queue = BinaryHeap::new();
+    let mut queue = Queue { width: scene.spacing as f32, bins: Vec::new() };
     for (point, &cell) in fluid.iter().zip(&indices) {
         let along = scene
             .inlets
@@ -199,24 +221,37 @@ fn distances_from_inlets(scene: &Scene, fluid: &[DVec3]) -> Option<Vec<f32>> {
             .fold(f64::INFINITY, f64::min) as f32;
         if along < distances[cell] {
             distances[cell] = along;
-            // Bits of positive numbers have the order of the numbers.
-            queue.push(Reverse((along.to_bits(), cell)));
+            queue.push(along, cell);
         }
     }
-    while let Some(Reverse((bits, cell))) = queue.pop() {
-        let distance = f32::from_bits(bits);
-        if distance > distances[cell] {
-            continue;
-        }
-        for (neighbour, length) in cells.neighbours(cell) {
-            let through = distance + length;
-            if through < distances[neighbour] {
-                distances[neighbour] = through;
-                queue.push(Reverse((through.to_bits(), neighbour)));
-            }
-        }
-    }
+    spread(&cells, &mut queue, &mut distances);
     Some(indices.into_iter().map(|cell| distances[cell]).collect())
+}
+
+/// Replaces the distances of all cells by the shortest through their neighbours.
+fn spread(cells: &Cells, queue: &mut Queue, distances: &mut [f32]) {
+    let mut bin = 0;
+    while bin < queue.bins.len() {
+        let current = std::mem::take(&mut queue.bins[bin]);
+        for &cell in &current {
+            let distance = distances[cell as usize];
+            if queue.bin(distance) != bin {
+                // A shorter way was found after the cell was put here.
+                continue;
+            }
+            cells.for_each_neighbour(cell as usize, |neighbour, length| {
+                let through = distance + length;
+                if through < distances[neighbour] {
+                    distances[neighbour] = through;
+                    queue.push(through, neighbour);
+                }
+            });
+        }
+        // By rounding a neighbour may be in the same bin.
+        if queue.bins[bin].is_empty() {
+            bin += 1;
+        }
+    }
 }
 
 #[cfg(test)]

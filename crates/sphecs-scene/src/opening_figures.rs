@@ -1,5 +1,7 @@
 //! Figures of the openings of a scene before a run: section, mean velocity and flow.
 
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
 use super::model::{Patch, Scene};
 use super::sampled_times::sampled_times;
 
@@ -51,10 +53,11 @@ pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
 }
 
 /// Returns the times, s, of the beginning, of the smallest and of the largest value.
-fn extreme_times(until: f64, value: impl Fn(f64) -> f64) -> [f64; 3] {
+fn extreme_times(until: f64, value: impl Fn(f64) -> f64 + Sync) -> [f64; 3] {
+    let times: Vec<f64> = sampled_times(until).collect();
+    let values: Vec<(f64, f64)> = times.into_par_iter().map(|time| (time, value(time))).collect();
     let mut found = [(0.0, value(0.0)); 2];
-    for time in sampled_times(until) {
-        let value = value(time);
+    for (time, value) in values {
         // Rounding must not move the time of a steady flow.
         let slack = 1e-9 * value.abs();
         if value < found[0].1 - slack {

@@ -9,6 +9,9 @@ use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
+/// Particles of which the distances are computed before any is visited, in vectors.
+const BLOCK: usize = 64;
+
 /// Search for neighbours in sorted arrays, valid from the sort until the next change of position.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighbours<'a, R: Real, const D: usize> {
@@ -36,28 +39,84 @@ impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
     ///
     /// `visit` gets its row, `x_ab = point − x_b`, m, and r², m². A particle at the point itself is
     /// visited too.
-    #[inline]
+    #[inline(always)]
     pub fn for_each(&self, point: [f64; D], mut visit: impl FnMut(usize, [f64; D], f64)) {
         if !point.iter().all(|x| x.is_finite()) {
             return;
         }
         let limit = self.support * self.support;
-        let position = &self.particles.position;
-        let visit_run = |rows: Range<usize>, shift: [f64; D]| {
-            for row in rows {
-                let x_ab: [f64; D] = std::array::from_fn(|d| point[d] - (position[d][row] + shift[d]));
-                let r2 = x_ab.iter().map(|x| x * x).sum();
-                if r2 < limit {
-                    visit(row, x_ab, r2);
+        let (mut squares, mut near) = ([0.0; BLOCK], [0_u8; BLOCK]);
+        self.for_each_run(point, |rows, shift| {
+            for from in rows.clone().step_by(BLOCK) {
+                let to = rows.end.min(from + BLOCK);
+                self.squares(from..to, point, shift, &mut squares);
+                // Without a branch, which no processor would predict.
+                let mut count = 0;
+                for at in 0..to - from {
+                    near[count] = at as u8;
+                    count += usize::from(squares[at] < limit);
+                }
+                for &at in &near[..count] {
+                    let row = from + usize::from(at);
+                    let mut x_ab = [0.0; D];
+                    for d in 0..D {
+                        x_ab[d] = point[d] - (self.particles.position[d][row] + shift[d]);
+                    }
+                    visit(row, x_ab, squares[usize::from(at)]);
                 }
             }
-        };
+        });
+    }
+
+    /// Computes r², m², of at most [`BLOCK`] rows.
+    ///
+    /// Loops, since the functions of arrays and iterators would be calls.
+    #[inline(always)]
+    fn squares(&self, rows: Range<usize>, point: [f64; D], shift: [f64; D], squares: &mut [f64; BLOCK]) {
+        let squares = &mut squares[..rows.len()];
+        squares.fill(0.0);
+        for d in 0..D {
+            for (square, x) in squares.iter_mut().zip(&self.particles.position[d][rows.clone()]) {
+                let x_ab = point[d] - (x + shift[d]);
+                *square += x_ab * x_ab;
+            }
+        }
+    }
+
+    /// Visits as [`Self::for_each`] does, but only rows from `first` on; meant for a radius within
+    /// which there is hardly ever a particle.
+    #[inline]
+    pub fn for_each_rare(&self, first: usize, point: [f64; D], mut visit: impl FnMut(usize)) {
+        if !point.iter().all(|x| x.is_finite()) {
+            return;
+        }
+        let limit = self.support * self.support;
+        let mut squares = [0.0; BLOCK];
+        self.for_each_run(point, |rows, shift| {
+            for from in (first.max(rows.start)..rows.end).step_by(BLOCK) {
+                let block = from..rows.end.min(from + BLOCK);
+                self.squares(block.clone(), point, shift, &mut squares);
+                let mut least = f64::INFINITY;
+                for &square in &squares[..block.len()] {
+                    least = if square < least { square } else { least };
+                }
+                if least < limit {
+                    let near = block.filter(|row| squares[row - from] < limit);
+                    near.for_each(&mut visit);
+                }
+            }
+        });
+    }
+
+    /// Visits the runs of rows in all cells within the radius, with the shift of their image, m.
+    #[inline(always)]
+    fn for_each_run(&self, point: [f64; D], visit_run: impl FnMut(Range<usize>, [f64; D])) {
         if self.support < self.grid.support() {
             let reach = self.support * (1.0 + 1e-9);
             let corner = |sign: f64| self.grid.unwrapped_index(point.map(|x| x + sign * reach));
             self.grid.for_each_run_between(corner(-1.0), corner(1.0), visit_run);
         } else {
-            self.grid.for_each_run(self.grid.unwrapped_index(point), visit_run);
+            self.grid.for_each_run_near(point, point, visit_run);
         }
     }
 }
@@ -154,6 +213,11 @@ mod tests {
                 }
                 break;
             }
+            let mut later = Vec::new();
+            neighbours.for_each(point, |b, _, _| later.extend((b > a).then_some(b)));
+            let mut rare = Vec::new();
+            neighbours.for_each_rare(a + 1, point, |b| rare.push(b));
+            assert_eq!(rare, later);
             neighbours.for_each(point, |b, x_ab, r2| {
                 assert!((x_ab.iter().map(|x| x * x).sum::<f64>() - r2).abs() < 1e-15);
                 if r2 < radius * radius * (1.0 - 1e-9) {

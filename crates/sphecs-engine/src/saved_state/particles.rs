@@ -18,6 +18,9 @@ use bevy_ecs::entity::Entity;
 use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 use glam::DVec3;
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
+};
 
 use crate::arrays::Arrays;
 use crate::components::{
@@ -34,6 +37,7 @@ use crate::systems::transitions::reservoir::FreeNumbers;
 use crate::transfer::count_roles;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
+use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::saved::{self, Order};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
@@ -166,14 +170,7 @@ pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     }
     let stored = from.take::<u32>("stored.id")?;
     let tag = from.take::<f32>("particle.tag")?;
-    let mut particles = vec![None; tag.len()];
-    for row in 0..arrays.len() {
-        let state = arrays.row(row);
-        let thermodynamics = Thermodynamics { density: state.density, pressure: state.pressure };
-        let particle = saved_particle(state.id, state.zone, state.position, state.velocity, thermodynamics);
-        check_patch(&scene, state.zone, state.patch)?;
-        insert(&mut particles, SavedParticle { patch: state.patch, ..particle })?;
-    }
+    let mut particles = moving(&scene, &arrays, tag.len())?;
     restore_stored(&stored, &mut particles, from)?;
     // Every number must be in use, unless the scene deletes particles.
     if scene.reservoir.recycle && particles.iter().any(Option::is_none) {
@@ -186,6 +183,44 @@ pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     world.insert_resource(Arrays(arrays));
     world.insert_resource(StateLocation::Both);
     Ok(())
+}
+
+/// Returns the particles of the arrays by their numbers.
+fn moving<R: PairReal<D>, const D: usize>(
+    scene: &Scene,
+    arrays: &ParticleArrays<R, D>,
+    count: usize,
+) -> Result<Vec<Option<SavedParticle>>, ColumnMismatch> {
+    const NONE: u32 = u32::MAX;
+    let mut row_of = vec![NONE; count];
+    for (row, &id) in (0..).zip(&arrays.id) {
+        let slot = row_of.get_mut(id as usize).ok_or_else(|| beyond(id, count))?;
+        if std::mem::replace(slot, row) != NONE {
+            return Err(twice(id));
+        }
+    }
+    for (&zone, &patch) in arrays.zone.iter().zip(&arrays.patch) {
+        check_patch(scene, zone, patch)?;
+    }
+    // In the order of the numbers, each thread writes one place of the memory.
+    let particle = |&row: &u32| {
+        (row != NONE).then(|| {
+            let state = arrays.row(row as usize);
+            let thermodynamics = Thermodynamics { density: state.density, pressure: state.pressure };
+            let particle =
+                saved_particle(state.id, state.zone, state.position, state.velocity, thermodynamics);
+            SavedParticle { patch: state.patch, ..particle }
+        })
+    };
+    Ok(row_of.par_iter().map(particle).collect())
+}
+
+fn twice(id: u32) -> ColumnMismatch {
+    ColumnMismatch(format!("particle {id} exists twice"))
+}
+
+fn beyond(id: u32, numbers: usize) -> ColumnMismatch {
+    ColumnMismatch(format!("there is a particle {id}, but only {numbers} numbers"))
 }
 
 fn saved_particle(
@@ -229,15 +264,11 @@ fn check_patch(scene: &Scene, zone: Zone, patch: u16) -> Result<(), ColumnMismat
 /// Inserts a particle at its number.
 fn insert(particles: &mut [Option<SavedParticle>], particle: SavedParticle) -> Result<(), ColumnMismatch> {
     let id = particle.bundle.id.0;
+    let count = particles.len();
     match particles.get_mut(id as usize) {
         Some(slot @ None) => *slot = Some(particle),
-        Some(Some(_)) => return Err(ColumnMismatch(format!("particle {id} exists twice"))),
-        None => {
-            return Err(ColumnMismatch(format!(
-                "there is a particle {id}, but only {} numbers",
-                particles.len()
-            )));
-        }
+        Some(Some(_)) => return Err(twice(id)),
+        None => return Err(beyond(id, count)),
     }
     Ok(())
 }
@@ -266,11 +297,11 @@ fn restore_components(
 ) -> Result<(), ColumnMismatch> {
     let passages = from.take_exactly::<u32>("particle.passages", particles.len())?;
     let returned = from.take_exactly::<u8>("particle.returned", particles.len())?;
-    for (slot, particle) in particles.iter_mut().enumerate() {
-        let Some(particle) = particle else { continue };
+    particles.par_iter_mut().enumerate().for_each(|(slot, particle)| {
+        let Some(particle) = particle else { return };
         particle.bundle.tracer = Tracer { tag: tag[slot], passages: passages[slot] };
         particle.returned = returned[slot] != 0;
-    }
+    });
     let walls = from.take::<u32>("wall.id")?;
     let distance = from.take_exactly::<f64>("wall.distance", walls.len())?;
     let normal = take_vectors("wall.normal", walls.len(), from)?;

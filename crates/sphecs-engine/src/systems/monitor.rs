@@ -207,8 +207,9 @@ fn fluid_sums<R: PairReal<D>, const D: usize>(
             if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
                 sums.through_walls += 1;
             }
-            close.for_each(std::array::from_fn(|axis| point[axis]), |b, _, _| {
-                sums.close_pairs += u64::from(b > a && arrays.zone[b] == Zone::Fluid);
+            // Each pair once, at its first particle.
+            close.for_each_rare(a + 1, std::array::from_fn(|axis| point[axis]), |b| {
+                sums.close_pairs += u64::from(arrays.zone[b] == Zone::Fluid);
             });
         }
         sums

@@ -10,17 +10,18 @@ use ::hdf5_metno_sys::h5e::{H5E_DEFAULT, H5Eset_auto2};
 use ::netcdf::{AttributeValue, File, FileMut, GroupMut, NcTypeDescriptor, VariableMut};
 use ::netcdf_sys::nc_set_chunk_cache;
 
+use super::chunks::{Access, ChunkError, ChunkFile, LEVEL};
 use crate::disk;
 use crate::error::OutputError;
 
 /// Converts an error of the library. Where it only reports "HDF error", a test write finds the
 /// cause.
-pub(super) fn write_error(path: &Path) -> impl Fn(::netcdf::Error) -> OutputError + '_ {
+fn write_error(path: &Path) -> impl Fn(String) -> OutputError + '_ {
     move |error| {
         let folder = path.parent().unwrap_or(Path::new("."));
         let what = match disk::test_write(folder) {
             Some(cause) => format!("cannot write: {cause} (NetCDF says: {error})"),
-            None => error.to_string(),
+            None => error,
         };
         OutputError::NetCdf { path: path.to_path_buf(), what }
     }
@@ -33,7 +34,14 @@ pub(super) fn read_error(path: &Path) -> impl Fn(::netcdf::Error) -> OutputError
 /// Error while a file is filled, of the library or of the source of the data.
 pub(super) enum WriteError {
     Library(::netcdf::Error),
+    Chunk(ChunkError),
     Source(OutputError),
+}
+
+impl From<ChunkError> for WriteError {
+    fn from(error: ChunkError) -> Self {
+        WriteError::Chunk(error)
+    }
 }
 
 impl From<::netcdf::Error> for WriteError {
@@ -59,7 +67,7 @@ const CHUNK_CACHE_PREEMPTION: f32 = 1.0;
 /// that uses it, and HDF5 stores this setting by thread. At exit HDF5 flushes files that could not
 /// be closed on a full disk, which crashes; all other files are closed by then, so the exit handler
 /// is not needed.
-fn prepare() {
+pub(super) fn prepare() {
     thread_local! {
         static DONE: Cell<bool> = const { Cell::new(false) };
     }
@@ -92,27 +100,54 @@ pub(super) fn write_file(
     path: &Path,
     fill: impl FnOnce(&mut FileMut) -> Result<(), WriteError>,
 ) -> Result<(), OutputError> {
-    prepare();
-    let written =
-        ::netcdf::create(disk::fresh_partial(path)).map_err(WriteError::from).and_then(|mut file| {
-            match fill(&mut file).and_then(|()| Ok(file.sync()?)) {
-                // Without an explicit close, data lost to a full disk would go unnoticed.
-                Ok(()) => Ok(file.close()?),
-                Err(error) => {
-                    std::mem::forget(file);
-                    Err(error)
-                }
+    finish(path, fill_file(path, fill))
+}
+
+/// Writes a NetCDF-4 file as [`write_file`] does, then adds chunks to its variables.
+pub(super) fn write_file_with_chunks(
+    path: &Path,
+    fill: impl FnOnce(&mut FileMut) -> Result<(), WriteError>,
+    add: impl FnOnce(&ChunkFile) -> Result<(), WriteError>,
+) -> Result<(), OutputError> {
+    let add_chunks = || {
+        let file = ChunkFile::open(&disk::partial_name(path), Access::Write)?;
+        match add(&file).and_then(|()| Ok(file.flush()?)) {
+            Ok(()) => Ok(file.close()?),
+            Err(error) => {
+                std::mem::forget(file);
+                Err(error)
             }
-        });
-    if let Err(error) = written {
-        let error = match error {
-            WriteError::Library(error) => write_error(path)(error),
-            WriteError::Source(error) => error,
-        };
-        disk::discard(path);
-        return Err(error);
+        }
+    };
+    finish(path, fill_file(path, fill).and_then(|()| add_chunks()))
+}
+
+fn fill_file(
+    path: &Path,
+    fill: impl FnOnce(&mut FileMut) -> Result<(), WriteError>,
+) -> Result<(), WriteError> {
+    prepare();
+    let mut file = ::netcdf::create(disk::fresh_partial(path))?;
+    match fill(&mut file).and_then(|()| Ok(file.sync()?)) {
+        // Without an explicit close, data lost to a full disk would go unnoticed.
+        Ok(()) => Ok(file.close()?),
+        Err(error) => {
+            std::mem::forget(file);
+            Err(error)
+        }
     }
-    disk::commit(path)
+}
+
+/// Makes a written file durable, or removes what there is of it.
+fn finish(path: &Path, written: Result<(), WriteError>) -> Result<(), OutputError> {
+    let error = match written {
+        Ok(()) => return disk::commit(path),
+        Err(WriteError::Library(error)) => write_error(path)(error.to_string()),
+        Err(WriteError::Chunk(ChunkError(what))) => write_error(path)(what.to_owned()),
+        Err(WriteError::Source(error)) => error,
+    };
+    disk::discard(path);
+    Err(error)
 }
 
 pub(super) fn open_file(path: &Path) -> Result<File, OutputError> {
@@ -155,7 +190,7 @@ fn set_up<T: Stored>(
     if !dimensions.is_empty() {
         variable.set_chunking(chunks)?;
         // This is the only compression that xarray, ParaView and netCDF-Java all read.
-        variable.set_compression(1, true)?;
+        variable.set_compression(LEVEL.into(), true)?;
     }
     // CF allows no missing values in a coordinate variable.
     let is_coordinate = dimensions == [variable.name()];

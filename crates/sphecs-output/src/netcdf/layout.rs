@@ -27,7 +27,7 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_scene::result_name::result_name;
 
 /// Largest number of slots in a chunk: 2 MiB of doubles.
-const CHUNK: usize = 1 << 18;
+pub(super) const CHUNK: usize = 1 << 18;
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const VELOCITIES: [&str; 3] = ["u", "v", "w"];

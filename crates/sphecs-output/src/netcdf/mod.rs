@@ -1,11 +1,15 @@
 //! NetCDF files of a run; no module outside this folder names the netcdf crate.
 //!
 //! - `file`: creating, opening and closing of files, and the errors of the library
+//! - `chunks`: compressed chunks, read and written past the filters of HDF5
+//! - [`compression`]: columns of a frame as chunks
 //! - `slots`: particles that the slots of a file belong to
 //! - `layout`: dimensions, variables and attributes of `particles.nc`
 //! - [`particles`]: frames written and read in that layout
 //! - [`dataset`]: tables and probes
 
+mod chunks;
+pub(crate) mod compression;
 pub(crate) mod dataset;
 mod file;
 mod layout;

@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 
 use ::netcdf::{File, FileMut};
 
-use super::file::{Stored, WriteError, open_file, read_error, write_file};
+use super::chunks::ChunkError;
+use super::compression::FrameChunks;
+use super::file::{Stored, WriteError, open_file, read_error, write_file, write_file_with_chunks};
 use super::layout::{AXES, VELOCITIES, define, put_walls};
-use super::slots::{Slots, pick};
+use super::slots::Slots;
 use crate::error::OutputError;
-use crate::frame::Frame;
+use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use sphecs_core::particles::zone::Zone;
 
@@ -24,20 +26,44 @@ pub(crate) fn write_walls(path: &Path, header: &Header, frame: &Frame) -> Result
     })
 }
 
-/// Writes one frame without its walls.
+/// Writes one frame without its walls, compressed by some threads.
 ///
 /// # Errors
 /// [`OutputError`] with the path and the cause.
-pub(crate) fn write_frame(path: &Path, header: &Header, frame: &Frame) -> Result<(), OutputError> {
+pub(crate) fn write_frame(
+    path: &Path,
+    header: &Header,
+    frame: &Frame,
+    threads: usize,
+) -> Result<(), OutputError> {
     let slots = Slots::of(frame);
-    write_file(path, |file| {
-        define(file, header, &slots)?;
-        Ok(put_frame(file, header, &slots, 0, frame)?)
-    })
+    let chunks = FrameChunks::of(frame, header.dimensions, &slots.particles, threads);
+    write_chunks(path, header, &slots, &FrameTime::of(frame), &chunks)
 }
 
-/// Writes all frames of a run; `frame` is called for 0, 1, … `count` − 1, and `slots` are those of
-/// the largest frame.
+/// Writes one frame without its walls, of which the chunks are given.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub(crate) fn write_chunks(
+    path: &Path,
+    header: &Header,
+    slots: &Slots,
+    time: &FrameTime,
+    chunks: &FrameChunks,
+) -> Result<(), OutputError> {
+    write_file_with_chunks(
+        path,
+        |file| {
+            define(file, header, slots)?;
+            Ok(put_times(file, std::slice::from_ref(time))?)
+        },
+        |file| Ok(chunks.write(file, 0, slots.particles.len())?),
+    )
+}
+
+/// Writes all frames of a run; `frame` is called for each of the `times` in their order, and
+/// `slots` are those of the largest frame.
 ///
 /// # Errors
 /// [`OutputError`] of a frame, or with the path and the cause.
@@ -46,66 +72,52 @@ pub(crate) fn write_run(
     header: &Header,
     slots: &Slots,
     walls: &Frame,
-    count: usize,
-    mut frame: impl FnMut(usize) -> Result<Frame, OutputError>,
+    times: &[FrameTime],
+    mut frame: impl FnMut(usize) -> Result<FrameChunks, OutputError>,
 ) -> Result<(), OutputError> {
-    write_file(path, |file| {
-        define(file, header, slots)?;
-        put_walls(file, header, slots, walls)?;
-        for index in 0..count {
-            put_frame(file, header, slots, index, &frame(index).map_err(WriteError::Source)?)?;
-        }
-        Ok(())
-    })
+    write_file_with_chunks(
+        path,
+        |file| {
+            define(file, header, slots)?;
+            put_walls(file, header, slots, walls)?;
+            Ok(put_times(file, times)?)
+        },
+        |file| {
+            (0..times.len()).try_for_each(|index| {
+                let chunks = frame(index).map_err(WriteError::Source)?;
+                Ok(chunks.write(file, index, slots.particles.len())?)
+            })
+        },
+    )
 }
 
-fn put_frame(
-    file: &mut FileMut,
-    header: &Header,
-    slots: &Slots,
-    index: usize,
-    frame: &Frame,
-) -> Result<(), ::netcdf::Error> {
-    fn put<T: Stored>(
-        file: &mut FileMut,
-        name: &str,
-        index: usize,
-        values: &[T],
-    ) -> Result<(), ::netcdf::Error> {
+/// Time of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FrameTime {
+    /// Time, s.
+    time: f64,
+    /// Steps done.
+    step: u64,
+    /// Size of the last step, s.
+    time_step: f64,
+}
+
+impl FrameTime {
+    fn of(frame: &Frame) -> Self {
+        Self { time: frame.time, step: frame.step, time_step: frame.time_step }
+    }
+}
+
+fn put_times(file: &mut FileMut, times: &[FrameTime]) -> Result<(), ::netcdf::Error> {
+    fn put<T: Stored>(file: &mut FileMut, name: &str, values: Vec<T>) -> Result<(), ::netcdf::Error> {
         let Some(mut variable) = file.variable_mut(name) else {
             return Err(::netcdf::Error::NotFound(name.to_owned()));
         };
-        if variable.dimensions().len() == 1 {
-            variable.put_values(values, ([index], [1]))
-        } else if values.is_empty() {
-            Ok(())
-        } else {
-            variable.put_values(values, ([index, 0], [1, values.len()]))
-        }
+        variable.put_values(&values, ([0], [values.len()]))
     }
-    // Frames from before the last growth of the reservoir have fewer slots than the file.
-    let longer;
-    let frame = if frame.len() < slots.dense_len() {
-        let mut padded = frame.clone();
-        padded.resize(slots.dense_len());
-        longer = padded;
-        &longer
-    } else {
-        frame
-    };
-    let ids = &slots.particles;
-    for axis in 0..header.dimensions {
-        put(file, AXES[axis], index, &pick(&frame.position[axis], ids))?;
-        put(file, VELOCITIES[axis], index, &pick(&frame.velocity[axis], ids))?;
-    }
-    put(file, "density", index, &pick(&frame.density, ids))?;
-    put(file, "pressure", index, &pick(&frame.pressure, ids))?;
-    put(file, "tag", index, &pick(&frame.tag, ids))?;
-    put(file, "zone", index, &pick(&frame.zone, ids))?;
-    put(file, "passage", index, &pick(&frame.passage, ids))?;
-    put(file, "step", index, &[frame.step as i64])?;
-    put(file, "time_step", index, &[frame.time_step])?;
-    put(file, "time", index, &[frame.time])
+    put(file, "step", times.iter().map(|frame| frame.step as i64).collect())?;
+    put(file, "time_step", times.iter().map(|frame| frame.time_step).collect())?;
+    put(file, "time", times.iter().map(|frame| frame.time).collect())
 }
 
 /// Open file of the layout.
@@ -204,13 +216,30 @@ impl ParticleFile {
                 frame.velocity[2][slot] = 0.0 * frame.velocity[0][slot] + 0.0;
             }
         }
+        let FrameTime { time, step, time_step } = self.frame_time(index)?;
+        Ok(Frame { time, step, time_step, ..frame })
+    }
+
+    /// Returns the time of the frame `index`.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] when it cannot be read.
+    pub(crate) fn frame_time(&self, index: usize) -> Result<FrameTime, OutputError> {
         let scalar = |name| -> Result<f64, OutputError> {
             self.variable(name)?.get_value([index]).map_err(read_error(&self.path))
         };
-        frame.time = scalar("time")?;
-        frame.time_step = scalar("time_step")?;
-        frame.step = scalar("step")? as u64;
-        Ok(frame)
+        Ok(FrameTime { time: scalar("time")?, step: scalar("step")? as u64, time_step: scalar("time_step")? })
+    }
+
+    /// Returns true if the last slot of a frame has a particle, so that the frame has all slots of
+    /// the file.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] when it cannot be read.
+    pub(crate) fn has_last_slot(&self, index: usize) -> Result<bool, OutputError> {
+        let Some(last) = self.slots.particles.len().checked_sub(1) else { return Ok(false) };
+        let zone: u8 = self.variable("zone")?.get_value([index, last]).map_err(read_error(&self.path))?;
+        Ok(zone != ABSENT)
     }
 
     fn row<T: Stored>(&self, name: &str, index: usize) -> Result<Vec<T>, OutputError> {
@@ -220,8 +249,58 @@ impl ParticleFile {
     }
 }
 
+/// Returns the chunks of the frame `index` of a file with `slots` particles that is not open; None
+/// where they have to be compressed again.
+///
+/// # Errors
+/// [`OutputError::Damaged`] when they cannot be read.
+pub(crate) fn read_chunks(
+    path: &Path,
+    header: &Header,
+    index: usize,
+    slots: usize,
+) -> Result<Option<FrameChunks>, OutputError> {
+    FrameChunks::read(path, header.dimensions, index, slots).map_err(|ChunkError(what)| {
+        OutputError::Damaged { path: path.to_path_buf(), what: format!("cannot be read: {what}") }
+    })
+}
+
+/// Compresses the slots of a frame on the threads of the pool.
+pub(crate) fn compress(frame: &Frame, header: &Header, slots: &Slots) -> FrameChunks {
+    FrameChunks::of(frame, header.dimensions, &slots.particles, rayon::current_num_threads())
+}
+
 fn place<T: Copy>(column: &mut [T], slots: &[u32], values: &[T]) {
     for (&slot, &value) in slots.iter().zip(values) {
         column[slot as usize] = value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_of_a_file_are_those_of_its_frame_and_read_back_through_the_library() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("frame.nc");
+        let header = Header { dimensions: 2, ..Header::default() };
+        let mut frame = Frame::absent(5);
+        for slot in [0, 1, 3, 4] {
+            frame.zone[slot] = Zone::Fluid as u8;
+            frame.position[0][slot] = 0.1 + slot as f64;
+            frame.density[slot] = 1000.5 - slot as f32;
+            frame.passage[slot] = 70_000 + slot as u32;
+        }
+        frame.zone[2] = Zone::Wall as u8;
+        write_frame(&path, &header, &frame, 3).expect("written");
+        let chunks = read_chunks(&path, &header, 0, 4).expect("read");
+        assert_eq!(chunks, Some(compress(&frame, &header, &Slots::of(&frame))));
+        assert_eq!(read_chunks(&path, &header, 0, 3).expect("read"), None, "another size of the chunks");
+        let back = ParticleFile::open(&path).expect("open").frame(0, &Frame::absent(5)).expect("read");
+        for slot in [0, 1, 3, 4] {
+            assert_eq!(back.position[0][slot], frame.position[0][slot]);
+            assert_eq!((back.density[slot], back.passage[slot]), (frame.density[slot], frame.passage[slot]));
+        }
     }
 }

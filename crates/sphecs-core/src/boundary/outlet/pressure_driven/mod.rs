@@ -237,8 +237,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
         time_step: zone.time_step,
     };
     let difference = zone.adjacent.velocity - mean.velocity - memory.unsmoothed;
-    memory.unsmoothed -=
-        difference * (-zone.time_step / (CORRECTION * opening.settling_time)).exp_m1();
+    memory.unsmoothed -= difference * (-zone.time_step / (CORRECTION * opening.settling_time)).exp_m1();
     let prescribed = law.velocity(&opening);
     opening.velocity = prescribed.unwrap_or(opening.velocity);
     let level = law.pressure(&opening, &mut memory.law);
