@@ -189,5 +189,10 @@ fn overlapping_particles_are_counted_as_close_pairs() {
     // Pair forces act along the distance and hardly separate particles at the same position, so
     // they are reported.
     assert_eq!(steps_to_divergence(&mut simulation, 50), None);
-    assert_eq!(simulation.monitor_row().close_pairs, 1);
+    let row = simulation.monitor_row();
+    assert_eq!(row.close_pairs, 1);
+    let closest = row.closest_pair.expect("the closest pair");
+    // The pair is carried along by less than a spacing in these steps.
+    assert!(closest.distance < 1e-3 * simulation.scene().spacing, "{closest:?}");
+    assert!((closest.position - places[middle + 1]).length() < simulation.scene().spacing, "{closest:?}");
 }

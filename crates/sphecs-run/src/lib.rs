@@ -14,6 +14,7 @@
 //!   process
 
 pub mod check;
+pub mod close_pairs;
 pub mod console;
 pub mod disk_check;
 mod doubtful;

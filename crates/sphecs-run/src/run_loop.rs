@@ -271,7 +271,7 @@ impl RunLoop {
         self.state.last_row = self.simulation.monitor_row();
         self.state.last_row_step = Some(self.state.last_row.step);
         self.folder.monitor(&self.state.last_row)?;
-        if let Some(note) = self.state.record_speed(self.simulation.scene()) {
+        for note in self.state.record_row(self.simulation.scene()) {
             self.display.print(&format!("note: {note}"));
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::close_pairs::CloseRows;
 use super::output_schedule::OutputInterval;
 use sphecs_core::format::significant;
 use sphecs_engine::systems::monitor::MonitorRow;
@@ -47,6 +48,8 @@ pub struct RunState {
     pub stages: Vec<f64>,
     /// Number of successive monitor rows with a speed above a tenth of the sound speed.
     pub fast_rows: u32,
+    /// Successive monitor rows with particles nearer than half a spacing.
+    pub close_rows: CloseRows,
     /// Notes of the run loop, those of the flow not included.
     pub notes: Vec<String>,
 }
@@ -68,6 +71,7 @@ impl RunState {
             output_time: 0.0,
             stages: Vec::new(),
             fast_rows: 0,
+            close_rows: CloseRows::default(),
             notes: Vec::new(),
         }
     }
@@ -101,12 +105,20 @@ impl RunState {
         self.probes.iter_mut().map(|interval| interval.advance(time)).collect()
     }
 
+    /// Records the last monitor row and returns the notes on it.
+    pub fn record_row(&mut self, scene: &Scene) -> Vec<String> {
+        let speed = self.record_speed(scene).map(str::to_owned);
+        let close = self.close_rows.record(&self.last_row, scene);
+        self.notes.extend(close.clone());
+        speed.into_iter().chain(close).collect()
+    }
+
     /// Records the largest speed of the last monitor row and returns a note, once in a run, when it
     /// has stayed above a tenth of the sound speed for three rows.
     ///
     /// From there on the density varies by more than 1 % (Monaghan 1994). A scene whose reference
     /// velocity is above that has a note of its own.
-    pub fn record_speed(&mut self, scene: &Scene) -> Option<&str> {
+    fn record_speed(&mut self, scene: &Scene) -> Option<&str> {
         let largest = LARGEST_MACH * scene.fluid.sound_speed;
         if scene.reference_velocity > largest || self.fast_rows >= FAST_ROWS {
             return None;

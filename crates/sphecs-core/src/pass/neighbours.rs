@@ -83,10 +83,10 @@ impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
         }
     }
 
-    /// Visits as [`Self::for_each`] does, but only rows from `first` on; meant for a radius within
-    /// which there is hardly ever a particle.
+    /// Visits as [`Self::for_each`] does, but only rows from `first` on and with their squared
+    /// distances, m²; meant for a radius within which there is hardly ever a particle.
     #[inline]
-    pub fn for_each_rare(&self, first: usize, point: [f64; D], mut visit: impl FnMut(usize)) {
+    pub fn for_each_rare(&self, first: usize, point: [f64; D], mut visit: impl FnMut(usize, f64)) {
         if !point.iter().all(|x| x.is_finite()) {
             return;
         }
@@ -102,7 +102,7 @@ impl<'a, R: Real, const D: usize> Neighbours<'a, R, D> {
                 }
                 if least < limit {
                     let near = block.filter(|row| squares[row - from] < limit);
-                    near.for_each(&mut visit);
+                    near.for_each(|row| visit(row, squares[row - from]));
                 }
             }
         });
@@ -216,7 +216,7 @@ mod tests {
             let mut later = Vec::new();
             neighbours.for_each(point, |b, _, _| later.extend((b > a).then_some(b)));
             let mut rare = Vec::new();
-            neighbours.for_each_rare(a + 1, point, |b| rare.push(b));
+            neighbours.for_each_rare(a + 1, point, |b, _| rare.push(b));
             assert_eq!(rare, later);
             neighbours.for_each(point, |b, x_ab, r2| {
                 assert!((x_ab.iter().map(|x| x * x).sum::<f64>() - r2).abs() < 1e-15);

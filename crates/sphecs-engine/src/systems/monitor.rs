@@ -58,6 +58,28 @@ pub struct MonitorRow {
     pub through_walls: u64,
     /// Number of pairs of fluid particles closer than half a spacing.
     pub close_pairs: u64,
+    /// Closest of those pairs; None without any.
+    pub closest_pair: Option<ClosestPair>,
+}
+
+/// Two fluid particles closer than half a spacing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClosestPair {
+    /// Distance, m.
+    pub distance: f64,
+    /// Position of the first particle, m.
+    pub position: DVec3,
+}
+
+impl ClosestPair {
+    /// Returns the closer of two pairs, the first one where they are equally close.
+    fn closer(first: Option<Self>, second: Option<Self>) -> Option<Self> {
+        match (first, second) {
+            (Some(a), Some(b)) if b.distance < a.distance => Some(b),
+            (a, b) => a.or(b),
+        }
+    }
 }
 
 /// Counts and time at the previous row, since which the mass flows are averaged.
@@ -142,6 +164,7 @@ fn quantities<R: PairReal<D>, const D: usize>(
     row.mean_pressure = if sums.count > 0 { sums.pressure / sums.count as f64 } else { 0.0 };
     row.through_walls = sums.through_walls;
     row.close_pairs = sums.close_pairs;
+    row.closest_pair = sums.closest_pair;
     row
 }
 
@@ -159,6 +182,7 @@ struct FluidSums {
     largest_density_deviation: f64,
     through_walls: u64,
     close_pairs: u64,
+    closest_pair: Option<ClosestPair>,
 }
 
 impl FluidSums {
@@ -172,6 +196,7 @@ impl FluidSums {
             largest_density_deviation: self.largest_density_deviation.max(other.largest_density_deviation),
             through_walls: self.through_walls + other.through_walls,
             close_pairs: self.close_pairs + other.close_pairs,
+            closest_pair: ClosestPair::closer(self.closest_pair, other.closest_pair),
         }
     }
 }
@@ -208,8 +233,12 @@ fn fluid_sums<R: PairReal<D>, const D: usize>(
                 sums.through_walls += 1;
             }
             // Each pair once, at its first particle.
-            close.for_each_rare(a + 1, std::array::from_fn(|axis| point[axis]), |b| {
-                sums.close_pairs += u64::from(arrays.zone[b] == Zone::Fluid);
+            close.for_each_rare(a + 1, std::array::from_fn(|axis| point[axis]), |b, squared| {
+                if arrays.zone[b] == Zone::Fluid {
+                    let pair = ClosestPair { distance: squared.sqrt(), position: point };
+                    sums.close_pairs += 1;
+                    sums.closest_pair = ClosestPair::closer(sums.closest_pair, Some(pair));
+                }
             });
         }
         sums
