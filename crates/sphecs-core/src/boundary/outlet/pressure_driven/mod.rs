@@ -143,8 +143,8 @@ pub struct DrivenMemory<S> {
     plane: PlanePressure,
     /// Speed e of the zone in excess of the fitted velocity of the fluid, m/s.
     excess_speed: f64,
-    /// Mean velocity of the particles less that of the fits, in the long run, m/s. The kernel
-    /// smooths a profile: in a channel the fits are 2 % too low with 16 particles across.
+    /// Mean velocity of the particles less that of the fits, in the long run, m/s. A fit over the
+    /// kernel's support is too low where the profile is curved.
     unsmoothed: f64,
 }
 
