@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use super::error::OutputError;
 use super::forces;
-use super::forces::means::Means;
 use super::frame::Frame;
 use super::results::Results;
 use super::summary::Status;
@@ -74,29 +73,12 @@ pub fn describe(results: &Results) -> Result<String, OutputError> {
         }
     }
     for (body, means) in forces::read_history(&results.folder, header)?.means {
-        line(&format!("body {body}"), coefficients(&means));
+        for (index, text) in forces::text::lines(&means).into_iter().enumerate() {
+            let label = if index == 0 { format!("body {body}") } else { String::new() };
+            line(&label, text);
+        }
     }
     Ok(text)
-}
-
-/// Returns the means of the force coefficients of a body over the part of its interval that the
-/// run has covered.
-fn coefficients(means: &Means) -> String {
-    let Some((from, to)) = means.covered() else {
-        return "no coefficients: the run has not reached the interval of the mean".to_owned();
-    };
-    let get = |name: &str| significant(means.get(name));
-    let mut text = format!(
-        "c_d = {} ± {}, c_l = {} ± {}",
-        get("c_d_mean"),
-        get("c_d_amplitude"),
-        get("c_l_mean"),
-        get("c_l_amplitude")
-    );
-    if means.get("strouhal").is_finite() {
-        text += &format!(", St = {}", get("strouhal"));
-    }
-    format!("{text} from {} to {} s", significant(from), significant(to))
 }
 
 fn status(results: &Results) -> String {

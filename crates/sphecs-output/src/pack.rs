@@ -29,6 +29,8 @@ pub struct Packed {
     pub files: Vec<PathBuf>,
     /// Remarks for the user: means whose interval the run did not complete.
     pub notes: Vec<String>,
+    /// Name and lines of text on the force coefficients of each body.
+    pub forces: Vec<(String, Vec<String>)>,
 }
 
 /// Packs the run in a folder.

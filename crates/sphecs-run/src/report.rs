@@ -170,13 +170,27 @@ fn ledger(ledger: &Ledger, inlets: &[String], outlets: &[String]) -> String {
     two_columns(&rows)
 }
 
-/// Returns the folder of the results with the sizes of all its files, and the notes of packing.
+/// Returns the force coefficients of the bodies, the folder of the results with the sizes of all
+/// its files, and the notes of packing.
 pub fn results(folder: &Path, packed: &Packed) -> String {
     let plural = if packed.frames == 1 { "" } else { "s" };
     let mut rows = vec![("results", format!("{} ({} frame{plural})", folder.display(), packed.frames))];
     rows.extend(contents(folder).into_iter().map(|text| ("", text)));
+    let bodies = bodies(packed);
     let notes: String = packed.notes.iter().map(|note| format!("\n\nnote: {note}")).collect();
-    two_columns(&rows) + &notes
+    bodies + &two_columns(&rows) + &notes
+}
+
+/// Returns a table of the force coefficients of the bodies, with an empty line behind it; empty
+/// without bodies.
+fn bodies(packed: &Packed) -> String {
+    let mut rows = Vec::new();
+    let names: Vec<String> = packed.forces.iter().map(|(name, _)| format!("body {name}")).collect();
+    for (name, (_, lines)) in names.iter().zip(&packed.forces) {
+        let labels = std::iter::once(name.as_str()).chain(std::iter::repeat(""));
+        rows.extend(labels.zip(lines.iter().cloned()));
+    }
+    if rows.is_empty() { String::new() } else { two_columns(&rows) + "\n\n" }
 }
 
 /// Returns a line for each file of a folder with its size, and one for each folder in it.
@@ -317,6 +331,15 @@ mod tests {
         assert!(text.contains("7 through, 0 back"), "{text}");
         let lost = Ledger { by_zone: [3, 0, 1, 0, 1], ..balanced };
         assert!(ledger(&lost, &[], &[]).contains("DOES NOT BALANCE"));
+    }
+
+    #[test]
+    fn coefficients_precede_the_files() {
+        let forces = vec![("strut".to_owned(), vec!["c_d = 1.2".to_owned(), "no line".to_owned()])];
+        let packed = Packed { forces, ..Packed::default() };
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = results(folder.path(), &packed);
+        assert!(text.starts_with("  body strut  c_d = 1.2\n              no line\n\n  results"), "{text}");
     }
 
     #[test]

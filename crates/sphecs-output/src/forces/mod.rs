@@ -1,6 +1,9 @@
 //! Force and torque on the bodies over time: `forces.csv` and `forces.nc`.
 //!
-//! - [`spectrum`]: frequency of the lift
+//! - [`spectrum`]: amplitude spectrum of a coefficient
+//! - [`shedding`]: line of vortex shedding in the lift, or the reason why there is none
+//! - [`periodic_fit`]: amplitude of the part that repeats with that line
+//! - [`text`]: lines for the user
 //! - [`means`]: means, amplitudes and Strouhal number over an interval, `forces_mean.csv`
 //!
 //! ```text
@@ -12,7 +15,10 @@
 //! is made from it when the run is packed.
 
 pub mod means;
+pub mod periodic_fit;
+pub mod shedding;
 pub mod spectrum;
+pub mod text;
 
 use std::path::Path;
 
@@ -202,6 +208,10 @@ pub(crate) fn pack(folder: &Path, header: &Header, packed: &mut Packed) -> Resul
     packed.files.push(path);
     packed.files.extend(means::write(folder, header, &found)?);
     packed.notes.extend(means::notes(header, &table));
+    let with_reference = header.bodies.iter().filter(|body| body.reference.is_some());
+    for (body, (_, means)) in with_reference.zip(&found) {
+        packed.forces.push((body.name.clone(), text::lines(means)));
+    }
     Ok(())
 }
 
@@ -221,11 +231,13 @@ fn group(
     };
     let mut variables: Vec<Variable> = own.map(over_rows).collect();
     if let Some((_, means)) = found.iter().find(|(other, _)| *other == name) {
-        variables.extend(means::QUANTITIES.map(|(quantity, long_name)| Variable {
-            name: quantity.to_owned(),
-            dimensions: Vec::new(),
-            values: vec![means.get(quantity)],
-            attributes: vec![("units", "1".to_owned()), ("long_name", long_name.to_owned())],
+        variables.extend(means::QUANTITIES.map(|(quantity, long_name)| {
+            let mut attributes = vec![("units", "1".to_owned()), ("long_name", long_name.to_owned())];
+            if quantity == "strouhal" && !means.remark().is_empty() {
+                attributes.push(("comment", means.remark()));
+            }
+            let (name, values) = (quantity.to_owned(), vec![means.get(quantity)]);
+            Variable { name, dimensions: Vec::new(), values, attributes }
         }));
     }
     let attributes = vec![("long_name", body.name.clone())];

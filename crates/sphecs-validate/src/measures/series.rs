@@ -39,6 +39,10 @@ pub fn coefficient(run: &RunResults, body: &str, take: CoefficientFile) -> Resul
         CoefficientFile::LiftMean => "c_l_mean",
         CoefficientFile::LiftAmplitude => "c_l_amplitude",
         CoefficientFile::Strouhal => "strouhal",
+        CoefficientFile::DragFittedAmplitude => "c_d_fitted_amplitude",
+        CoefficientFile::LiftFittedAmplitude => "c_l_fitted_amplitude",
+        CoefficientFile::DragRms => "c_d_rms",
+        CoefficientFile::LiftRms => "c_l_rms",
     }))
 }
 

@@ -145,6 +145,14 @@ pub enum CoefficientFile {
     LiftAmplitude,
     /// Strouhal number of the lift.
     Strouhal,
+    /// Amplitude of the part of the drag coefficient that repeats with the Strouhal number.
+    DragFittedAmplitude,
+    /// Amplitude of the part of the lift coefficient that repeats with the Strouhal number.
+    LiftFittedAmplitude,
+    /// Root mean square of the drag coefficient's deviation from its mean.
+    DragRms,
+    /// Root mean square of the lift coefficient's deviation from its mean.
+    LiftRms,
 }
 
 /// Quantity of a line or point probe: a column of `probes.csv`, or derived from columns.
