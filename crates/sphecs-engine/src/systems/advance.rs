@@ -60,8 +60,9 @@ impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
     pub(crate) fn finish_step(&mut self, time_step: f64, arrays: &mut ParticleArrays<R, D>) {
         let (scene, clock) = (&*self.scene.0, &mut *self.clock);
         let time = clock.time;
-        for (inlet, rows) in scene.inlets.iter().zip(&self.rows.inflow) {
-            move_inflow((scene, inlet), rows, (time, time_step), &mut self.velocities, arrays);
+        let PatchRows { inflow, compression, .. } = &*self.rows;
+        for ((inlet, rows), compression) in scene.inlets.iter().zip(inflow).zip(compression) {
+            move_inflow((scene, inlet), (rows, compression), (time, time_step), &mut self.velocities, arrays);
         }
         for (index, (outlet, rows)) in scene.outlets.iter().zip(&self.rows.outflow).enumerate() {
             self.outlets.all[index].move_particles(outlet, rows, time_step, arrays);

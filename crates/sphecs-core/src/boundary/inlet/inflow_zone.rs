@@ -3,11 +3,12 @@
 //! Where the density follows from the pressure, the zone is a compressible column behind the plane:
 //!
 //! ```text
-//! s = s0 ρ0/ρ,   ds0/dt = U,   v = U ρ0/ρ − s (dρ/dt)/ρ
+//! s = s0 ρ0/ρ,   ds0/dt = U,   ds/dt = U ρ0/ρ − s (dρ/dt)/ρ
 //! ```
 //!
 //! s is the distance along the normal from the plane, negative in the zone, and U the prescribed
-//! velocity. So the inlet carries the mass flow ρ0 U, and a row that crosses the plane has the
+//! velocity, which the particle has. It is moved by ds/dt, which in the sound of a start may differ
+//! from it by the speed of a slow flow. So the inlet carries the mass flow ρ0 U, and a row that crosses the plane has the
 //! distance to the next that belongs to its density. With rows a spacing apart at any pressure,
 //! each crossing is a jump of the summed density: at 50 Pa and c0 = 4 m/s the pressure of a plug
 //! fluctuates by 1.7 Pa, with this column by 0.6 Pa.
@@ -67,6 +68,8 @@ pub struct InflowZone<'a, R: PairReal<D>, const D: usize> {
     pub arrays: &'a mut ParticleArrays<R, D>,
     /// Pair sums of the simulation.
     pub sums: &'a mut PairSums<R, D>,
+    /// Speeds along the normal at which the zone is compressed, m/s, in the order of `rows`.
+    pub compression: &'a mut Vec<f64>,
     /// Buffers, kept from step to step.
     pub buffers: &'a mut InflowBuffers<D>,
 }
@@ -86,6 +89,8 @@ struct InflowState {
     pressure: f64,
     /// Density that belongs to the pressure, kg/m³; None where it is summed.
     density: Option<f64>,
+    /// Speed along the normal at which the zone is compressed there, m/s.
+    compression: f64,
 }
 
 impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
@@ -117,19 +122,21 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
             let at_once = arrays.needs_restart[row] || is_first_step;
             let pressure = if at_once { pressure } else { own + share * (pressure - own) };
             let density = pair.density_at(pressure);
-            let mut velocity = motion.velocity(position);
-            if let Some(density) = density {
-                velocity *= reference / density;
-                if !at_once {
-                    let rise = density - arrays.density[row].to_f64();
-                    velocity -= patch.towards * (patch.along(position) * rise / (density * time_step));
-                }
-            }
-            InflowState { velocity, pressure, density }
+            let velocity = motion.velocity(position);
+            let compression = density.map_or(0.0, |density| {
+                let rise = |time_step: f64| (density - arrays.density[row].to_f64()) / time_step;
+                let moved = if at_once { 0.0 } else { patch.along(position) * rise(time_step) };
+                ((reference - density) * velocity.dot(patch.towards) - moved) / density
+            });
+            InflowState { velocity, pressure, density, compression }
         });
         found.collect_into_vec(states);
-        for (&row, &InflowState { velocity, pressure, density }) in self.rows.iter().zip(&*states) {
+        self.compression.clear();
+        for (&row, &InflowState { velocity, pressure, density, compression }) in
+            self.rows.iter().zip(&*states)
+        {
             let row = row as usize;
+            self.compression.push(compression);
             if let (true, Some(density)) = (is_first_step, density) {
                 let along = patch.along(self.arrays.position_of(row));
                 let way = patch.towards * (along * (reference / density - 1.0));

@@ -40,6 +40,10 @@ pub fn is_drained(
     behind.fold(f64::INFINITY, f64::min) > -support
 }
 
+/// Distance beyond the end of a zone that a particle of a line may have, over the pitch: sound
+/// moves the particle before it to and fro.
+const END_TOLERANCE: f64 = 0.05;
+
 /// A line of particles in an oblique inflow zone, along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InflowLine {
@@ -86,7 +90,7 @@ impl InflowLine {
         let (pitch, depth, towards) = (stretch * self.pitch, stretch * patch.depth, patch.towards);
         (1..)
             .map(move |step| last - f64::from(step) * pitch)
-            .take_while(move |along| *along >= -depth)
+            .take_while(move |along| *along >= -depth - END_TOLERANCE * pitch)
             .map(move |along| foot + towards * along)
     }
 }

@@ -59,13 +59,14 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
-    rows: Res<PatchRows>,
+    mut rows: ResMut<PatchRows>,
     mut buffers: Local<InflowBuffers<D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
+    let PatchRows { inflow, compression, .. } = &mut *rows;
+    for ((inlet, rows), compression) in scene.inlets.iter().zip(&*inflow).zip(compression) {
         let mut zone = InflowZone {
             patch: &inlet.patch,
             rows,
@@ -79,17 +80,18 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
             grid: &grid.0,
             arrays: &mut arrays,
             sums: &mut sums.0,
+            compression,
             buffers: &mut buffers,
         };
         inlet.pressure.apply(&mut zone);
     }
 }
 
-/// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
-/// `changes` is a buffer that is kept from step to step.
+/// Moves the particles of an inlet by a step from `time` (s), with the prescribed velocity and the
+/// compression of the zone. `changes` is a buffer that is kept from step to step.
 pub fn move_inflow<R: PairReal<D>, const D: usize>(
     (scene, inlet): (&Scene, &Inlet),
-    rows: &[u32],
+    (rows, compression): (&[u32], &[f64]),
     (time, time_step): (f64, f64),
     changes: &mut Vec<DVec3>,
     arrays: &mut ParticleArrays<R, D>,
@@ -99,16 +101,16 @@ pub fn move_inflow<R: PairReal<D>, const D: usize>(
         let row = row as usize;
         let position = before.position_of(row);
         let [now, next] = [time, time + time_step].map(|time| inlet.velocity_at(viscosity, position, time));
-        (next - now) * stretch(scene, before, row)
+        next - now
     });
     change.collect_into_vec(changes);
-    for (&row, &change) in rows.iter().zip(&*changes) {
+    for ((&row, &change), &compression) in rows.iter().zip(&*changes).zip(compression) {
         let row = row as usize;
         let v = arrays.velocity_of(row);
         set_real_vector(&mut arrays.previous_velocity, row, v);
         set_real_vector(&mut arrays.velocity, row, v + change);
         // The mean of both ends carries the prescribed flux through a ramp to second order.
-        let way = (v + 0.5 * change) * time_step;
+        let way = (v + 0.5 * change + compression * inlet.patch.towards) * time_step;
         for axis in 0..D {
             arrays.position[axis][row] += way[axis];
         }
