@@ -7,7 +7,6 @@
 use serde::{Deserialize, Serialize};
 
 use sphecs_core::format::{coordinate, grouped, significant, with_digits};
-use sphecs_core::physics::shifting::Shifting;
 use sphecs_engine::systems::monitor::MonitorRow;
 use sphecs_scene::model::Scene;
 
@@ -50,8 +49,8 @@ impl CloseRows {
 /// Returns what to do about close pairs.
 fn cure(scene: &Scene) -> String {
     let stronger = format!("`shifting: Fickian(coefficient: {STRONG_SHIFTING})`");
-    match scene.scheme.wcsph().map(|scheme| scheme.shifting) {
-        Some(Shifting::Fickian(method)) if method.coefficient >= STRONG_SHIFTING => {
+    match scene.scheme.wcsph().map(|scheme| scheme.shifting.strength()) {
+        Some(strength) if strength >= STRONG_SHIFTING => {
             "a smaller spacing, with more particles across what is there".to_owned()
         }
         Some(_) => format!("{stronger} of `Wcsph`, or a smaller spacing"),

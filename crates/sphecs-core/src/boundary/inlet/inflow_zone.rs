@@ -8,10 +8,10 @@
 //!
 //! s is the distance along the normal from the plane, negative in the zone, and U the prescribed
 //! velocity, which the particle has. It is moved by ds/dt, which in the sound of a start may differ
-//! from it by the speed of a slow flow. So the inlet carries the mass flow ρ0 U, and a row that crosses the plane has the
-//! distance to the next that belongs to its density. With rows a spacing apart at any pressure,
-//! each crossing is a jump of the summed density: at 50 Pa and c0 = 4 m/s the pressure of a plug
-//! fluctuates by 1.7 Pa, with this column by 0.6 Pa.
+//! from it by the speed of a slow flow. So the inlet carries the mass flow ρ0 U, and a row that
+//! crosses the plane has the distance to the next that belongs to its density. With rows a spacing
+//! apart at any pressure, each crossing is a jump of the summed density: at 50 Pa and c0 = 4 m/s
+//! the pressure of a plug fluctuates by 1.7 Pa, with this column by 0.6 Pa.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
