@@ -106,8 +106,18 @@ fn run_beyond_the_disk_starts_with_allow_oversize() {
 
 #[test]
 fn scene_too_fine_for_memory_runs_at_its_smoke_spacing() {
-    let (code, message, left) = run("quickstart", &["spacing=1e-9"], &["--smoke", "--steps", "2"]);
-    assert_eq!(code, Some(0), "{message}");
-    assert!(left);
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/quickstart.ron"));
+    let fine = text.expect("a scene").replace("spacing: 1.25e-3", "spacing: 1e-9");
+    let scene = folder.path().join("fine.ron");
+    std::fs::write(&scene, fine).expect("a file");
+    let check = |more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sphecs"));
+        command.arg("run").arg(&scene).args(["-q", "--threads", "1", "--steps", "2", "--smoke"]);
+        command.arg("--out").arg(folder.path().join("run")).args(more);
+        command.output().expect("the program starts").status.code()
+    };
+    assert_eq!(check(&["--set", "spacing=1e-9"]), Some(2), "a spacing that is set has precedence");
+    assert_eq!(check(&[]), Some(0));
     is_refused("quickstart", &["spacing=-1.0"], 2, &["spacing", ".ron:"]);
 }
