@@ -95,7 +95,6 @@ mod tests {
     fn cure_is_not_what_the_scene_has() {
         let of = |set: &str| cure(&scene(&[("scheme", set)]));
         assert!(of("Wcsph(shifting: Off)").contains("Fickian"));
-        assert!(of("Wcsph(shifting: Local())").contains("Fickian"));
         assert!(of("Wcsph(shifting: Fickian(coefficient: 16.0))").starts_with("a smaller spacing, with"));
         assert!(of("EdacTvf()").starts_with("a smaller spacing, or `Wcsph` with"));
     }

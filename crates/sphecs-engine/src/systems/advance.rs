@@ -59,10 +59,9 @@ impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
     /// Moves inflow and outflow particles over a time step, s, and advances the clock.
     pub(crate) fn finish_step(&mut self, time_step: f64, arrays: &mut ParticleArrays<R, D>) {
         let (scene, clock) = (&*self.scene.0, &mut *self.clock);
-        let time = clock.time;
-        let PatchRows { inflow, compression, .. } = &*self.rows;
-        for ((inlet, rows), compression) in scene.inlets.iter().zip(inflow).zip(compression) {
-            move_inflow((scene, inlet), (rows, compression), (time, time_step), &mut self.velocities, arrays);
+        let (time, viscosity) = (clock.time, scene.fluid.viscosity);
+        for (inlet, rows) in scene.inlets.iter().zip(&self.rows.inflow) {
+            move_inflow(inlet, viscosity, rows, (time, time_step), &mut self.velocities, arrays);
         }
         for (index, (outlet, rows)) in scene.outlets.iter().zip(&self.rows.outflow).enumerate() {
             self.outlets.all[index].move_particles(outlet, rows, time_step, arrays);

@@ -1,17 +1,4 @@
 //! The zone of inflow particles that a condition works on in one stage of a step.
-//!
-//! Where the density follows from the pressure, the zone is a compressible column behind the plane:
-//!
-//! ```text
-//! s = s0 ρ0/ρ,   ds0/dt = U,   ds/dt = U ρ0/ρ − s (dρ/dt)/ρ
-//! ```
-//!
-//! s is the distance along the normal from the plane, negative in the zone, and U the prescribed
-//! velocity, which the particle has. It is moved by ds/dt, which in the sound of a start may differ
-//! from it by the speed of a slow flow. So the inlet carries the mass flow ρ0 U, and a row that
-//! crosses the plane has the distance to the next that belongs to its density. With rows a spacing
-//! apart at any pressure, each crossing is a jump of the summed density: at 50 Pa and c0 = 4 m/s
-//! the pressure of a plug fluctuates by 1.7 Pa, with this column by 0.6 Pa.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -68,8 +55,6 @@ pub struct InflowZone<'a, R: PairReal<D>, const D: usize> {
     pub arrays: &'a mut ParticleArrays<R, D>,
     /// Pair sums of the simulation.
     pub sums: &'a mut PairSums<R, D>,
-    /// Speeds along the normal at which the zone is compressed, m/s, in the order of `rows`.
-    pub compression: &'a mut Vec<f64>,
     /// Buffers, kept from step to step.
     pub buffers: &'a mut InflowBuffers<D>,
 }
@@ -89,8 +74,6 @@ struct InflowState {
     pressure: f64,
     /// Density that belongs to the pressure, kg/m³; None where it is summed.
     density: Option<f64>,
-    /// Speed along the normal at which the zone is compressed there, m/s.
-    compression: f64,
 }
 
 impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
@@ -113,7 +96,6 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
     pub fn set(&mut self, share: f64, pressure: impl Fn(Option<PointFlow>, DVec3, f64) -> f64 + Sync) {
         let InflowBuffers { fits, states } = &mut *self.buffers;
         let (arrays, fitted, pair, motion) = (&*self.arrays, &fits.found, self.pair, self.motion);
-        let (patch, reference, time_step) = (self.patch, self.density, self.time_step);
         let is_first_step = self.is_first_step;
         let found = self.rows.par_iter().enumerate().with_min_len(CHUNK).map(|(index, &row)| {
             let row = row as usize;
@@ -121,29 +103,11 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
             let pressure = pressure(fitted.get(index).copied().flatten(), position, own);
             let at_once = arrays.needs_restart[row] || is_first_step;
             let pressure = if at_once { pressure } else { own + share * (pressure - own) };
-            let density = pair.density_at(pressure);
-            let velocity = motion.velocity(position);
-            let compression = density.map_or(0.0, |density| {
-                let rise = |time_step: f64| (density - arrays.density[row].to_f64()) / time_step;
-                let moved = if at_once { 0.0 } else { patch.along(position) * rise(time_step) };
-                ((reference - density) * velocity.dot(patch.towards) - moved) / density
-            });
-            InflowState { velocity, pressure, density, compression }
+            InflowState { velocity: motion.velocity(position), pressure, density: pair.density_at(pressure) }
         });
         found.collect_into_vec(states);
-        self.compression.clear();
-        for (&row, &InflowState { velocity, pressure, density, compression }) in
-            self.rows.iter().zip(&*states)
-        {
+        for (&row, &InflowState { velocity, pressure, density }) in self.rows.iter().zip(&*states) {
             let row = row as usize;
-            self.compression.push(compression);
-            if let (true, Some(density)) = (is_first_step, density) {
-                let along = patch.along(self.arrays.position_of(row));
-                let way = patch.towards * (along * (reference / density - 1.0));
-                for (axis, way) in way.to_array().into_iter().enumerate().take(D) {
-                    self.arrays.position[axis][row] += way;
-                }
-            }
             set_real_vector(&mut self.arrays.velocity, row, velocity);
             self.arrays.pressure[row] = R::from_f64(pressure);
             if let Some(density) = density {

@@ -59,14 +59,13 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
-    mut rows: ResMut<PatchRows>,
+    rows: Res<PatchRows>,
     mut buffers: Local<InflowBuffers<D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    let PatchRows { inflow, compression, .. } = &mut *rows;
-    for ((inlet, rows), compression) in scene.inlets.iter().zip(&*inflow).zip(compression) {
+    for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
         let mut zone = InflowZone {
             patch: &inlet.patch,
             rows,
@@ -80,52 +79,37 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
             grid: &grid.0,
             arrays: &mut arrays,
             sums: &mut sums.0,
-            compression,
             buffers: &mut buffers,
         };
         inlet.pressure.apply(&mut zone);
     }
 }
 
-/// Moves the particles of an inlet by a step from `time` (s), with the prescribed velocity and the
-/// compression of the zone. `changes` is a buffer that is kept from step to step.
+/// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
+/// `velocities` is a buffer that is kept from step to step.
 pub fn move_inflow<R: PairReal<D>, const D: usize>(
-    (scene, inlet): (&Scene, &Inlet),
-    (rows, compression): (&[u32], &[f64]),
+    inlet: &Inlet,
+    viscosity: f64,
+    rows: &[u32],
     (time, time_step): (f64, f64),
-    changes: &mut Vec<DVec3>,
+    velocities: &mut Vec<DVec3>,
     arrays: &mut ParticleArrays<R, D>,
 ) {
-    let (before, viscosity) = (&*arrays, scene.fluid.viscosity);
-    let change = rows.par_iter().with_min_len(CHUNK).map(|&row| {
-        let row = row as usize;
-        let position = before.position_of(row);
-        let [now, next] = [time, time + time_step].map(|time| inlet.velocity_at(viscosity, position, time));
-        next - now
-    });
-    change.collect_into_vec(changes);
-    for ((&row, &change), &compression) in rows.iter().zip(&*changes).zip(compression) {
+    let before = &*arrays;
+    let next = rows
+        .par_iter()
+        .with_min_len(CHUNK)
+        .map(|&row| inlet.velocity_at(viscosity, before.position_of(row as usize), time + time_step));
+    next.collect_into_vec(velocities);
+    for (&row, &next) in rows.iter().zip(&*velocities) {
         let row = row as usize;
         let v = arrays.velocity_of(row);
         set_real_vector(&mut arrays.previous_velocity, row, v);
-        set_real_vector(&mut arrays.velocity, row, v + change);
+        set_real_vector(&mut arrays.velocity, row, next);
         // The mean of both ends carries the prescribed flux through a ramp to second order.
-        let way = (v + 0.5 * change + compression * inlet.patch.towards) * time_step;
+        let way = (v + next) * (0.5 * time_step);
         for axis in 0..D {
             arrays.position[axis][row] += way[axis];
         }
-    }
-}
-
-/// Returns the distance of two rows of an inflow zone, over the spacing: ρ0/ρ where the density
-/// follows from the pressure.
-pub fn stretch<R: PairReal<D>, const D: usize>(
-    scene: &Scene,
-    arrays: &ParticleArrays<R, D>,
-    row: usize,
-) -> f64 {
-    match scene.scheme.wcsph() {
-        Some(_) => scene.fluid.density / arrays.density[row].to_f64(),
-        None => 1.0,
     }
 }

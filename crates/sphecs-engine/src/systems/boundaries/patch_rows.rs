@@ -20,9 +20,6 @@ pub(super) const ADJACENT_LAYERS: f64 = 3.0;
 pub struct PatchRows {
     /// Inflow rows of each inlet.
     pub inflow: Vec<Vec<u32>>,
-    /// Speeds along the normal at which the zone of each inlet is compressed at its rows, m/s, in
-    /// the order of `inflow`.
-    pub compression: Vec<Vec<f64>>,
     /// Outflow rows of each outlet.
     pub outflow: Vec<Vec<u32>>,
     /// Fluid rows in the last three layers before each outlet.
@@ -50,7 +47,6 @@ impl PatchRows {
     /// Empties the lists of every patch of a scene.
     fn clear(&mut self, scene: &Scene) {
         self.inflow.resize_with(scene.inlets.len(), Vec::new);
-        self.compression.resize_with(scene.inlets.len(), Vec::new);
         self.outflow.resize_with(scene.outlets.len(), Vec::new);
         self.before_outlet.resize_with(scene.outlets.len(), Vec::new);
         self.upstream.resize_with(scene.outlets.len(), Vec::new);

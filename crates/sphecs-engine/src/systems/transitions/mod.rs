@@ -33,7 +33,6 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
-use super::boundaries::inlets::stretch;
 use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
 use crate::arrays::Arrays;
@@ -52,10 +51,6 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::{Inlet, Patch, Scene};
-
-/// Distance behind the upstream end of an inflow zone at which a particle leaves it, over Δ: sound
-/// moves the end of the zone to and fro, and a line that lost a particle would keep its gap.
-const END_TOLERANCE: f64 = 0.5;
 
 /// Change of zone that a row has to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -178,7 +173,7 @@ fn due_change<R: PairReal<D>, const D: usize>(
             let along = inlet.along(point);
             if along >= 0.0 {
                 Some((Zone::Fluid, patch))
-            } else if along < -stretch(scene, arrays, row) * inlet.depth - END_TOLERANCE * scene.spacing {
+            } else if along < -inlet.depth {
                 Some((Zone::Reservoir, patch))
             } else {
                 None
@@ -264,7 +259,6 @@ fn follow_inflow<R: PairReal<D>, const D: usize>(
         return;
     }
     let velocity = arrays.velocity_of(change.row);
-    let stretch = stretch(scene, arrays, change.row);
     let injection = |place: DVec3, returned: bool| Injection {
         place,
         zone: Zone::Inflow,
@@ -281,9 +275,9 @@ fn follow_inflow<R: PairReal<D>, const D: usize>(
             line.holds(inlet, at).then(|| inlet.along(at))
         });
         let last = last.unwrap_or(inlet.along(point));
-        injections.extend(line.vacancies(inlet, last, stretch).map(|place| injection(place, false)));
+        injections.extend(line.vacancies(inlet, last).map(|place| injection(place, false)));
     } else {
-        injections.push(injection(point - inlet.towards * (stretch * inlet.depth), returned));
+        injections.push(injection(point - inlet.towards * inlet.depth, returned));
     }
 }
 
@@ -296,8 +290,7 @@ fn follow_backflow<R: PairReal<D>, const D: usize>(
 ) -> Injection {
     let outlet = &scene.outlets[usize::from(change.patch)].patch;
     Injection {
-        place: arrays.position_of(change.row)
-            + outlet.towards * (stretch(scene, arrays, change.row) * outlet.depth),
+        place: arrays.position_of(change.row) + outlet.towards * outlet.depth,
         zone: Zone::Outflow,
         patch: change.patch,
         velocity: arrays.velocity_of(change.row),
