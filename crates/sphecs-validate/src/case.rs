@@ -216,7 +216,7 @@ mod tests {
         let text = r#"Case(
             title: "", source: "", setting: "",
             runs: [
-                (name: "a", scene: "poiseuille", again: (set: "constants.nothing", to: ["1"])),
+                (name: "a", scene: "poiseuille", again: (set: "fluid.nothing", to: ["1"])),
                 (name: "b", scene: "poiseuille"),
             ],
             figures: [
