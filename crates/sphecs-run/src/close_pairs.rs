@@ -19,7 +19,7 @@ const LEAST_PAIRS: u64 = 4;
 /// Strength of the Fickian shifting that leaves no close pairs in front of a sphere.
 const STRONG_SHIFTING: f64 = 16.0;
 
-/// Number of successive monitor rows with close pairs, up to [`ROWS`].
+/// Number of successive monitor rows with close pairs, up to 3.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CloseRows(u32);
 
