@@ -66,7 +66,7 @@ def mesh_of(given):
 
 
 def coefficients(given):
-    """Yields time, drag and lift coefficient of every step."""
+    """Yields time, drag and lift coefficient of every step, and the function for its pressure drag."""
     mesh = mesh_of(given)
     u_space = ng.H1(mesh, order=given.order, dirichlet="inlet|cylinder")
     v_space = ng.H1(mesh, order=given.order, dirichlet="inlet|cylinder|side")
@@ -103,6 +103,12 @@ def coefficients(given):
     last, before = flow.vec.Copy(), flow.vec.Copy()
     last_convection, before_convection = convection.vec.Copy(), convection.vec.Copy()
     work = flow.vec.CreateVector()
+
+    def pressure_drag():
+        # The force of the pressure is inwards, against the direction x/r from the axis.
+        surface = ng.ds(definedon=mesh.Boundaries("cylinder"))
+        return -2 * ng.Integrate(flow.components[2] * x / ng.sqrt(x * x + y * y) * surface, mesh)
+
     for index in range(1, round(given.end / step) + 1):
         work.data = mass.mat * (2 / step * last - 0.5 / step * before)
         work.data += before_convection - 2 * last_convection
@@ -115,14 +121,17 @@ def coefficients(given):
         drag, lift = (-2 * ng.InnerProduct(work, test.vec) for test in tests)
         before.data, last.data = last, flow.vec
         before_convection.data, last_convection.data = last_convection, convection.vec
-        yield index * step, drag, lift
+        yield index * step, drag, lift, pressure_drag
 
 
 def main():
     given = arguments()
     rows = []
-    for time, drag, lift in coefficients(given):
+    pressures = []
+    for time, drag, lift, pressure_drag in coefficients(given):
         rows.append((time, drag, lift))
+        if len(rows) % 10 == 0:
+            pressures.append((time, pressure_drag()))
         if len(rows) % 1000 == 0:
             print(f"t = {time:.2f} D/U: drag {drag:.4f}, lift {lift:.4f}", flush=True)
     rows = [row for row in rows if row[0] >= 0.5 * given.end]
@@ -131,6 +140,8 @@ def main():
         raise SystemExit(f"drag {drag:.4f} at the end; fewer than two periods, give a later --end")
     rows = [row for row in rows if starts[0] <= row[0] <= starts[-1]]
     print(f"drag {statistics.mean(row[1] for row in rows):.4f}")
+    pressure = [part for time, part in pressures if starts[0] <= time <= starts[-1]]
+    print(f"of it by the pressure {statistics.mean(pressure):.4f}")
     print(f"lift {math.sqrt(2) * statistics.pstdev(row[2] for row in rows):.4f}")
     print(f"Strouhal number {(len(starts) - 1) / (starts[-1] - starts[0]):.4f}")
 

@@ -1,4 +1,4 @@
-//! Linear systems of up to four unknowns, by elimination with row pivoting.
+//! Small linear systems, by elimination with row pivoting.
 
 /// Solves `matrix · x = right`; None if the matrix is singular or not finite.
 ///

@@ -10,6 +10,8 @@
 
 use std::f64::consts::TAU;
 
+use sphecs_core::math::linear::solve;
+
 /// Harmonics of the fit.
 const HARMONICS: usize = 4;
 
@@ -20,24 +22,24 @@ const UNKNOWNS: usize = 2 + 2 * HARMONICS;
 const POINTS: usize = 720;
 
 /// Returns the amplitude of values at times, s, by a fit with a frequency, 1/s; NaN with less than
-/// two rows per period of the highest harmonic.
+/// two rows per period of the highest harmonic, or if the values are not finite.
 pub fn fitted_amplitude(times: &[f64], values: &[f64], frequency: f64) -> f64 {
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return f64::NAN };
     let length = last - first;
     if times.len() < UNKNOWNS || (times.len() as f64) < 2.0 * HARMONICS as f64 * frequency * length {
         return f64::NAN;
     }
-    let mut system = [[0.0; UNKNOWNS + 1]; UNKNOWNS];
+    let (mut matrix, mut right) = ([[0.0; UNKNOWNS]; UNKNOWNS], [0.0; UNKNOWNS]);
     for (t, value) in times.iter().zip(values) {
         let basis = basis(2.0 * (t - first) / length - 1.0, TAU * frequency * (t - first));
-        for (row, a) in system.iter_mut().zip(basis) {
+        for ((row, right), a) in matrix.iter_mut().zip(&mut right).zip(basis) {
             for (sum, b) in row.iter_mut().zip(basis) {
                 *sum += a * b;
             }
-            row[UNKNOWNS] += a * value;
+            *right += a * value;
         }
     }
-    let solution = solve(system);
+    let Some(solution) = solve(matrix, right) else { return f64::NAN };
     let at = |k: usize| {
         let basis = basis(0.0, TAU * k as f64 / POINTS as f64);
         (2..UNKNOWNS).map(|i| basis[i] * solution[i]).sum::<f64>()
@@ -60,29 +62,6 @@ fn basis(time: f64, phase: f64) -> [f64; UNKNOWNS] {
         turned = [turned[0] * c - turned[1] * s, turned[0] * s + turned[1] * c];
     }
     basis
-}
-
-/// Returns the solution of a linear system with its right side in the last column, by elimination
-/// with row pivots.
-fn solve(mut system: [[f64; UNKNOWNS + 1]; UNKNOWNS]) -> [f64; UNKNOWNS] {
-    for column in 0..UNKNOWNS {
-        let size = |row: usize| system[row][column].abs();
-        let pivot = (column..UNKNOWNS).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(column);
-        system.swap(column, pivot);
-        let of_pivot = system[column];
-        for row in system.iter_mut().skip(column + 1) {
-            let factor = row[column] / of_pivot[column];
-            for (value, above) in row.iter_mut().zip(of_pivot) {
-                *value -= factor * above;
-            }
-        }
-    }
-    let mut solution = [0.0; UNKNOWNS];
-    for row in (0..UNKNOWNS).rev() {
-        let known: f64 = (row + 1..UNKNOWNS).map(|i| system[row][i] * solution[i]).sum();
-        solution[row] = (system[row][UNKNOWNS] - known) / system[row][row];
-    }
-    solution
 }
 
 #[cfg(test)]

@@ -108,7 +108,7 @@ pub struct OpeningFlow {
     pub given: f64,
     /// Mean velocity U without sound, m/s.
     pub velocity: f64,
-    /// Mean velocity v̄ next to the plane, with sound, m/s.
+    /// Mean velocity v̄ + e at which the zone carries the fluid off, m/s.
     pub measured_velocity: f64,
     /// Area A, m² (m in 2D).
     pub area: f64,
@@ -143,9 +143,6 @@ pub struct DrivenMemory<S> {
     plane: PlanePressure,
     /// Speed e of the zone in excess of the fitted velocity of the fluid, m/s.
     excess_speed: f64,
-    /// Mean velocity of the particles less that of the fits, in the long run, m/s. A fit over the
-    /// kernel's support is too low where the profile is curved.
-    unsmoothed: f64,
 }
 
 /// Returns the motion of the zone.
@@ -228,16 +225,14 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let through = zone.through_velocity.unwrap_or(0.0);
     let mut opening = OpeningFlow {
         given: zone.given,
-        velocity: through + plane.mean_velocity.unwrap_or(mean.velocity - through) + memory.unsmoothed,
-        measured_velocity: mean.velocity + memory.unsmoothed,
+        velocity: through + plane.mean_velocity.unwrap_or(mean.velocity - through),
+        measured_velocity: measured,
         area: zone.patch.area,
         total_inflow: zone.total_inflow,
         impedance,
         settling_time: settling_time(zone.extent, zone.flow.sound_speed),
         time_step: zone.time_step,
     };
-    let difference = zone.adjacent.velocity - mean.velocity - memory.unsmoothed;
-    memory.unsmoothed -= difference * (-zone.time_step / (CORRECTION * opening.settling_time)).exp_m1();
     let prescribed = law.velocity(&opening);
     opening.velocity = prescribed.unwrap_or(opening.velocity);
     let level = law.pressure(&opening, &mut memory.law);
