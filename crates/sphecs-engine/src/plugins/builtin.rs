@@ -13,6 +13,7 @@ use crate::resources::state_location::{StateLocation, gather};
 use crate::resources::stopwatch::Stopwatch;
 use crate::schedule::{Stage, StageSet, StepSet};
 use crate::systems::body_forces::{Bodies, sum_body_forces, sum_edac_body_forces};
+use crate::systems::boundaries::inflow_columns::InflowColumns;
 use crate::systems::boundaries::inlets::apply_inlets;
 use crate::systems::boundaries::outlet_diagnostics::{OutletDiagnostics, diagnose_outlets};
 use crate::systems::boundaries::outlet_registry::AddedOutlets;
@@ -119,6 +120,7 @@ fn add_edac_tvf<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>)
 
 /// Adds the systems of inflow, outflow and wall particles, and the change of zones.
 fn add_boundaries<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
+    context.save_resource::<InflowColumns>("inflow_columns");
     context.save_resource::<OutletDiagnostics>("outlet_diagnostics");
     context.save_resource::<WallProjections>("wall_projections");
     context.save_resource::<FreeNumbers>("free_numbers");

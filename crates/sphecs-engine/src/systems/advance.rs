@@ -7,6 +7,7 @@ use bevy_ecs::system::{Local, Res, ResMut, SystemParam};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
+use super::boundaries::inflow_columns::InflowColumns;
 use super::boundaries::inlets::move_inflow;
 use super::boundaries::outlets::Outlets;
 use super::boundaries::patch_rows::PatchRows;
@@ -50,6 +51,7 @@ pub(crate) struct ZoneMotion<'w, 's, R: PairReal<D>, const D: usize> {
     scene: Res<'w, ActiveScene>,
     rows: Res<'w, PatchRows>,
     outlets: Res<'w, Outlets<R, D>>,
+    columns: ResMut<'w, InflowColumns>,
     /// Time at the beginning of the step, and size of the previous step.
     pub clock: ResMut<'w, Clock>,
     velocities: Local<'s, Vec<DVec3>>,
@@ -60,8 +62,9 @@ impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
     pub(crate) fn finish_step(&mut self, time_step: f64, arrays: &mut ParticleArrays<R, D>) {
         let (scene, clock) = (&*self.scene.0, &mut *self.clock);
         let (time, viscosity) = (clock.time, scene.fluid.viscosity);
-        for (inlet, rows) in scene.inlets.iter().zip(&self.rows.inflow) {
-            move_inflow(inlet, viscosity, rows, (time, time_step), &mut self.velocities, arrays);
+        for (index, (inlet, rows)) in scene.inlets.iter().zip(&self.rows.inflow).enumerate() {
+            let column = self.columns.column(index);
+            move_inflow((inlet, viscosity), column, rows, (time, time_step), &mut self.velocities, arrays);
         }
         for (index, (outlet, rows)) in scene.outlets.iter().zip(&self.rows.outflow).enumerate() {
             self.outlets.all[index].move_particles(outlet, rows, time_step, arrays);

@@ -79,10 +79,11 @@ impl InflowLine {
     }
 
     /// Returns the positions that fill the line up to the end of the zone. The last particle of the
-    /// line is at `last` along the normal of the patch (m, < 0 in the zone).
-    pub fn vacancies(&self, patch: &Patch, last: f64) -> impl Iterator<Item = DVec3> {
+    /// line is at `last` along the normal of the patch (m, < 0 in the zone), and the distances are
+    /// multiplied by `stretch`.
+    pub fn vacancies(&self, patch: &Patch, last: f64, stretch: f64) -> impl Iterator<Item = DVec3> {
         let foot = patch.at + patch.across[0] * self.axis[0] + patch.across[1] * self.axis[1];
-        let (pitch, depth, towards) = (self.pitch, patch.depth, patch.towards);
+        let (pitch, depth, towards) = (stretch * self.pitch, stretch * patch.depth, patch.towards);
         (1..)
             .map(move |step| last - f64::from(step) * pitch)
             .take_while(move |along| *along >= -depth)
@@ -103,8 +104,12 @@ mod tests {
         assert!(line.holds(&patch, point) && !line.holds(&patch, point + patch.across[0] * 0.011));
         // There are 16 lines of 0.010125 m; the volume of a particle is Δ².
         assert!((line.pitch * 2.0 * line.half_width[0] - 1e-4).abs() < 1e-15);
-        assert_eq!(line.vacancies(&patch, -5.0 * line.pitch).count(), 0, "the zone is 5.06 pitches long");
-        let positions: Vec<DVec3> = line.vacancies(&patch, -2.0 * line.pitch + 0.001).collect();
+        assert_eq!(
+            line.vacancies(&patch, -5.0 * line.pitch, 1.0).count(),
+            0,
+            "the zone is 5.06 pitches long"
+        );
+        let positions: Vec<DVec3> = line.vacancies(&patch, -2.0 * line.pitch + 0.001, 1.0).collect();
         assert_eq!(positions.len(), 3);
         for place in positions {
             assert!(line.holds(&patch, place) && (-0.05..0.0).contains(&patch.along(place)));

@@ -56,6 +56,8 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     pub adjacent: PointFlow,
     /// Size of the last time step, s.
     pub time_step: f64,
+    /// True in the first step of a run, when the zones are a lattice of the reference density.
+    pub is_first_step: bool,
     /// Settings of the pair sums.
     pub pair: &'a PairSettings,
     /// Cell grid by which the arrays are sorted.
@@ -146,10 +148,27 @@ impl<R: PairReal<D>, const D: usize> OutflowZone<'_, R, D> {
     pub fn set(&mut self, row: usize, state: OutflowState) {
         self.arrays.pressure[row] = R::from_f64(state.pressure);
         if let Some(density) = self.pair.density_at(state.pressure) {
-            self.arrays.density[row] = R::from_f64(density);
+            self.set_density(row, density);
         }
         set_real_vector(&mut self.arrays.velocity, row, state.velocity);
         self.speeds.push(state.speed);
+    }
+
+    /// Sets the density of a row, kg/m³, and in the first step the distance from the plane that
+    /// belongs to it.
+    ///
+    /// Rows whose distance does not belong to their density count too few neighbours for fluid that
+    /// enters. Later it need not follow: fluid that leaves has the distance of its density, and
+    /// rows that follow a pulsating pressure push fluid through the plane and back.
+    pub fn set_density(&mut self, row: usize, density: f64) {
+        self.arrays.density[row] = R::from_f64(density);
+        if self.is_first_step {
+            let along = self.patch.along(self.arrays.position_of(row));
+            let way = self.patch.towards * (along * (self.flow.density / density - 1.0));
+            for (axis, way) in way.to_array().into_iter().enumerate().take(D) {
+                self.arrays.position[axis][row] += way;
+            }
+        }
     }
 
     /// Sets acceleration and shifting vector of all rows to 0.

@@ -188,17 +188,15 @@ impl WaveCondition {
             let row = row as usize;
             zone.arrays.pressure[row] = R::from_f64(pressure);
             zone.speeds.push(velocity);
-            match density {
-                Some(density) => zone.arrays.density[row] = R::from_f64(density),
+            if let Some(density) = density {
+                zone.set_density(row, density);
+            } else if self.frame == ReferenceFrame::Moving {
                 // The divergence drives an evolved pressure. With the velocity of the crossing
                 // instead of that with which the zone moves, the outlet would reflect a quarter of
                 // an acoustic pulse.
-                None if self.frame == ReferenceFrame::Moving => {
-                    let own = zone.arrays.velocity_of(row);
-                    let moved = own + normal * (velocity - own.dot(normal));
-                    set_real_vector(&mut zone.arrays.velocity, row, moved);
-                }
-                None => {}
+                let own = zone.arrays.velocity_of(row);
+                let moved = own + normal * (velocity - own.dot(normal));
+                set_real_vector(&mut zone.arrays.velocity, row, moved);
             }
         }
         memory.moves = moves;

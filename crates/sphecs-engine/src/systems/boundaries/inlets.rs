@@ -4,6 +4,7 @@ use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use super::inflow_columns::{InflowColumn, InflowColumns};
 use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
@@ -59,13 +60,13 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
-    rows: Res<PatchRows>,
+    (rows, mut columns): (Res<PatchRows>, ResMut<InflowColumns>),
     mut buffers: Local<InflowBuffers<D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
-    for (inlet, rows) in scene.inlets.iter().zip(&rows.inflow) {
+    for (index, (inlet, rows)) in scene.inlets.iter().zip(&rows.inflow).enumerate() {
         let mut zone = InflowZone {
             patch: &inlet.patch,
             rows,
@@ -82,19 +83,27 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
             buffers: &mut buffers,
         };
         inlet.pressure.apply(&mut zone);
+        if scene.scheme.wcsph().is_some() {
+            let column = columns.column(index);
+            column.follow(scene.fluid.density, rows, &arrays);
+            if clock.step == 0 {
+                column.compress(&inlet.patch, rows, &mut arrays);
+            }
+        }
     }
 }
 
-/// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s).
-/// `velocities` is a buffer that is kept from step to step.
+/// Moves the particles of an inlet with the prescribed velocity by a step from `time` (s), and with
+/// the compression of their column. `velocities` is a buffer that is kept from step to step.
 pub fn move_inflow<R: PairReal<D>, const D: usize>(
-    inlet: &Inlet,
-    viscosity: f64,
+    (inlet, viscosity): (&Inlet, f64),
+    column: &mut InflowColumn,
     rows: &[u32],
     (time, time_step): (f64, f64),
     velocities: &mut Vec<DVec3>,
     arrays: &mut ParticleArrays<R, D>,
 ) {
+    column.compress(&inlet.patch, rows, arrays);
     let before = &*arrays;
     let next = rows
         .par_iter()
@@ -107,7 +116,7 @@ pub fn move_inflow<R: PairReal<D>, const D: usize>(
         set_real_vector(&mut arrays.previous_velocity, row, v);
         set_real_vector(&mut arrays.velocity, row, next);
         // The mean of both ends carries the prescribed flux through a ramp to second order.
-        let way = (v + next) * (0.5 * time_step);
+        let way = column.moved(&inlet.patch, (v + next) * 0.5) * time_step;
         for axis in 0..D {
             arrays.position[axis][row] += way[axis];
         }

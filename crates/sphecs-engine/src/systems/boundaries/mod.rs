@@ -1,5 +1,6 @@
 //! Boundary particles: inflow, outflow and wall.
 //!
+//! - [`inflow_columns`]: compression of inflow zones
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
 //! - [`outlet_balance`]: balance of a body force at an outlet
 //! - [`outlet_diagnostics`]: signs that an outlet condition does not suit the flow
@@ -15,6 +16,7 @@
 //!
 //! The conditions are in `sphecs_core::boundary`; the systems here call them.
 
+pub mod inflow_columns;
 pub mod inlets;
 pub mod outlet_balance;
 pub mod outlet_diagnostics;

@@ -269,6 +269,7 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             inflow: &rows.inflow,
             adjacent: *adjacent,
             time_step: clock.time_step,
+            is_first_step: clock.step == 0,
             pair: &pair.0,
             grid: &grid.0,
             arrays: &mut *arrays,

@@ -33,6 +33,7 @@ use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
+use super::boundaries::inflow_columns::InflowColumns;
 use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
 use crate::arrays::Arrays;
@@ -79,8 +80,9 @@ pub(crate) fn transition<R: PairReal<D>, const D: usize>(world: &mut World) {
         world.resource_scope(|world, mut lists: Mut<TransitionLists>| {
             let TransitionLists { changes, injections } = &mut *lists;
             let near = &world.resource::<PatchRows>().near;
+            let columns = world.resource::<InflowColumns>();
             let changes = with_lists(near.count(), changes, &|among, due| {
-                find_due(&scene, &arrays, near.rows(among), due);
+                find_due((&scene, columns), &arrays, near.rows(among), due);
             });
             for change in changes.iter().flatten() {
                 apply(world, &scene, &mut arrays, change, injections);
@@ -129,14 +131,14 @@ fn is_through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
 
 /// Lists the rows that have to change zone, in their order.
 fn find_due<R: PairReal<D>, const D: usize>(
-    scene: &Scene,
+    (scene, columns): (&Scene, &InflowColumns),
     arrays: &ParticleArrays<R, D>,
     rows: impl Iterator<Item = usize>,
     due: &mut Vec<Change>,
 ) {
     due.clear();
     for row in rows {
-        if let Some((zone, patch)) = due_change(scene, arrays, row) {
+        if let Some((zone, patch)) = due_change((scene, columns), arrays, row) {
             due.push(Change { row, zone, patch });
         }
     }
@@ -145,7 +147,7 @@ fn find_due<R: PairReal<D>, const D: usize>(
 /// Returns the zone and the patch that a row has to change to.
 #[inline]
 fn due_change<R: PairReal<D>, const D: usize>(
-    scene: &Scene,
+    (scene, columns): (&Scene, &InflowColumns),
     arrays: &ParticleArrays<R, D>,
     row: usize,
 ) -> Option<(Zone, u16)> {
@@ -173,7 +175,7 @@ fn due_change<R: PairReal<D>, const D: usize>(
             let along = inlet.along(point);
             if along >= 0.0 {
                 Some((Zone::Fluid, patch))
-            } else if along < -inlet.depth {
+            } else if along < -columns.stretch(usize::from(patch)) * inlet.depth {
                 Some((Zone::Reservoir, patch))
             } else {
                 None
@@ -259,6 +261,7 @@ fn follow_inflow<R: PairReal<D>, const D: usize>(
         return;
     }
     let velocity = arrays.velocity_of(change.row);
+    let stretch = world.resource::<InflowColumns>().stretch(usize::from(patch));
     let injection = |place: DVec3, returned: bool| Injection {
         place,
         zone: Zone::Inflow,
@@ -275,22 +278,26 @@ fn follow_inflow<R: PairReal<D>, const D: usize>(
             line.holds(inlet, at).then(|| inlet.along(at))
         });
         let last = last.unwrap_or(inlet.along(point));
-        injections.extend(line.vacancies(inlet, last).map(|place| injection(place, false)));
+        injections.extend(line.vacancies(inlet, last, stretch).map(|place| injection(place, false)));
     } else {
-        injections.push(injection(point - inlet.towards * inlet.depth, returned));
+        injections.push(injection(point - inlet.towards * (stretch * inlet.depth), returned));
     }
 }
 
 /// Returns the injection at the downstream end of an outflow zone after one of its particles
-/// entered the fluid.
+/// entered the fluid. Under `Wcsph` the length of the zone belongs to its density.
 fn follow_backflow<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
     change: &Change,
 ) -> Injection {
     let outlet = &scene.outlets[usize::from(change.patch)].patch;
+    let stretch = match scene.scheme.wcsph() {
+        Some(_) => scene.fluid.density / arrays.density[change.row].to_f64(),
+        None => 1.0,
+    };
     Injection {
-        place: arrays.position_of(change.row) + outlet.towards * outlet.depth,
+        place: arrays.position_of(change.row) + outlet.towards * (stretch * outlet.depth),
         zone: Zone::Outflow,
         patch: change.patch,
         velocity: arrays.velocity_of(change.row),
