@@ -6,6 +6,7 @@
 //! - [`integrator`], [`timestep`]: integration in time
 //! - [`pair`]: a particle and a vector of its neighbours, as the pair terms take them
 //! - [`parameter_fault`]: parameters that a method cannot work with
+//! - [`pose`]: place, orientation and rates of a rigid body
 //! - [`shifting`]: particle shifting
 //! - [`viscosity`]: viscous and turbulent stresses
 //! - [`wall`]: wall models
@@ -17,6 +18,7 @@ pub mod integrator;
 pub mod momentum;
 pub mod pair;
 pub mod parameter_fault;
+pub mod pose;
 pub mod shifting;
 pub mod summed_density;
 pub mod timestep;
