@@ -3,17 +3,21 @@
 //!
 //! Text → [`parser`] → [`syntax`] (a tree, every fault with its column) → parts without variables
 //! computed → [`program`] (the tree in postfix order). The functions and operators are in
-//! [`operators`], named numbers in [`constants`].
+//! [`operators`], named numbers in [`constants`]. A [`time_function`] is an expression of t alone
+//! with its [`derivative`]s.
 
 pub mod constants;
+pub mod derivative;
 pub mod operators;
 pub mod parser;
 pub mod program;
 pub mod syntax;
+pub mod time_function;
 
 pub use constants::Constants;
 use program::Program;
 use syntax::{Syntax, SyntaxFault};
+pub use time_function::TimeFunction;
 
 /// A number that may depend on position (m) and time (s).
 #[derive(Clone, Debug)]
@@ -31,12 +35,17 @@ impl Expression {
     /// The fault with its position in the text.
     pub fn read(text: &str, constants: &Constants) -> Result<Self, SyntaxFault> {
         let tree = parser::read(text, constants)?.folded();
-        if let Syntax::Number(value) = tree {
-            return Ok(Expression::Constant(value));
-        }
-        Program::new(&tree).map(Expression::Formula).ok_or_else(|| {
+        Self::compiled(&tree).ok_or_else(|| {
             SyntaxFault::whole(text, "computes a number that is not finite, must not divide by zero")
         })
+    }
+
+    /// Compiles a folded tree; None as for [`Program::new`].
+    fn compiled(tree: &Syntax) -> Option<Self> {
+        match tree {
+            Syntax::Number(value) => Some(Expression::Constant(*value)),
+            tree => Program::new(tree).map(Expression::Formula),
+        }
     }
 
     /// Returns the value at a position (m) and time (s).

@@ -55,6 +55,14 @@ pub const OPERATORS: &[Binary] = &[
     ("^", power),
 ];
 
+/// Operator of derivatives alone, which the text of an expression cannot have: the product, but 0
+/// wherever a factor is 0.
+///
+/// A formula may be constant where its parts have no derivative: `sqrt(max(t - 1, 0))` until 1 s.
+pub const PRODUCT: &str = "·";
+
+const DERIVED: &[Binary] = &[(PRODUCT, |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b })];
+
 fn truth(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
@@ -70,7 +78,7 @@ fn power(a: f64, b: f64) -> f64 {
 
 /// Returns the function or operator of two values with a name.
 pub fn binary(name: &str) -> Option<&'static Binary> {
-    PAIR_FUNCTIONS.iter().chain(OPERATORS).find(|(known, _)| *known == name)
+    PAIR_FUNCTIONS.iter().chain(OPERATORS).chain(DERIVED).find(|(known, _)| *known == name)
 }
 
 /// Returns the function of one argument with a name.
