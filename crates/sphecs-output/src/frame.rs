@@ -1,6 +1,8 @@
 //! State of all particles at one time in the order of their numbers, for files, pictures and
 //! export.
 
+use std::ops::Range;
+
 use bevy_ecs::entity::Entity;
 use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
@@ -13,6 +15,7 @@ use sphecs_engine::components::{
 };
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::entity_index::EntityIndex;
+use sphecs_engine::systems::boundaries::movers::MoverParticles;
 
 /// Value of `zone` for a slot without a particle: the reservoir may grow during a run, and
 /// particles may be deleted.
@@ -47,6 +50,8 @@ pub struct Frame {
     pub passage: Vec<u32>,
     /// Passive scalar.
     pub tag: Vec<f32>,
+    /// Numbers of the wall particles that move.
+    pub moving_walls: Range<u32>,
 }
 
 impl Frame {
@@ -85,6 +90,11 @@ impl Frame {
         (0..self.len()).filter(move |&slot| self.zone[slot] == zone as u8)
     }
 
+    /// Returns the slots of the wall particles that do not move.
+    pub fn fixed_walls(&self) -> impl Iterator<Item = usize> + '_ {
+        self.slots_of(Zone::Wall).filter(|&slot| !self.moving_walls.contains(&(slot as u32)))
+    }
+
     /// Returns the number of slots by zone, in the order of [`Zone::ALL`].
     pub fn counts(&self) -> [u64; 5] {
         let mut counts = [0; 5];
@@ -113,6 +123,9 @@ impl Frame {
         let clock = world.resource::<Clock>();
         let mut frame =
             Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
+        if let Some(moving) = world.get_resource::<MoverParticles>() {
+            frame.moving_walls = moving.numbers();
+        }
         let (particles, roles) = (world.try_query::<Particle>(), world.try_query::<Roles>());
         let (Some(mut particles), Some(mut roles)) = (particles, roles) else {
             unreachable!("a simulation registers the components of its particles")

@@ -87,11 +87,15 @@ pub struct BodyHeader {
     pub mean: (f64, f64),
     /// True if means and spectrum are computed from the running mean over five rows.
     pub five_point_mean: bool,
+    /// True if it moves.
+    #[serde(default)]
+    pub moves: bool,
 }
 
 impl BodyHeader {
-    fn of(body: &Body) -> Self {
+    fn of(scene: &Scene, body: &Body) -> Self {
         Self {
+            moves: scene.part_moves(body.part),
             name: body.name.clone(),
             reference: body.reference,
             mean: (finite(body.mean.0), finite(body.mean.1)),
@@ -178,7 +182,7 @@ impl Header {
                     mean: probe.mean.map(|(from, to)| (finite(from), finite(to))),
                 })
                 .collect(),
-            bodies: scene.bodies.iter().map(BodyHeader::of).collect(),
+            bodies: scene.bodies.iter().map(|body| BodyHeader::of(scene, body)).collect(),
         }
     }
 
@@ -204,7 +208,7 @@ impl Header {
         self.end = finite(scene.time.end);
         self.every = finite(scene.output.every);
         // The interval of a mean may depend on the end.
-        self.bodies = scene.bodies.iter().map(BodyHeader::of).collect();
+        self.bodies = scene.bodies.iter().map(|body| BodyHeader::of(scene, body)).collect();
         self.changes = changes;
     }
 

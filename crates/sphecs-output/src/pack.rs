@@ -70,14 +70,14 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
     if !paths.is_empty() {
         check_free_space(&target, &paths)?;
         let walls: Frame = ParticleFile::open(&paths::walls(journal))?.walls()?;
-        let mut slots = Slots { particles: Vec::new(), walls: Slots::of(&walls).walls };
+        let mut slots = Slots { walls: Slots::of(&walls).walls, ..Slots::default() };
         let (mut times, mut counts) = (Vec::new(), Vec::new());
         for path in &paths {
             let file = ParticleFile::open(path)?;
             times.push(file.frame_time(0)?);
             counts.push(file.slots.particles.len());
             if file.slots.particles.len() > slots.particles.len() {
-                slots.particles = file.slots.particles;
+                (slots.particles, slots.moving_parts) = (file.slots.particles, file.slots.moving_parts);
             }
         }
         particles::write_run(&target, header, &slots, &walls, &times, |index| {

@@ -1,7 +1,7 @@
 //! Particles as VTK unstructured grids with a `.pvd` series for ParaView.
 //!
-//! Each frame becomes a file of points without reservoir particles and absent slots; the walls are
-//! written once, to `walls.vtu`. Arrays are inline base64: a third larger than appended raw bytes,
+//! Each frame becomes a file of points without reservoir particles and absent slots; the walls at
+//! rest are written once, to `walls.vtu`. Arrays are inline base64: a third larger than appended raw bytes,
 //! but well-formed XML that every reader accepts. The positions are f64, as in `particles.nc`.
 
 use std::fs::{self, File};
@@ -46,13 +46,15 @@ pub fn export_vtu(
     for index in 0..results.len() {
         let frame = results.frame(index)?;
         if index == 0 {
-            let walls: Vec<usize> = frame.slots_of(Zone::Wall).collect();
+            let walls: Vec<usize> = frame.fixed_walls().collect();
             write_grid(&folder.join("walls.vtu"), &frame, &walls, false)?;
         }
         let name = frame_name(index);
-        let present: Vec<usize> = (0..frame.len())
-            .filter(|&slot| ![Zone::Wall as u8, Zone::Reservoir as u8, ABSENT].contains(&frame.zone[slot]))
-            .collect();
+        let is_present = |&slot: &usize| match frame.zone[slot] {
+            zone if zone == Zone::Wall as u8 => frame.moving_walls.contains(&(slot as u32)),
+            zone => zone != Zone::Reservoir as u8 && zone != ABSENT,
+        };
+        let present: Vec<usize> = (0..frame.len()).filter(is_present).collect();
         write_grid(&folder.join(&name), &frame, &present, true)?;
         series += &format!("<DataSet timestep=\"{}\" part=\"0\" file=\"{name}\"/>\n", frame.time);
         done(index + 1, results.len());

@@ -14,12 +14,13 @@ use rayon::slice::{ParallelSlice, ParallelSliceMut};
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
-use super::{layers, rings, wall_particles};
+use super::movers::Wall;
+use super::{layers, mover_places, rings, wall_particles};
 use sphecs_core::particles::zone::Zone;
 
 /// Tolerance of comparisons with planes and surfaces, in spacings: lattice points on a plane count
 /// as fluid.
-const TOLERANCE: f64 = 1e-9;
+pub const TOLERANCE: f64 = 1e-9;
 
 /// Position and role of a particle to be created.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +29,8 @@ pub struct Place {
     pub position: DVec3,
     /// Fluid, wall, inflow or outflow.
     pub zone: Zone,
-    /// Index of the inlet or outlet; 0 for others.
+    /// Index of the inlet or outlet; for a wall its [number](super::movers::Wall::number), 0 for
+    /// the casing; 0 for fluid.
     pub patch: u16,
 }
 
@@ -38,12 +40,20 @@ pub fn places(scene: &Scene) -> Vec<Place> {
     match &scene.layout.fill {
         Fill::Lattice(lattice) => {
             let mut places = filler.lattice(lattice);
+            if !scene.movers.is_empty() {
+                mover_places::place(scene, lattice, &mut places);
+            }
             if !scene.layout.rings.is_empty() {
                 rings::replace(scene, &mut places);
             }
             if !scene.layout.layered.is_empty() {
                 let is_wall = |point| filler.classify(point).is_some_and(|place| place.zone == Zone::Wall);
-                layers::replace(scene, &mut places, is_wall);
+                layers::replace(scene, Wall::Casing, &mut places, is_wall);
+            }
+            for (index, mover) in scene.movers.iter().enumerate() {
+                if scene.layout.layered.contains(&mover.part) {
+                    layers::replace(scene, Wall::Mover(index), &mut places, |_| true);
+                }
             }
             places
         }
@@ -81,41 +91,13 @@ struct Filler<'a> {
 
 impl<'a> Filler<'a> {
     fn new(scene: &'a Scene) -> Self {
-        let mut probes = Vec::new();
-        for index in 0..27 {
-            let step = |place: i32| f64::from(index / place % 3 - 1);
-            let direction = DVec3::new(step(1), step(3), step(9));
-            if direction != DVec3::ZERO && (scene.dimensions == 3 || direction.z == 0.0) {
-                let direction = scene.layout.fill.turned(direction.normalize());
-                probes.push(direction * 0.25 * scene.spacing);
-            }
-        }
+        let probes = surroundings(scene);
         Self { scene, reach: wall_thickness(scene), probes }
     }
 
     fn lattice(&self, lattice: &Lattice) -> Vec<Place> {
         let dimensions = self.scene.dimensions;
-        let confines = &self.scene.layout.confines;
-        let (mut low, mut high) = match lattice.is_turned() {
-            true => confines.rotated(lattice.rotation.transpose()).bounds(),
-            false => confines.bounds(),
-        };
-        let ranges: [std::ops::Range<i64>; 3] = std::array::from_fn(|axis| {
-            if axis >= dimensions {
-                return 0..1;
-            }
-            match self.scene.periodic[axis] {
-                Some((from, to)) => {
-                    let count = ((to - from) / lattice.spacing[axis]).round() as i64;
-                    0..count
-                }
-                None => {
-                    low[axis] -= self.reach;
-                    high[axis] += self.reach;
-                    lattice.range(axis, low[axis], high[axis])
-                }
-            }
-        });
+        let ranges = lattice_ranges(self.scene, lattice, &self.scene.layout.casing.confines, self.reach);
         let counts = ranges.each_ref().map(|range| (range.end - range.start).max(0) as usize);
         let cell = |index: usize| -> [i64; 3] {
             let along = [index / counts[2] / counts[1], index / counts[2] % counts[1], index % counts[2]];
@@ -153,7 +135,7 @@ impl<'a> Filler<'a> {
             let here = point(at);
             most += spacing;
             if most >= -self.margin() - tolerance {
-                most = confined_distance(self.scene, here);
+                most = Wall::Casing.distance(self.scene, here);
             }
             let outside = most - self.reach - tolerance;
             if outside > 0.0 {
@@ -182,7 +164,7 @@ impl<'a> Filler<'a> {
     }
 
     fn classify(&self, point: DVec3) -> Option<Place> {
-        self.role(point, confined_distance(self.scene, point))
+        self.role(point, Wall::Casing.distance(self.scene, point))
     }
 
     /// Returns the role of a point from its distance to the confines, m; beyond the walls and
@@ -222,14 +204,14 @@ impl<'a> Filler<'a> {
             || (distance <= TOLERANCE * self.scene.spacing
                 && (self.is_before_layers(point)
                     || self.probes.iter().all(|probe| {
-                        confined_distance(self.scene, point + *probe) <= TOLERANCE * self.scene.spacing
+                        Wall::Casing.distance(self.scene, point + *probe) <= TOLERANCE * self.scene.spacing
                     })))
     }
 
     /// Returns true if the surface next to a point has layers of wall particles.
     fn is_before_layers(&self, point: DVec3) -> bool {
         let layered = &self.scene.layout.layered;
-        !layered.is_empty() && layered.contains(&wall_particles::surface_at(self.scene, point).2)
+        !layered.is_empty() && layered.contains(&wall_particles::surface_of(self.scene, Wall::Casing, point).2)
     }
 
     /// Returns true if a point lies behind the far end of a zone, where no wall must stand.
@@ -242,6 +224,44 @@ impl<'a> Filler<'a> {
                 && patch.covers(point, margin)
         })
     }
+}
+
+/// Returns the ranges of the cells of a lattice in a box around a shape, `reach` (m) wider; all
+/// cells in periodic directions.
+pub fn lattice_ranges(
+    scene: &Scene,
+    lattice: &Lattice,
+    shape: &Shape,
+    reach: f64,
+) -> [std::ops::Range<i64>; 3] {
+    let (low, high) = match lattice.is_turned() {
+        true => shape.rotated(lattice.rotation.transpose()).bounds(),
+        false => shape.bounds(),
+    };
+    std::array::from_fn(|axis| {
+        if axis >= scene.dimensions {
+            return 0..1;
+        }
+        match scene.periodic[axis] {
+            Some((from, to)) => 0..((to - from) / lattice.spacing[axis]).round() as i64,
+            None => lattice.range(axis, low[axis] - reach, high[axis] + reach),
+        }
+    })
+}
+
+/// Returns displacements of a quarter of a spacing in all directions, m: a point is inside if it
+/// and these points around it are.
+pub fn surroundings(scene: &Scene) -> Vec<DVec3> {
+    let mut probes = Vec::new();
+    for index in 0..27 {
+        let step = |place: i32| f64::from(index / place % 3 - 1);
+        let direction = DVec3::new(step(1), step(3), step(9));
+        if direction != DVec3::ZERO && (scene.dimensions == 3 || direction.z == 0.0) {
+            let direction = scene.layout.fill.turned(direction.normalize());
+            probes.push(direction * 0.25 * scene.spacing);
+        }
+    }
+    probes
 }
 
 /// Points whose places a thread collects at a time.

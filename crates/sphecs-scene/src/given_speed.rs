@@ -14,7 +14,7 @@ use sphecs_core::physics::wall::Slip;
 /// Returns the largest speed that inlets, walls, initial fields and driving forces prescribe, m/s.
 pub fn largest_given_speed(scene: &Scene) -> f64 {
     let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
-    let moved = initial_speed(scene).max(wall_speed(scene));
+    let moved = initial_speed(scene).max(wall_speed(scene)).max(scene.largest_wall_speed());
     inlets.max(moved).max(forced_speed(scene)).max(driven_speed(scene))
 }
 

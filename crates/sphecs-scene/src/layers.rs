@@ -18,8 +18,9 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use super::fill::{Place, confined_distance, wall_thickness};
+use super::fill::{Place, wall_thickness};
 use super::model::Scene;
+use super::movers::Wall;
 use super::sheets;
 use super::wall_particles::surface;
 use sphecs_core::particles::zone::Zone;
@@ -30,26 +31,27 @@ const CELLS: f64 = 4.0;
 /// Smallest distance of particles of different curves, in spacings.
 const APART: f64 = 0.7;
 
-/// Replaces the wall particles of the lattice behind the layered parts of a scene by layers;
+/// Replaces the lattice's particles of a wall behind the layered parts of a scene by layers;
 /// `is_wall` says whether a point is wall.
-pub fn replace(scene: &Scene, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -> bool + Sync) {
-    let is_layered = |point: DVec3| scene.layout.layered.contains(&surface(scene, point).part);
-    let keeps = |place: &Place| place.zone != Zone::Wall || !is_layered(place.position);
+pub fn replace(scene: &Scene, wall: Wall, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -> bool + Sync) {
+    let is_layered = |point: DVec3| scene.layout.layered.contains(&surface(scene, wall, point).part);
+    let is_of_wall = |place: &Place| place.zone == Zone::Wall && place.patch == wall.number();
+    let keeps = |place: &Place| !is_of_wall(place) || !is_layered(place.position);
     let kept: Vec<bool> = places.par_iter().map(keeps).collect();
     let replaced = places.iter().zip(&kept).filter(|(_, kept)| !**kept).map(|(place, _)| place.position);
     let replaced: Vec<DVec3> = replaced.collect();
     let mut kept = kept.into_iter();
     places.retain(|_| kept.next().unwrap_or(true));
     let mut taken = TakenPlaces::new(APART * scene.spacing);
-    places.iter().filter(|place| place.zone == Zone::Wall).for_each(|place| taken.add(place.position));
+    places.iter().filter(|place| is_of_wall(place)).for_each(|place| taken.add(place.position));
     let deepest = wall_thickness(scene) - 1e-9 * scene.spacing;
     let depths = (0..).map(|layer| (f64::from(layer) + 0.5) * scene.spacing);
     let depths: Vec<f64> = depths.take_while(|depth| *depth < deepest).collect();
     let sheets: Vec<Vec<DVec3>> = if scene.dimensions == 2 {
-        let grid = DistanceGrid::new(scene);
-        depths.iter().flat_map(|depth| curves(scene, &grid, *depth)).collect()
+        let grid = DistanceGrid::new(scene, wall);
+        depths.iter().flat_map(|depth| curves(scene, wall, &grid, *depth)).collect()
     } else {
-        sheets::spread(scene, &replaced, &depths)
+        sheets::spread(scene, wall, &replaced, &depths)
     };
     // Sheets come from the surface inwards; the particles of one are not too near to each other.
     for sheet in sheets {
@@ -57,15 +59,15 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -
         let points: Vec<DVec3> = sheet.into_par_iter().filter(is_place).collect();
         for position in points {
             taken.add(position);
-            places.push(Place { position, zone: Zone::Wall, patch: 0 });
+            places.push(Place { position, zone: Zone::Wall, patch: wall.number() });
         }
     }
 }
 
 /// Returns the particles of the curves of a layer, m.
-fn curves(scene: &Scene, grid: &DistanceGrid, depth: f64) -> Vec<Vec<DVec3>> {
+fn curves(scene: &Scene, wall: Wall, grid: &DistanceGrid, depth: f64) -> Vec<Vec<DVec3>> {
     let on_it = |curve: &Vec<DVec3>| {
-        spread(curve, scene.spacing).into_iter().map(|point| moved_to(scene, point, depth)).collect()
+        spread(curve, scene.spacing).into_iter().map(|point| moved_to(scene, wall, point, depth)).collect()
     };
     grid.curves(depth).iter().map(on_it).collect()
 }
@@ -99,9 +101,9 @@ impl TakenPlaces {
 }
 
 /// Moves a point near a layer onto it.
-pub fn moved_to(scene: &Scene, point: DVec3, depth: f64) -> DVec3 {
-    let normal = scene.layout.confines.gradient(point, 1e-4 * scene.spacing, scene.dimensions);
-    point - normal * (confined_distance(scene, point) - depth)
+pub fn moved_to(scene: &Scene, wall: Wall, point: DVec3, depth: f64) -> DVec3 {
+    let normal = wall.gradient(scene, point);
+    point - normal * (wall.distance(scene, point) - depth)
 }
 
 /// Returns points at equal distances of about `spacing` along a curve, m.
@@ -134,17 +136,17 @@ struct DistanceGrid {
 type Edge = ([usize; 2], usize);
 
 impl DistanceGrid {
-    fn new(scene: &Scene) -> Self {
+    fn new(scene: &Scene, wall: Wall) -> Self {
         let cell = scene.spacing / CELLS;
         let margin = DVec3::splat(wall_thickness(scene) + scene.spacing);
-        let (low, high) = scene.layout.confines.bounds();
+        let (low, high) = wall.bounds(scene);
         let (low, high) = ((low - margin).with_z(0.0), (high + margin).with_z(0.0));
         let counts = [0, 1].map(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 1);
         let node = |index: usize| {
             low + cell * DVec3::new((index % counts[0]) as f64, (index / counts[0]) as f64, 0.0)
         };
         let nodes = (0..counts[0] * counts[1]).into_par_iter();
-        let distances = nodes.map(|index| confined_distance(scene, node(index))).collect();
+        let distances = nodes.map(|index| wall.distance(scene, node(index))).collect();
         Self { low, cell, counts, distances }
     }
 

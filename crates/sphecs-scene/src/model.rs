@@ -8,9 +8,11 @@
 use glam::DVec3;
 
 pub use super::body::{Body, BodyReference, ForcesEvery};
+pub use super::movers::Mover;
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
+use super::motion::Motion;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
@@ -49,10 +51,14 @@ pub struct Scene {
     pub scheme: Scheme,
     /// Body force per mass, m/s².
     pub body_force: BodyForce,
-    /// The domain: what the fluid fills, zones not included.
+    /// The domain: what the fluid fills at the start, zones not included.
     pub domain: Shape,
     /// Domain ∪ extruded zones: a particle outside it has penetrated a wall.
     pub container: Shape,
+    /// Bodies that move.
+    pub movers: Vec<Mover>,
+    /// Motion of all other walls; None at rest.
+    pub casing_motion: Option<Motion>,
     /// Layout of particles in domain, zones and walls.
     pub layout: Layout,
     /// Walls.
@@ -152,6 +158,8 @@ pub struct Layout {
     /// Domain ∪ zones, each zone extended beyond its far end by more than the support, so that
     /// there is no wall at the far end.
     pub confines: Shape,
+    /// The same regions without the bodies that move.
+    pub casing: Casing,
     /// The extended zones: inlets, then outlets.
     pub zones: Vec<Shape>,
     /// Regions of the wall parts from the second on; the first part is the remaining surface.
@@ -164,6 +172,17 @@ pub struct Layout {
     pub unopened: Vec<UnopenedPart>,
     /// True if there are walls at all.
     pub walled: bool,
+}
+
+/// Regions that all walls but the bodies that move enclose.
+#[derive(Clone, Debug)]
+pub struct Casing {
+    /// Domain.
+    pub domain: Shape,
+    /// Domain ∪ extruded zones.
+    pub container: Shape,
+    /// Domain ∪ extended zones.
+    pub confines: Shape,
 }
 
 /// A part of an end of the domain that is a wall because the opening there does not cover it.
@@ -220,6 +239,8 @@ pub struct WallPart {
     pub slip: Slip,
     /// Surface velocity, m/s, as expressions of x, y, z, t.
     pub velocity: [Expression; 3],
+    /// Index of the body that moves whose surface it is; None for a part of the other walls.
+    pub mover: Option<u16>,
 }
 
 /// An inlet.

@@ -13,9 +13,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::fill::confined_distance;
 use super::model::Scene;
-use super::wall_particles::surface_at;
+use super::movers::Wall;
+use super::wall_particles::surface_of;
 
 /// A piece of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +28,13 @@ pub struct OutlinePoint {
     pub area: f64,
 }
 
-/// Returns the surface of a wall part in pieces of about a spacing; their order is reproducible.
+/// Returns the surface of a wall part at the start in pieces of about a spacing; their order is
+/// reproducible. Of a mover it is the part inside the casing.
 pub fn outline(scene: &Scene, part: u16) -> Vec<OutlinePoint> {
     let spacing = scene.spacing;
-    let (low, high) = band(scene, part);
+    let wall = Wall::of_part(scene, part);
+    let is_covered = |point: DVec3| wall != Wall::Casing && Wall::Casing.distance(scene, point) > 0.0;
+    let (low, high) = band(scene, wall, part);
     let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| {
         if axis < scene.dimensions { samples(low[axis], high[axis], spacing) } else { vec![0.0] }
     });
@@ -44,12 +47,12 @@ pub fn outline(scene: &Scene, part: u16) -> Vec<OutlinePoint> {
         for &y in &axes[1] {
             for &z in &axes[2] {
                 let sample = DVec3::new(x, y, z);
-                let distance = confined_distance(scene, sample);
+                let distance = wall.distance(scene, sample);
                 if distance.abs() >= spacing {
                     continue;
                 }
-                let (point, normal, of) = surface_at(scene, sample);
-                if of != part {
+                let (point, normal, of) = surface_of(scene, wall, sample);
+                if of != part || is_covered(point) {
                     continue;
                 }
                 let area = volume * (1.0 + (PI * distance / spacing).cos()) / (2.0 * spacing);
@@ -69,9 +72,9 @@ pub fn outline(scene: &Scene, part: u16) -> Vec<OutlinePoint> {
 
 /// Returns the corners of a box around the surface of a part, a period wide in periodic directions,
 /// m.
-fn band(scene: &Scene, part: u16) -> (DVec3, DVec3) {
+fn band(scene: &Scene, wall: Wall, part: u16) -> (DVec3, DVec3) {
     let region = usize::from(part).checked_sub(1).and_then(|index| scene.layout.wall_regions.get(index));
-    let (mut low, mut high) = scene.layout.confines.bounds();
+    let (mut low, mut high) = wall.bounds(scene);
     if let Some((lower, upper)) = region.map(|region| region.bounds()) {
         (low, high) = (low.max(lower), high.min(upper));
     }

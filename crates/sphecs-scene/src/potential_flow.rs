@@ -10,6 +10,9 @@
 //! openings of given pressure has ψ = 0 there, so that ∫ ∇ψ·∇φ_i dV = ∮ ψ ∂φ_i/∂n dS vanishes. In
 //! a straight duct the integral is the area times the mean velocity over the length.
 //!
+//! Movers count as fluid here: what they displace is a term of its own,
+//! [`displaced_flow`](super::displaced_flow).
+//!
 //! Laplace's equation is solved by conjugate gradients on cells with the size of a particle, or
 //! larger ones in a large domain. Cells are in the domain or not, so that walls oblique to the axes
 //! have stairs.
@@ -38,6 +41,8 @@ pub struct PotentialFlow {
     gradient: Vec<[f32; 3]>,
     /// ∫ |∇φ|² dV, m (dimensionless in 2D).
     pub square: f64,
+    /// φ by cell; 0 outside the domain.
+    potential: Vec<f32>,
     /// Mean of φ over the planes of all inlets, weighted by area; 0 without inlets.
     pub inlet_potential: f64,
     /// ∫ φ_i φ_j dV for each outlet j, m³ (m² in 2D); 0 for those without a potential flow.
@@ -48,6 +53,11 @@ pub struct PotentialFlow {
 }
 
 impl PotentialFlow {
+    /// Returns φ at a point (m).
+    pub fn potential(&self, point: DVec3) -> f64 {
+        f64::from(self.potential[self.cells.nearest(point)])
+    }
+
     /// Returns ∇φ at a point (m), 1/m.
     pub fn gradient(&self, point: DVec3) -> [f32; 3] {
         self.gradient[self.cells.nearest(point)]
@@ -56,15 +66,17 @@ impl PotentialFlow {
 
 /// Grid of cells over the bounding box of the domain.
 #[derive(Clone, Debug, PartialEq)]
-struct Cells {
+pub(crate) struct Cells {
     low: DVec3,
-    size: f64,
+    /// Size of a cell, m.
+    pub(crate) size: f64,
     counts: [usize; 3],
 }
 
 impl Cells {
-    fn over(scene: &Scene) -> Self {
-        let (low, high) = scene.domain.bounds();
+    /// Returns cells over the domain of a scene.
+    pub(crate) fn over(scene: &Scene) -> Self {
+        let (low, high) = scene.layout.casing.domain.bounds();
         let extent = (high - low).max(DVec3::ZERO);
         let dimensions = scene.dimensions;
         let lengths: f64 = (0..dimensions).map(|axis| extent[axis] / scene.spacing).product();
@@ -80,7 +92,8 @@ impl Cells {
         Self { low: DVec3::new(low.x, low.y, if dimensions == 3 { low.z } else { 0.0 }), size, counts }
     }
 
-    fn len(&self) -> usize {
+    /// Returns the number of cells.
+    pub(crate) fn len(&self) -> usize {
         self.counts.iter().product()
     }
 
@@ -93,7 +106,8 @@ impl Cells {
         (place[2] * self.counts[1] + place[1]) * self.counts[0] + place[0]
     }
 
-    fn centre(&self, index: usize, dimensions: usize) -> DVec3 {
+    /// Returns the centre of a cell, m.
+    pub(crate) fn centre(&self, index: usize, dimensions: usize) -> DVec3 {
         let place = self.place(index);
         let mut centre = DVec3::ZERO;
         for axis in 0..dimensions {
@@ -111,7 +125,7 @@ impl Cells {
     }
 
     /// Returns the neighbour of a cell along an axis; None at the end of the grid.
-    fn neighbour(&self, index: usize, axis: usize, forward: bool, is_periodic: bool) -> Option<usize> {
+    pub(crate) fn neighbour(&self, index: usize, axis: usize, forward: bool, is_periodic: bool) -> Option<usize> {
         let mut place = self.place(index);
         let last = self.counts[axis] - 1;
         place[axis] = match (forward, place[axis]) {
@@ -147,7 +161,7 @@ impl Laplace {
     fn new(scene: &Scene) -> Self {
         let (cells, dimensions) = (Cells::over(scene), scene.dimensions);
         let inside: Vec<usize> = (0..cells.len())
-            .filter(|&cell| scene.domain.contains(cells.centre(cell, dimensions), 0.0))
+            .filter(|&cell| scene.layout.casing.domain.contains(cells.centre(cell, dimensions), 0.0))
             .collect();
         let mut numbers = vec![NONE; cells.len()];
         for (number, &cell) in inside.iter().enumerate() {
@@ -242,6 +256,15 @@ impl Laplace {
         potential
     }
 
+    /// Returns a potential by cell of the grid.
+    fn by_cell(&self, potential: &[f64]) -> Vec<f32> {
+        let mut all = vec![0.0; self.cells.len()];
+        for (&cell, &value) in self.inside.iter().zip(potential) {
+            all[cell] = value as f32;
+        }
+        all
+    }
+
     /// Returns the gradient of a potential by cell of the grid, 1/m.
     fn gradient(&self, potential: &[f64], outlet: u16) -> Vec<[f32; 3]> {
         let mut gradient = vec![[0.0; 3]; self.cells.len()];
@@ -306,6 +329,7 @@ pub fn potential_flows(scene: &Scene, is_wanted: impl Fn(usize) -> bool) -> Vec<
         overlaps: over_all(&|other| product(potential, &other.0)),
         conductances: over_all(&|other| dot(gradient, &other.1)),
         gradient: gradient.clone(),
+        potential: laplace.by_cell(potential),
     };
     solved.iter().map(|of_outlet| of_outlet.as_ref().map(flow_of)).collect()
 }

@@ -47,6 +47,8 @@ pub struct Rings {
     pub radius: f64,
     /// Place of the first ring.
     pub first: FirstRing,
+    /// [Number](super::movers::Wall::number) of the wall whose particles they are.
+    pub wall: u16,
 }
 
 /// Replaces the wall particles of the lattice in the cylinders of a scene by rings.
@@ -55,7 +57,9 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
     // Wall particles of the lattice may lie up to a quarter of a spacing in front of the surface.
     let reach = |rings: &Rings| rings.radius + 0.26 * spacing;
     let within = |place: &Place| {
-        let inside = |rings: &Rings| place.position.distance(rings.centre) < reach(rings);
+        let inside = |rings: &Rings| {
+            place.patch == rings.wall && place.position.distance(rings.centre) < reach(rings)
+        };
         place.zone == Zone::Wall && scene.layout.rings.iter().any(inside)
     };
     places.retain(|place| !within(place));
@@ -68,7 +72,7 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
             places.extend((0..count).map(|index| {
                 let (sine, cosine) = (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
                 let position = rings.centre + radius * DVec3::new(cosine, sine, 0.0);
-                Place { position, zone: Zone::Wall, patch: 0 }
+                Place { position, zone: Zone::Wall, patch: rings.wall }
             }));
         }
     }

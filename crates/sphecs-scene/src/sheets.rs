@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
-use super::fill::confined_distance;
 use super::layers::moved_to;
 use super::model::Scene;
+use super::movers::Wall;
 
 /// Radius of the repulsion R, in spacings.
 const RADIUS: f64 = 1.7;
@@ -32,10 +32,10 @@ const OFF_THE_LAYER: f64 = 0.05;
 
 /// Returns the particles of the layers at some depths, m, from the lattice's wall particles behind
 /// a surface.
-pub fn spread(scene: &Scene, walls: &[DVec3], depths: &[f64]) -> Vec<Vec<DVec3>> {
+pub fn spread(scene: &Scene, wall: Wall, walls: &[DVec3], depths: &[f64]) -> Vec<Vec<DVec3>> {
     let mut layers: Vec<Vec<DVec3>> = vec![Vec::new(); depths.len()];
     for point in walls {
-        let layer = (confined_distance(scene, *point) / scene.spacing).floor();
+        let layer = (wall.distance(scene, *point) / scene.spacing).floor();
         if layer >= 0.0
             && let Some(layer) = layers.get_mut(layer as usize)
         {
@@ -43,10 +43,10 @@ pub fn spread(scene: &Scene, walls: &[DVec3], depths: &[f64]) -> Vec<Vec<DVec3>>
         }
     }
     let of_layer = |(points, depth): (Vec<DVec3>, &f64)| {
-        let points = points.par_iter().map(|point| moved_to(scene, *point, *depth)).collect();
+        let points = points.par_iter().map(|point| moved_to(scene, wall, *point, *depth)).collect();
         let is_on_it =
-            |point: &DVec3| (confined_distance(scene, *point) - depth).abs() < OFF_THE_LAYER * scene.spacing;
-        relaxed(scene, points, *depth).into_iter().filter(is_on_it).collect()
+            |point: &DVec3| (wall.distance(scene, *point) - depth).abs() < OFF_THE_LAYER * scene.spacing;
+        relaxed(scene, wall, points, *depth).into_iter().filter(is_on_it).collect()
     };
     layers.into_iter().zip(depths).map(of_layer).collect()
 }
@@ -57,7 +57,7 @@ pub fn around([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
 }
 
 /// Returns the particles of a layer after they have repelled each other.
-fn relaxed(scene: &Scene, mut points: Vec<DVec3>, depth: f64) -> Vec<DVec3> {
+fn relaxed(scene: &Scene, wall: Wall, mut points: Vec<DVec3>, depth: f64) -> Vec<DVec3> {
     let radius = RADIUS * scene.spacing;
     for _ in 0..STEPS {
         let mut cells: BTreeMap<[i64; 3], Vec<DVec3>> = BTreeMap::new();
@@ -75,7 +75,7 @@ fn relaxed(scene: &Scene, mut points: Vec<DVec3>, depth: f64) -> Vec<DVec3> {
                     }
                 }
                 let step = (STEP * scene.spacing * push).clamp_length_max(0.2 * scene.spacing);
-                moved_to(scene, point + step, depth)
+                moved_to(scene, wall, point + step, depth)
             })
             .collect();
     }

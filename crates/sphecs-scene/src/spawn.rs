@@ -7,6 +7,7 @@ use rayon::slice::ParallelSliceMut;
 use super::expression::Expression;
 use super::fill::{Place, places};
 use super::model::{ParticleSeed, Scene};
+use super::movers::{Wall, WallPoses};
 use super::wall_particles;
 use sphecs_core::particles::zone::Zone;
 
@@ -14,10 +15,12 @@ use sphecs_core::particles::zone::Zone;
 /// of its lattice. The list is reproducible bit by bit.
 pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
     let mut places = places(scene);
-    // The order of the lattice stays within a zone.
-    places.par_sort_by_key(|place| place.zone);
+    // The order of the lattice stays within a zone; walls that move come last among the walls.
+    let wall = |place: &Place| if place.zone == Zone::Wall { place.patch } else { 0 };
+    places.par_sort_by_key(|place| (place.zone, wall(place)));
+    let poses = scene.wall_poses(0.0);
     let mut seeds = Vec::with_capacity(places.len() + scene.reservoir.initial);
-    seeds.par_extend(places.into_par_iter().map(|place| seed(scene, place)));
+    seeds.par_extend(places.into_par_iter().map(|place| seed(scene, &poses, place)));
     let parked = scene.inlets.first().map_or(DVec3::ZERO, |inlet| inlet.patch.at);
     let reservoir = ParticleSeed {
         position: parked,
@@ -33,7 +36,7 @@ pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
     seeds
 }
 
-fn seed(scene: &Scene, place: Place) -> ParticleSeed {
+fn seed(scene: &Scene, poses: &WallPoses, place: Place) -> ParticleSeed {
     let position = place.position;
     let at = |expression: &Expression| expression.value(position.x, position.y, position.z, 0.0);
     let mut seed = ParticleSeed {
@@ -48,10 +51,14 @@ fn seed(scene: &Scene, place: Place) -> ParticleSeed {
     };
     match place.zone {
         Zone::Wall => {
-            let surface = wall_particles::surface(scene, position);
+            let surface = wall_particles::surface(scene, Wall::numbered(place.patch), position);
             let part = &scene.walls.parts[usize::from(surface.part)];
+            let foot = position + surface.normal * surface.distance;
             seed.patch = surface.part;
-            seed.velocity = part.velocity_at(position + surface.normal * surface.distance, 0.0);
+            seed.velocity = match scene.pose_of_part(poses, surface.part) {
+                Some(pose) => pose.velocity_at(foot),
+                None => part.velocity_at(foot, 0.0),
+            };
             seed.wall_distance = surface.distance;
             seed.wall_normal = surface.normal;
         }

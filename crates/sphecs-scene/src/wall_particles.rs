@@ -6,10 +6,11 @@ use glam::DVec3;
 
 use super::fill::confined_distance;
 use super::model::{ParticleSeed, Scene, WallPart};
+use super::movers::Wall;
 use sphecs_core::particles::zone::Zone;
 
 impl WallPart {
-    /// Returns true if the surface moves at any time.
+    /// Returns true if the surface moves along itself at any time.
     pub fn moves(&self) -> bool {
         self.velocity.iter().any(|component| component.constant() != Some(0.0))
     }
@@ -45,24 +46,37 @@ pub struct Surface {
     pub part: u16,
 }
 
-/// Returns the surface in front of a wall particle.
+/// Returns the surface of a wall in front of one of its particles, at the start.
 ///
 /// A particle that the lattice puts up to Δ/4 in front of its surface has distance 0.
-pub fn surface(scene: &Scene, point: DVec3) -> Surface {
+pub fn surface(scene: &Scene, wall: Wall, point: DVec3) -> Surface {
     let step = probing_step(scene);
-    let nearest = nearest_point(scene, point);
-    let outside = confined_distance(scene, point) > 0.0;
-    let distance = if outside { point.distance(nearest) } else { 0.0 };
+    let behind = |point: DVec3| wall.distance(scene, point);
+    let nearest = nearest_point(scene, &behind, point);
+    let distance = if behind(point) > 0.0 { point.distance(nearest) } else { 0.0 };
     let direction =
-        if distance > step { (nearest - point) / distance } else { -gradient(scene, point, step) };
-    Surface { distance, normal: snapped(direction), part: part(scene, nearest) }
+        if distance > step { (nearest - point) / distance } else { -gradient(scene, &behind, point) };
+    Surface { distance, normal: snapped(direction), part: part(scene, wall, nearest) }
 }
 
-/// Returns the surface point nearest to a point on either side, m, with its unit normal into the
-/// fluid and its wall part.
+/// Returns the surface point nearest to a point on either side at the start, m, with its unit
+/// normal into the fluid and its wall part.
 pub fn surface_at(scene: &Scene, point: DVec3) -> (DVec3, DVec3, u16) {
-    let nearest = nearest_point(scene, point);
-    (nearest, snapped(-gradient(scene, nearest, probing_step(scene))), part(scene, nearest))
+    let behind = |point: DVec3| confined_distance(scene, point);
+    let nearest = nearest_point(scene, &behind, point);
+    let movers = (0..scene.movers.len()).map(Wall::Mover);
+    let tolerance = 1e-3 * scene.spacing;
+    let mover = movers.into_iter().find(|mover| mover.distance(scene, nearest).abs() < tolerance);
+    let normal = snapped(-gradient(scene, &behind, nearest));
+    (nearest, normal, part(scene, mover.unwrap_or(Wall::Casing), nearest))
+}
+
+/// Returns the surface point of one wall nearest to a point on either side at the start, m, with
+/// its unit normal into the fluid and its wall part.
+pub fn surface_of(scene: &Scene, wall: Wall, point: DVec3) -> (DVec3, DVec3, u16) {
+    let behind = |point: DVec3| wall.distance(scene, point);
+    let nearest = nearest_point(scene, &behind, point);
+    (nearest, snapped(-gradient(scene, &behind, nearest)), part(scene, wall, nearest))
 }
 
 /// Returns the step of differences of the signed distance, m.
@@ -70,26 +84,25 @@ fn probing_step(scene: &Scene) -> f64 {
     1e-4 * scene.spacing
 }
 
-/// Returns the nearest surface point, m, by steps along the gradient of the signed distance.
-fn nearest_point(scene: &Scene, point: DVec3) -> DVec3 {
-    let step = probing_step(scene);
+/// Returns the nearest surface point, m, by steps along the gradient of the distance behind a wall.
+fn nearest_point(scene: &Scene, behind: &impl Fn(DVec3) -> f64, point: DVec3) -> DVec3 {
     let mut nearest = point;
     for _ in 0..8 {
-        let distance = confined_distance(scene, nearest);
-        if distance.abs() < 1e-3 * step {
+        let distance = behind(nearest);
+        if distance.abs() < 1e-3 * probing_step(scene) {
             break;
         }
-        nearest -= distance * gradient(scene, nearest, step);
+        nearest -= distance * gradient(scene, behind, nearest);
     }
     nearest
 }
 
-/// Returns the normalised gradient of the signed distance, by central differences.
-fn gradient(scene: &Scene, point: DVec3, step: f64) -> DVec3 {
+/// Returns the normalised gradient of the distance behind a wall, by central differences.
+fn gradient(scene: &Scene, behind: &impl Fn(DVec3) -> f64, point: DVec3) -> DVec3 {
+    let step = probing_step(scene);
     let mut gradient = DVec3::ZERO;
     for (axis, unit) in DVec3::AXES.iter().enumerate().take(scene.dimensions) {
-        gradient[axis] =
-            confined_distance(scene, point + step * *unit) - confined_distance(scene, point - step * *unit);
+        gradient[axis] = behind(point + step * *unit) - behind(point - step * *unit);
     }
     gradient.normalize_or_zero()
 }
@@ -100,9 +113,13 @@ fn snapped(normal: DVec3) -> DVec3 {
     clean.normalize_or_zero()
 }
 
-/// Returns the index of the first part whose region contains the surface point, or 0.
-fn part(scene: &Scene, surface: DVec3) -> u16 {
-    parts_at(scene, surface).next().unwrap_or(0)
+/// Returns the part of a surface point of a wall: that of the mover, or the first part whose region
+/// contains the point, or 0.
+fn part(scene: &Scene, wall: Wall, surface: DVec3) -> u16 {
+    match wall {
+        Wall::Casing => parts_at(scene, surface).next().unwrap_or(0),
+        Wall::Mover(index) => scene.movers[index].part,
+    }
 }
 
 /// Returns the indices of all parts whose regions contain the surface point.
@@ -118,7 +135,10 @@ fn parts_at(scene: &Scene, surface: DVec3) -> impl Iterator<Item = u16> + '_ {
 pub fn overlapping_parts(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<([u16; 2], usize)> {
     let mut pairs = BTreeMap::new();
     if scene.layout.wall_regions.len() > 1 {
-        for seed in seeds.iter().filter(|seed| seed.zone == Zone::Wall) {
+        let of_casing = |seed: &&ParticleSeed| {
+            seed.zone == Zone::Wall && Wall::of_part(scene, seed.patch) == Wall::Casing
+        };
+        for seed in seeds.iter().filter(of_casing) {
             let mut parts = parts_at(scene, seed.position + seed.wall_distance * seed.wall_normal);
             if let (Some(first), Some(second)) = (parts.next(), parts.next()) {
                 *pairs.entry([first, second]).or_insert(0) += 1;

@@ -66,9 +66,12 @@ pub struct Body {
     pub part: u16,
     /// Point that torques are about, m.
     pub about: DVec3,
-    /// Cells whose particles have the body in their support: the body never leaves them. Empty
-    /// until they are found.
+    /// True if the body moves, so that its cells are found in every step.
+    moves: bool,
+    /// Cells whose particles have the body in their support. Empty until they are found.
     cells: Vec<u32>,
+    /// Number of particles of the body in the rows before each row; of a body that moves.
+    before: Vec<u32>,
     sums: Vec<BodySum>,
 }
 
@@ -76,6 +79,12 @@ impl Body {
     /// Returns the body of a part of the wall, with torques about a point, m.
     pub fn new(part: u16, about: DVec3) -> Self {
         Self { part, about, ..Self::default() }
+    }
+
+    /// Returns the body with its cells found anew in every step.
+    #[must_use]
+    pub fn moving(self) -> Self {
+        Self { moves: true, ..self }
     }
 
     /// Prepares the columns and the cells for the sums on the body; returns false without walls.
@@ -97,15 +106,25 @@ impl Body {
 
     /// Finds the cells around the body, unless they are known.
     fn find_cells<R: Real, const D: usize>(&mut self, grid: &CellGrid<D>, particles: &ParticleArrays<R, D>) {
-        if !self.cells.is_empty() {
+        if !self.cells.is_empty() && !self.moves {
             return;
         }
-        let is_body = |row: usize| particles.zone[row] == Zone::Wall && particles.patch[row] == self.part;
+        let Self { cells, before, part, .. } = self;
+        cells.clear();
+        before.clear();
+        before.push(0);
+        let mut count = 0;
+        before.extend(particles.zone.iter().zip(&particles.patch).map(|(zone, patch)| {
+            count += u32::from(*zone == Zone::Wall && patch == part);
+            count
+        }));
         for cell in 0..grid.len() {
             let mut near = false;
-            grid.for_each_run(grid.index_of(cell), |mut rows, _| near = near || rows.any(is_body));
+            grid.for_each_run(grid.index_of(cell), |rows, _| {
+                near = near || (!rows.is_empty() && before[rows.end] > before[rows.start]);
+            });
             if near {
-                self.cells.push(cell as u32);
+                cells.push(cell as u32);
             }
         }
     }

@@ -15,6 +15,7 @@ use crate::schedule::{Stage, StageSet, StepSet};
 use crate::systems::body_forces::{Bodies, sum_body_forces, sum_edac_body_forces};
 use crate::systems::boundaries::inflow_columns::InflowColumns;
 use crate::systems::boundaries::inlets::apply_inlets;
+use crate::systems::boundaries::movers::{MoverParticles, PresentPoses};
 use crate::systems::boundaries::outlet_diagnostics::{OutletDiagnostics, diagnose_outlets};
 use crate::systems::boundaries::outlet_registry::AddedOutlets;
 use crate::systems::boundaries::outlets::{apply_outlets, find_outlet_rates};
@@ -124,6 +125,10 @@ fn add_boundaries<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_
     context.save_resource::<OutletDiagnostics>("outlet_diagnostics");
     context.save_resource::<WallProjections>("wall_projections");
     context.save_resource::<FreeNumbers>("free_numbers");
+    context.world.init_resource::<PresentPoses>();
+    if context.world.resource::<ActiveScene>().0.has_moving_walls() {
+        context.save_resource::<MoverParticles>("mover_particles");
+    }
     context.world.init_resource::<AddedOutlets>();
     context.world.init_resource::<TransitionLists>();
     // Walls need the pressure of inflow and outflow particles, so they come last.

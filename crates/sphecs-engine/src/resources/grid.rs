@@ -7,6 +7,7 @@ use sphecs_core::math::real::Real;
 use sphecs_core::particles::arrays::SpareColumns;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::settings::PairSettings;
+use sphecs_scene::fill::wall_thickness;
 use sphecs_scene::model::{ParticleSeed, Scene};
 
 /// Cell grid of the scene; its box and cells never change during a run.
@@ -21,7 +22,7 @@ pub struct SortBuffers<R: Real>(pub SpareColumns<R>);
 /// leaves the grid is lost.
 const MARGIN_IN_SUPPORTS: f64 = 1.5;
 
-/// Creates the grid of a scene from the initial positions.
+/// Creates the grid of a scene from the initial positions and the way of walls that move.
 pub(crate) fn scene_grid<const D: usize>(
     scene: &Scene,
     pair: &PairSettings,
@@ -34,6 +35,11 @@ pub(crate) fn scene_grid<const D: usize>(
         for axis in 0..D {
             lower[axis] = lower[axis].min(seed.position[axis]);
             upper[axis] = upper[axis].max(seed.position[axis]);
+        }
+    }
+    if let Some((low, high)) = scene.swept_box(wall_thickness(scene)) {
+        for axis in 0..D {
+            (lower[axis], upper[axis]) = (lower[axis].min(low[axis]), upper[axis].max(high[axis]));
         }
     }
     let mut periodic = [false; D];

@@ -6,6 +6,7 @@ use bevy_ecs::world::World;
 
 use super::pair_sums::Sums;
 use crate::arrays::Arrays;
+use crate::systems::boundaries::movers::orient;
 use crate::transfer;
 use sphecs_core::pass::column_access::AfterPasses;
 use sphecs_core::pass::pair_real::PairReal;
@@ -28,6 +29,7 @@ pub fn gather<R: PairReal<D>, const D: usize>(world: &mut World) {
     if *world.resource::<StateLocation>() == StateLocation::Components {
         world.resource_scope(|world, mut arrays: Mut<Arrays<R, D>>| {
             transfer::gather(world, &mut arrays);
+            orient(world, &mut arrays);
         });
     }
     world.insert_resource(StateLocation::Arrays);

@@ -16,6 +16,7 @@ use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, particles};
 use crate::schedule::{stage_schedule, step_schedule};
 use crate::spawn::spawn_particles;
+use crate::systems::boundaries::movers::{MoverParticles, find_poses};
 use crate::systems::boundaries::outlet_registry::OutletFaults;
 use crate::systems::boundaries::outlets::insert_outlets;
 use crate::systems::transitions::refill::WaitingInjections;
@@ -129,13 +130,19 @@ impl SimulationBuilder {
         // The particles come last: bevy keeps each resource in a table whose size is the index of
         // its entity, 4 B per particle for each resource inserted after the particles.
         match contents {
-            Contents::Particles(particles) => spawn_particles(&mut world, &scene, &particles),
+            Contents::Particles(particles) => {
+                if scene.has_moving_walls() {
+                    world.insert_resource(MoverParticles::new(&scene, &particles));
+                }
+                spawn_particles(&mut world, &scene, &particles);
+            }
             Contents::State(mut state) => {
                 particles::restore::<R, D>(&mut world, &mut state)?;
                 SavedResources::restore(&mut world, &mut state)?;
                 particles::check_ledger(&mut world)?;
             }
         }
+        find_poses(&mut world);
         let functions = TypedFunctions::new::<R, D>(&scene);
         Ok(Simulation { world, scene, functions, is_refreshed: false })
     }

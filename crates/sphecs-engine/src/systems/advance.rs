@@ -9,6 +9,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelI
 
 use super::boundaries::inflow_columns::InflowColumns;
 use super::boundaries::inlets::move_inflow;
+use super::boundaries::movers::WallMotion;
 use super::boundaries::outlets::Outlets;
 use super::boundaries::patch_rows::PatchRows;
 use crate::resources::clock::Clock;
@@ -45,20 +46,21 @@ impl StepSettings<'_> {
     }
 }
 
-/// Clock, inflow and outflow zones: everything that a step advances besides the fluid.
+/// Clock, inflow and outflow zones, walls that move: everything that a step advances besides the fluid.
 #[derive(SystemParam)]
 pub(crate) struct ZoneMotion<'w, 's, R: PairReal<D>, const D: usize> {
     scene: Res<'w, ActiveScene>,
     rows: Res<'w, PatchRows>,
     outlets: Res<'w, Outlets<R, D>>,
     columns: ResMut<'w, InflowColumns>,
+    walls: WallMotion<'w>,
     /// Time at the beginning of the step, and size of the previous step.
     pub clock: ResMut<'w, Clock>,
     velocities: Local<'s, Vec<DVec3>>,
 }
 
 impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
-    /// Moves inflow and outflow particles over a time step, s, and advances the clock.
+    /// Moves inflow, outflow and wall particles over a time step, s, and advances the clock.
     pub(crate) fn finish_step(&mut self, time_step: f64, arrays: &mut ParticleArrays<R, D>) {
         let (scene, clock) = (&*self.scene.0, &mut *self.clock);
         let (time, viscosity) = (clock.time, scene.fluid.viscosity);
@@ -77,6 +79,7 @@ impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
         clock.time += time_step;
         clock.time_step = time_step;
         clock.step += 1;
+        self.walls.finish_step(scene, clock.time, arrays);
     }
 }
 

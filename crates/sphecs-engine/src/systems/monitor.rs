@@ -12,6 +12,7 @@ use crate::resources::grid::Grid;
 use crate::resources::ledger::Ledger;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
+use crate::systems::boundaries::movers::PresentPoses;
 use crate::systems::boundaries::wall_projection::WallProjections;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -19,6 +20,7 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
+use sphecs_scene::movers::WallPoses;
 
 /// Row of `monitor.nc`: integral quantities of the flow at one time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -156,7 +158,8 @@ fn quantities<R: PairReal<D>, const D: usize>(
         largest_divergence: world.resource::<RatesFound>().largest_divergence,
         ..MonitorRow::default()
     };
-    let sums = fluid_sums(scene, &world.resource::<Grid<D>>().0, arrays);
+    let poses = &world.resource::<PresentPoses>().0;
+    let sums = fluid_sums((scene, poses), &world.resource::<Grid<D>>().0, arrays);
     row.kinetic_energy = 0.5 * mass * sums.square_speed;
     row.momentum = mass * sums.velocity;
     row.largest_speed = sums.largest_speed;
@@ -206,10 +209,11 @@ impl FluidSums {
 const CHUNK: usize = 4096;
 
 fn fluid_sums<R: PairReal<D>, const D: usize>(
-    scene: &Scene,
+    (scene, poses): (&Scene, &WallPoses),
     grid: &CellGrid<D>,
     arrays: &ParticleArrays<R, D>,
 ) -> FluidSums {
+    let container = &scene.layout.casing.container;
     let close = Neighbours::within(CLOSE * scene.spacing, grid, arrays);
     let sums_of = |chunk: usize| {
         let mut sums = FluidSums::default();
@@ -229,7 +233,7 @@ fn fluid_sums<R: PairReal<D>, const D: usize>(
             // The signed distance of a scene is costly, and only a particle next to a wall can be
             // behind it.
             let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;
-            if near_wall && scene.container.signed_distance(point) > BEHIND * scene.spacing {
+            if near_wall && scene.nearest_wall(container, poses, point).0 > BEHIND * scene.spacing {
                 sums.through_walls += 1;
             }
             // Each pair once, at its first particle.

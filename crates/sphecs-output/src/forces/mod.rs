@@ -10,7 +10,8 @@
 //! c_d = F_x/(½ ρ0 u∞² A),   c_l = F_y/(½ ρ0 u∞² A)
 //! ```
 //!
-//! Negi et al. (2020), section 4.6, which omits A. A row has the time and the forces at the
+//! Negi et al. (2020), section 4.6, which omits A. A body that moves has its motion beside the
+//! forces, and the power F·v + T·ω of the fluid on it. A row has the time and the forces at the
 //! beginning of a step. The CSV file is written during the run like `monitor.csv`; the NetCDF file
 //! is made from it when the run is packed.
 
@@ -68,6 +69,20 @@ fn body_columns(header: &Header, body: &BodyHeader) -> Vec<(TableColumn, String)
             let long_name = format!("torque {of} on {} about {axis}", body.name);
             add(format!("{part}torque_{axis}"), torque, long_name);
         }
+    }
+    if body.moves {
+        for axis in header.axes() {
+            add(format!("position_{axis}"), "m", format!("position of {} along {axis}", body.name));
+        }
+        for axis in header.axes() {
+            add(format!("velocity_{axis}"), "m s-1", format!("velocity of {} along {axis}", body.name));
+        }
+        for axis in torque_axes(header) {
+            let long_name = format!("angular velocity of {} about {axis}", body.name);
+            add(format!("angular_velocity_{axis}"), "rad s-1", long_name);
+        }
+        let power = if header.dimensions == 2 { "W m-1" } else { "W" };
+        add("power".to_owned(), power, format!("power of the fluid on {}", body.name));
     }
     if body.reference.is_some() {
         add("c_d".to_owned(), "1", format!("drag coefficient of {}", body.name));
@@ -129,12 +144,19 @@ impl ForcesWriter {
     pub fn append(&mut self, row: &BodyForcesRow) -> Result<(), OutputError> {
         let header = &self.header;
         let mut cells = vec![number(row.time), row.step.to_string()];
-        for (body, sum) in header.bodies.iter().zip(&row.forces) {
+        let axes = header.dimensions;
+        let along = |vector: DVec3| vector.to_array().into_iter().take(axes).map(number);
+        let about = |vector: DVec3| vector.to_array().into_iter().skip(if axes == 2 { 2 } else { 0 }).map(number);
+        for ((body, sum), motion) in header.bodies.iter().zip(&row.forces).zip(&row.motions) {
             for (force, torque) in parts(sum) {
-                let axes = header.dimensions;
-                cells.extend(force.to_array().iter().take(axes).map(|&value| number(value)));
-                let torque = torque.to_array();
-                cells.extend(torque[if axes == 2 { 2.. } else { 0.. }].iter().map(|&value| number(value)));
+                cells.extend(along(force));
+                cells.extend(about(torque));
+            }
+            if let Some(motion) = motion {
+                cells.extend(along(motion.position));
+                cells.extend(along(motion.velocity));
+                cells.extend(about(motion.spin));
+                cells.push(number(motion.power(sum)));
             }
             let force = sum.pressure_force + sum.viscous_force;
             cells.extend(coefficients(header, body, force).into_iter().flatten().map(number));

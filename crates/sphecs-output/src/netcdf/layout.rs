@@ -1,14 +1,15 @@
 //! Layout of `particles.nc` and of the frames of the journal.
 //!
 //! ```text
-//! dimensions  time (unlimited), particle (slots that are not walls), wall
+//! dimensions  time (unlimited), particle (slots of all but walls at rest), wall
 //! x y (z)     f64 (time, particle), m            NaN: in the reservoir, or absent
 //! u v (w)     f32 (time, particle), m s-1
 //! density pressure tag   f32 (time, particle)
 //! zone        u8  (time, particle), CF flags     255: slot without a particle
 //! passage     u32 (time, particle)
 //! particle_id u32 (particle)                     number of the particle in the run
-//! wall_x wall_y (wall_z) wall_id wall_part       (wall), stored once
+//! moving_part u16 (particle)                     if walls move: their wall part
+//! wall_x wall_y (wall_z) wall_id wall_part       (wall), walls at rest, stored once
 //! step time_step (time)
 //! ```
 //!
@@ -20,7 +21,7 @@
 use ::netcdf::{AttributeValue, FileMut};
 
 use super::file::add_variable;
-use super::slots::{Slots, pick};
+use super::slots::{NO_PART, Slots, pick};
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use sphecs_core::particles::zone::Zone;
@@ -135,7 +136,19 @@ pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Resu
     if !slots.particles.is_empty() {
         ids.put_values(&slots.particles, ..)?;
     }
-    Ok(())
+    if slots.moving_parts.is_empty() {
+        return Ok(());
+    }
+    let mut attributes =
+        vec![text("units", "1"), text("long_name", "wall part of a particle of a wall that moves")];
+    let names = header.wall_parts.iter().map(|name| result_name(name)).chain(["none".to_owned()]);
+    let values: Vec<u16> = (0..header.wall_parts.len() as u16).chain([NO_PART]).collect();
+    attributes.extend([
+        ("flag_values", AttributeValue::from(values)),
+        text("flag_meanings", names.collect::<Vec<_>>().join(" ")),
+    ]);
+    add_variable::<u16>(file, "moving_part", &["particle"], &[particle_chunk], &attributes)?
+        .put_values(&slots.moving_parts, ..)
 }
 
 /// Defines and writes the variables of the walls.

@@ -8,7 +8,7 @@ use super::chunks::ChunkError;
 use super::compression::FrameChunks;
 use super::file::{Stored, WriteError, open_file, read_error, write_file, write_file_with_chunks};
 use super::layout::{AXES, VELOCITIES, define, put_walls};
-use super::slots::Slots;
+use super::slots::{NO_PART, Slots};
 use crate::error::OutputError;
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
@@ -19,7 +19,7 @@ use sphecs_core::particles::zone::Zone;
 /// # Errors
 /// [`OutputError`] with the path and the cause.
 pub(crate) fn write_walls(path: &Path, header: &Header, frame: &Frame) -> Result<(), OutputError> {
-    let slots = Slots { particles: Vec::new(), walls: Slots::of(frame).walls };
+    let slots = Slots { walls: Slots::of(frame).walls, ..Slots::default() };
     write_file(path, |file| {
         define(file, header, &slots)?;
         Ok(put_walls(file, header, &slots, frame)?)
@@ -150,6 +150,9 @@ impl ParticleFile {
         // A file with walls only has one unused slot.
         if !opened.times.is_empty() {
             opened.slots.particles = opened.column("particle_id")?;
+            if opened.file.variable("moving_part").is_some() {
+                opened.slots.moving_parts = opened.column("moving_part")?;
+            }
         }
         if opened.file.dimension("wall").is_some() {
             opened.slots.walls = opened.column("wall_id")?;
@@ -209,6 +212,7 @@ impl ParticleFile {
         place(&mut frame.tag, ids, &self.row("tag", index)?);
         place(&mut frame.zone, ids, &self.row("zone", index)?);
         place(&mut frame.passage, ids, &self.row("passage", index)?);
+        self.place_moving_walls(&mut frame);
         if self.dimensions == 2 {
             for slot in ids.iter().map(|&slot| slot as usize) {
                 // It is zero, or NaN for slots without a position.
@@ -218,6 +222,19 @@ impl ParticleFile {
         }
         let FrameTime { time, step, time_step } = self.frame_time(index)?;
         Ok(Frame { time, step, time_step, ..frame })
+    }
+
+    /// Sets the wall parts of the particles of walls that move, and their numbers.
+    fn place_moving_walls(&self, frame: &mut Frame) {
+        let moving = self.slots.particles.iter().zip(&self.slots.moving_parts);
+        let mut moving = moving.filter(|(_, part)| **part != NO_PART);
+        let Some((&first, &part)) = moving.next() else { return };
+        frame.patch[first as usize] = part;
+        frame.moving_walls = first..first + 1;
+        for (&slot, &part) in moving {
+            frame.patch[slot as usize] = part;
+            frame.moving_walls.end = slot + 1;
+        }
     }
 
     /// Returns the time of the frame `index`.

@@ -10,6 +10,7 @@
 //! * [`regions`]: regions of space
 //! * [`openings`]: inlets and outlets
 //! * [`walls`]: walls and bodies
+//! * [`movers`]: bodies that move
 //! * [`scheme`]: fluid and numerical scheme
 //! * [`settings`]: filling, initial fields, reservoir, time, references
 //! * [`measurements`]: output and probes
@@ -24,6 +25,7 @@ use super::model::{Precision, Scene};
 
 mod description;
 pub mod measurements;
+pub mod movers;
 pub mod numbers;
 pub mod openings;
 pub mod regions;
@@ -32,6 +34,7 @@ pub mod settings;
 pub mod walls;
 
 pub use measurements::{Output, Probe, ProbeKind};
+pub use movers::{Motion, Mover, Translation, Turning};
 pub use numbers::{Components, Formula, Interval, Number, Vector, VectorFormula};
 pub use openings::{Inlet, InletVelocity, MassFlow, MassFlux, Outlet, PoiseuilleStartup};
 pub use regions::{BendSection, Rotation, Shape};
@@ -70,6 +73,8 @@ pub struct SceneBuilder {
     fill: Option<Fill>,
     #[serde(skip_serializing_if = "WallChoice::is_standard")]
     walls: WallChoice,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    movers: Vec<Mover>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     bodies: Vec<Body>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -185,6 +190,7 @@ impl Scene {
             domain: None,
             fill: None,
             walls: WallChoice::Standard,
+            movers: Vec::new(),
             bodies: Vec::new(),
             initial: None,
             inlets: Vec::new(),
@@ -269,6 +275,12 @@ impl SceneBuilder {
     /// Leaves the domain's surface without walls.
     pub fn without_walls(mut self) -> Self {
         self.walls = WallChoice::Absent;
+        self
+    }
+
+    /// Adds a body that moves.
+    pub fn mover(mut self, mover: Mover) -> Self {
+        self.movers.push(mover);
         self
     }
 

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::description::description;
+use super::movers::Motion;
 use super::numbers::{Interval, Number, Vector, VectorFormula};
 use super::regions::Shape;
 use crate::rings::FirstRing;
@@ -17,6 +18,8 @@ description! {
         slip: Slip,
         /// Sets the surface velocity, m/s, default rest.
         velocity: VectorFormula,
+        /// Sets the motion of all walls together but the movers, default rest.
+        motion: Motion,
         /// Sets the arrangement of the particles behind the surface, default on the lattice of the
         /// fluid.
         fill: WallFill,

@@ -1,10 +1,13 @@
 //! Checks of the bodies of a scene file.
 
+use glam::DVec3;
+
 use super::checker::Checker;
 use crate::faults::{Fault, advice};
 use crate::fill::Place;
 use crate::geometry::Shape;
-use crate::model::{Body, BodyReference, Scene, Walls};
+use crate::model::{Body, BodyReference, Mover, Scene, Walls};
+use crate::movers::Wall;
 use crate::schema::{BodyFile, SceneFile};
 use crate::wall_particles::surface;
 use sphecs_core::particles::zone::Zone;
@@ -12,15 +15,15 @@ use sphecs_core::particles::zone::Zone;
 /// Returns all bodies without faults; `end` is the end of the run, s.
 pub fn bodies(
     file: &SceneFile,
-    (walls, regions, domain): (&Walls, &[Shape], &Shape),
+    places: &Places<'_>,
     end: f64,
     check: &mut Checker<'_>,
 ) -> Vec<Body> {
     let mut bodies: Vec<Body> = Vec::new();
     for file in &file.bodies {
         let name = &file.part;
-        let Some(part) = walls.parts.iter().position(|part| part.name == name.value) else {
-            let names = walls.parts.iter().map(|part| part.name.as_str());
+        let Some(part) = places.walls.parts.iter().position(|part| part.name == name.value) else {
+            let names = places.walls.parts.iter().map(|part| part.name.as_str());
             check.report(
                 Fault::new(
                     format!("the walls have no part `{}`", name.value),
@@ -35,9 +38,10 @@ pub fn bodies(
             let label = "every part must be named once";
             check.report(Fault::new(format!("`{}` is a body twice", name.value), name.span, label));
         }
-        let (low, high) = part.checked_sub(1).and_then(|index| regions.get(index)).unwrap_or(domain).bounds();
-        let middle = 0.5 * (low + high);
-        let about = file.about.as_ref().map_or(middle, |about| check.vector(about, "m"));
+        let about = match &file.about {
+            Some(about) => check.vector(about, "m"),
+            None => places.middle(part),
+        };
         bodies.push(Body {
             name: name.value.clone(),
             part: part as u16,
@@ -48,6 +52,30 @@ pub fn bodies(
         });
     }
     bodies
+}
+
+/// Walls of a scene and their places.
+pub struct Places<'a> {
+    /// The walls.
+    pub walls: &'a Walls,
+    /// Regions of the parts from the second on.
+    pub regions: &'a [Shape],
+    /// Bodies that move.
+    pub movers: &'a [Mover],
+    /// Domain.
+    pub domain: &'a Shape,
+}
+
+impl Places<'_> {
+    /// Returns the middle of a part, m, in reference coordinates if it moves.
+    fn middle(&self, part: usize) -> DVec3 {
+        if let Some(mover) = self.walls.parts[part].mover {
+            return self.movers[usize::from(mover)].centre;
+        }
+        let region = part.checked_sub(1).and_then(|index| self.regions.get(index));
+        let (low, high) = region.unwrap_or(self.domain).bounds();
+        0.5 * (low + high)
+    }
 }
 
 /// Returns the reference of the coefficients; velocity and area must be given together.
@@ -98,7 +126,8 @@ fn mean(file: &BodyFile, end: f64, check: &mut Checker<'_>) -> (f64, f64) {
 pub fn have_particles(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     let has_particles = |part: u16| {
         let walls = places.iter().filter(|place| place.zone == Zone::Wall);
-        walls.map(|place| surface(scene, place.position).part).any(|found| found == part)
+        let part_of = |place: &Place| surface(scene, Wall::numbered(place.patch), place.position).part;
+        walls.map(part_of).any(|found| found == part)
     };
     let parts = file.walls.iter().flat_map(|walls| &walls.value.parts);
     for (part, written) in (1..).zip(parts) {

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::expression::{Constants, Expression};
+use crate::expression::syntax::SyntaxFault;
+use crate::expression::{Constants, Expression, TimeFunction};
 use crate::faults::Fault;
 use crate::model::UnopenedPart;
 use crate::notation::tree::Span;
@@ -194,16 +195,48 @@ impl<'a> Checker<'a> {
                 }
                 Ok(expression) => expression,
                 Err(fault) => {
-                    let inner = formula.span.start.saturating_add(1);
-                    let plain = inner
-                        .checked_add(text.len())
-                        .and_then(|end| self.text.get(inner..end))
-                        .is_some_and(|found| found == text);
-                    self.report(fault.into_fault(formula.span, plain.then_some(inner)));
+                    self.report_syntax(fault, formula, text);
                     Expression::Constant(0.0)
                 }
             },
         }
+    }
+
+    /// Returns a function of time alone; None if it has a fault.
+    pub fn time_function(&mut self, formula: &Formula) -> Option<TimeFunction> {
+        match &formula.value {
+            FormulaText::Number(value) => Some(TimeFunction::constant(*value)),
+            FormulaText::Text(text) => match TimeFunction::read(text, self.constants) {
+                Ok(function) => Some(function),
+                Err(fault) => {
+                    self.report_syntax(fault, formula, text);
+                    None
+                }
+            },
+        }
+    }
+
+    /// Returns functions of time alone with one component per dimension; z = 0 in 2D.
+    pub fn time_functions(&mut self, components: &Spanned<Vec<Formula>>) -> Option<[TimeFunction; 3]> {
+        if !self.has_components(components, self.dimensions) {
+            return None;
+        }
+        let mut result = std::array::from_fn(|_| TimeFunction::constant(0.0));
+        let functions: Vec<_> = components.value.iter().map(|formula| self.time_function(formula)).collect();
+        for (slot, function) in result.iter_mut().zip(functions) {
+            *slot = function?;
+        }
+        Some(result)
+    }
+
+    /// Reports a fault of an expression at its place.
+    fn report_syntax(&mut self, fault: SyntaxFault, formula: &Formula, text: &str) {
+        let inner = formula.span.start.saturating_add(1);
+        let plain = inner
+            .checked_add(text.len())
+            .and_then(|end| self.text.get(inner..end))
+            .is_some_and(|found| found == text);
+        self.report(fault.into_fault(formula.span, plain.then_some(inner)));
     }
 
     /// Returns an expression, 0 if not given.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{bodies, compressibility, driven, walls};
+use super::{bodies, compressibility, driven, movers, walls};
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill::{self, Place};
@@ -31,6 +31,7 @@ pub fn check(scene: &Scene, file: &SceneFile, is_complete: bool, faults: &mut Ve
     let places = fill::places(scene);
     openings(scene, file, &places, faults);
     walls::fitted_twice(scene, file, faults);
+    movers::check_scene(scene, file, faults);
     if scene.fluid.viscosity == 0.0 {
         let exact = |inlet: &&InletFile| matches!(inlet.velocity.value, Written::PoiseuilleStartup { .. });
         faults.extend(file.inlets.iter().filter(exact).map(|inlet| {

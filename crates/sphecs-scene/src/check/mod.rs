@@ -1,7 +1,7 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`bodies`], [`patches`], [`cut`], [`driven`], [`section`],
+//! 2. [`shapes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`cut`], [`driven`], [`section`],
 //!    [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one
 //!    section each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
@@ -15,8 +15,9 @@ use super::expression::Constants;
 use super::faults::Fault;
 use super::geometry::Shape;
 use super::model::{
-    BodyForce, Fill, FluidProperties, Initial, Inlet, Layout, Outlet, Patch, Scene, UnopenedPart,
+    BodyForce, Casing, Fill, FluidProperties, Initial, Inlet, Layout, Outlet, Patch, Scene, UnopenedPart,
 };
+use super::movers::without_movers;
 use super::schema::SceneFile;
 
 pub mod bodies;
@@ -28,6 +29,7 @@ pub mod cut;
 pub mod driven;
 pub mod layout;
 pub mod mass_flow;
+pub mod movers;
 pub mod names;
 pub mod patches;
 pub mod scheme;
@@ -97,8 +99,12 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     let time = settings::time(&file.time, &scheme, check);
     let end = (check.fault_count() == before_time).then_some(time.end);
     let output = settings::output(&file.output, end, check);
-    let (walls, wall_layout) = walls::walls(file.walls.as_ref(), (&domain, spacing), check);
-    let bodies = bodies::bodies(file, (&walls, &wall_layout.regions, &domain), time.end, check);
+    let (mut walls, mut wall_layout) = walls::walls(file, (&domain, spacing), check);
+    let course = movers::Course { folder: source.folder, end: time.end };
+    let movers = movers::movers(file, (&mut walls, &mut wall_layout), (course, spacing), check);
+    let casing_motion = movers::casing_motion(file, course, check);
+    let places = bodies::Places { walls: &walls, regions: &wall_layout.regions, movers: &movers, domain: &domain };
+    let bodies = bodies::bodies(file, &places, time.end, check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), is_valid, check);
     let site = patches::Site {
         domain: &domain,
@@ -132,9 +138,21 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         fluid,
         scheme,
         body_force,
-        container,
-        layout: laid_out(fill, (zones, confines), wall_layout, unopened, file.walls.is_some()),
-        domain,
+        container: without_movers(&container, &movers),
+        layout: Layout {
+            fill,
+            confines: without_movers(&confines, &movers),
+            casing: Casing { domain: domain.clone(), container, confines },
+            zones,
+            wall_regions: wall_layout.regions,
+            rings: wall_layout.rings,
+            layered: wall_layout.layered,
+            unopened,
+            walled: file.walls.is_some(),
+        },
+        domain: without_movers(&domain, &movers),
+        movers,
+        casing_motion,
         walls,
         bodies,
         inlets,
@@ -154,17 +172,6 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     Some(scene)
 }
 
-/// Returns the layout of the particles.
-fn laid_out(
-    fill: Fill,
-    (zones, confines): (Vec<Shape>, Shape),
-    walls: walls::WallLayout,
-    unopened: Vec<UnopenedPart>,
-    walled: bool,
-) -> Layout {
-    let walls::WallLayout { regions: wall_regions, rings, layered } = walls;
-    Layout { fill, confines, zones, wall_regions, rings, layered, unopened, walled }
-}
 
 fn patches_of<'a>(inlets: &'a [Inlet], outlets: &'a [Outlet]) -> Vec<&'a Patch> {
     let patches = inlets.iter().map(|inlet| &inlet.patch);

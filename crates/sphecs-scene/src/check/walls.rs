@@ -7,9 +7,10 @@ use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::geometry::Shape;
 use crate::model::{Fill, Rings, Scene, WallPart, Walls};
+use crate::movers::Wall;
 use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
-use crate::schema::{Number, SceneFile, Vector, WallFillFile, WallsFile};
+use crate::schema::{Number, SceneFile, Vector, WallFillFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
@@ -26,13 +27,18 @@ pub struct WallLayout {
 
 /// Returns the wall parts and the places of their particles.
 pub fn walls(
-    file: Option<&Spanned<WallsFile>>,
+    scene: &SceneFile,
     (domain, spacing): (&Shape, f64),
     check: &mut Checker<'_>,
 ) -> (Walls, WallLayout) {
-    let rest = |slip: Slip, velocity: [Expression; 3]| WallPart { name: "walls".to_owned(), slip, velocity };
+    let rest = |slip: Slip, velocity: [Expression; 3]| WallPart {
+        name: "walls".to_owned(),
+        slip,
+        velocity,
+        mover: None,
+    };
     let at_rest = || std::array::from_fn(|_| Expression::Constant(0.0));
-    let Some(file) = file.map(|file| &file.value) else {
+    let Some(file) = scene.walls.as_ref().map(|file| &file.value) else {
         let parts = vec![rest(Slip::NoSlip, at_rest())];
         let model = WallModel::default();
         return (Walls { model, parts }, WallLayout::default());
@@ -59,7 +65,9 @@ pub fn walls(
     // What belongs to no part is called `walls`.
     let rest_of_all = std::iter::once(Named::Default(parts[0].name.clone()));
     let given = file.parts.iter().map(|part| Named::Given(&part.name));
-    names(&rest_of_all.chain(given).collect::<Vec<_>>(), "wall parts", check);
+    // The movers share the names of the results with them.
+    let movers = scene.movers.iter().map(|mover| Named::Given(&mover.name));
+    names(&rest_of_all.chain(given).chain(movers).collect::<Vec<_>>(), "wall parts", check);
     for part in &file.parts {
         let name = &part.name;
         let is_layered = match part.fill.as_ref().map(|fill| (fill, &fill.value)) {
@@ -77,7 +85,8 @@ pub fn walls(
             if is_layered {
                 layered.push(parts.len() as u16);
             }
-            parts.push(WallPart { name: name.value.clone(), slip: part.slip.unwrap_or(file.slip), velocity });
+            let slip = part.slip.unwrap_or(file.slip);
+            parts.push(WallPart { name: name.value.clone(), slip, velocity, mover: None });
         }
     }
     (Walls { model: file.model, parts }, WallLayout { regions, rings, layered })
@@ -103,16 +112,16 @@ pub fn fitted_twice(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
 /// Largest distance of the circle of `Concentric` from the surface of the domain, over Δ.
 const OFF_THE_SURFACE: f64 = 1e-3;
 
-/// Returns the rings of a cylinder, which must be the surface of the domain; None if it has a
-/// fault.
-fn concentric(
+/// Returns the rings of a cylinder, which must be the surface of a shape; None if it has a fault.
+pub fn concentric(
     (center, radius, first): (&Vector, &Number, FirstRing),
     file: &Spanned<WallFillFile>,
     (domain, spacing): (&Shape, f64),
     check: &mut Checker<'_>,
 ) -> Option<Rings> {
     let before = check.fault_count();
-    let rings = Rings { centre: check.vector(center, "m"), radius: check.positive(radius, "m"), first };
+    let (centre, radius) = (check.vector(center, "m"), check.positive(radius, "m"));
+    let rings = Rings { centre, radius, first, wall: Wall::Casing.number() };
     if check.dimensions != 2 {
         let label = "must be left out in 3D";
         check.report(Fault::new("`Concentric` is for cylinders in 2D", file.head, label));

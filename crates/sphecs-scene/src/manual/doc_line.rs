@@ -9,7 +9,7 @@
 //! sentence.
 
 /// Units of the scene file, a longer one before its beginning.
-const UNITS: [&str; 18] = [
+const UNITS: [&str; 20] = [
     "s of wall time",
     "s and m/s",
     "s and Pa",
@@ -24,7 +24,9 @@ const UNITS: [&str; 18] = [
     "m²/s",
     "m/s",
     "m²",
+    "rad/s",
     "Pa",
+    "rad",
     "degrees",
     "m",
     "s",

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Formula, Number, ShapeFile, Text, Vector};
+use super::{Formula, MotionFile, Number, ShapeFile, Text, Vector};
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
@@ -25,6 +25,9 @@ pub struct WallsFile {
     /// Surface velocity, m/s, default rest.
     #[serde(default)]
     pub velocity: Option<Spanned<Vec<Formula>>>,
+    /// Motion of all walls together but the movers, default rest; only without openings.
+    #[serde(default)]
+    pub motion: Option<Spanned<MotionFile>>,
     /// Arrangement of their particles behind the surface, default on the lattice of the fluid.
     #[serde(default)]
     pub fill: Option<Spanned<WallFillFile>>,

@@ -16,11 +16,13 @@ use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 
 mod bodies;
 mod boundaries;
+mod movers;
 mod output;
 mod shapes;
 
 pub use bodies::BodyFile;
 pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile};
+pub use movers::{MotionFile, MoverFile};
 pub use output::{OutputFile, ProbeFile, ProbeKindFile};
 pub use shapes::{BendSectionFile, ShapeFile};
 
@@ -117,6 +119,9 @@ pub struct SceneFile {
     /// images; `None` for no wall.
     #[serde(default = "WallsFile::standard")]
     pub walls: Option<Spanned<WallsFile>>,
+    /// Bodies that move, default none.
+    #[serde(default)]
+    pub movers: Vec<MoverFile>,
     /// Parts of the walls whose force and torque are written, default none.
     #[serde(default)]
     pub bodies: Vec<BodyFile>,

@@ -10,8 +10,9 @@ use super::schema_fields::{self, Names};
 use super::shipped::scene;
 use crate::builder::{
     BendSection, Body, Concentric, EdacTvf, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice, MassFlow,
-    MassFlux, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference, Reservoir, Rotation, SceneBuilder,
-    Shape, Time, Vector, WallFill, WallFitted, WallPart, Walls, Wcsph, ron_text,
+    MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference, Reservoir, Rotation,
+    SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted, WallPart, Walls, Wcsph,
+    ron_text,
 };
 use crate::expression::Constants;
 use crate::faults::SceneErrors;
@@ -196,6 +197,17 @@ fn velocities() -> [InletVelocity; 7] {
     ]
 }
 
+/// Motions of every kind.
+fn motions() -> Motion {
+    Motion::chain([
+        Translation::by(("t", 0.0)).into(),
+        Translation::with_velocity(("t", 0.0)).into(),
+        Translation::default().file("path.csv").into(),
+        Turning::at_rate((0.0, 0.0), "t").into(),
+        Turning::default().about((0.0, 0.0)).file("angle.csv").into(),
+    ])
+}
+
 /// A scene in which every field of the schema occurs, though no flow has all of them.
 fn complete() -> SceneBuilder {
     let rings = Concentric::new((0.0, 0.0), "R").first(FirstRing::Circumference);
@@ -205,7 +217,8 @@ fn complete() -> SceneBuilder {
         .fill(rings);
     let body = Body::new("drum").about((0.0, 0.0)).velocity(1.0).area("2*R").length(0.1);
     let walls = Walls::new().model(WallModel::default()).slip(Slip::NoSlip).velocity((0.0, 0.0));
-    let walls = walls.fill(WallFill::Layers).part(part);
+    let walls = walls.fill(WallFill::Layers).motion(Turning::by((0.0, 0.0), "t").axis((0.0, 0.0, 1.0)));
+    let walls = walls.part(part);
     let opening = Inlet::default()
         .name("left")
         .depth("5*R")
@@ -228,6 +241,7 @@ fn complete() -> SceneBuilder {
         )
         .fill(Lattice::new().angle(0.0).axis((0.0, 0.0, 1.0)).anchor((0.0, "R")).jitter(0.1))
         .walls(walls)
+        .mover(Mover::new("piston", Shape::circle((0.0, 0.0), "R"), motions()).slip(Slip::NoSlip).fill(WallFill::Layers))
         .body(body.mean((0.5, "10*R")).five_point_mean(true))
         .initial(Initial::new().velocity(("y", 0.0)).pressure("1000*y").tag(1.0))
         .outlet(

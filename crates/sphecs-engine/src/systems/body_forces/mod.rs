@@ -7,6 +7,7 @@ mod surface_shear;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
 use bevy_ecs::world::{FromWorld, World};
+use glam::DVec3;
 
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
@@ -14,12 +15,14 @@ use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
+use crate::systems::boundaries::movers::PresentPoses;
 use sphecs_core::pass::body::{Body, BodySum};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::settings::{PairSettings, PressureLaw};
 use sphecs_core::pass::wall_friction::add_friction_on;
 use sphecs_core::physics::edac::Edac;
-use sphecs_scene::model::Scene;
+use sphecs_scene::model::{Body as SceneBody, Scene};
+use sphecs_scene::movers::WallPoses;
 use surface_shear::SurfaceShear;
 
 /// Forces on all bodies at the beginning of a step.
@@ -31,6 +34,28 @@ pub struct BodyForcesRow {
     pub step: u64,
     /// Force and torque of each body, in the order of the scene.
     pub forces: Vec<BodySum>,
+    /// Motion of each body; None if it is at rest.
+    pub motions: Vec<Option<BodyMotion>>,
+}
+
+/// Motion of a body at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyMotion {
+    /// Position of the point that torques are about, m.
+    pub position: DVec3,
+    /// Velocity of that point, m/s.
+    pub velocity: DVec3,
+    /// Angular velocity, rad/s.
+    pub spin: DVec3,
+}
+
+impl BodyMotion {
+    /// Returns the power of the fluid on the body, W (W/m in 2D): F·v + T·ω.
+    pub fn power(&self, sum: &BodySum) -> f64 {
+        let force = sum.pressure_force + sum.viscous_force;
+        let torque = sum.pressure_torque + sum.viscous_torque;
+        force.dot(self.velocity) + torque.dot(self.spin)
+    }
 }
 
 /// Bodies of the scene, with the settings of the sums over them.
@@ -55,7 +80,7 @@ impl FromWorld for Bodies {
         };
         Self {
             row: BodyForcesRow::default(),
-            bodies: scene.bodies.iter().map(|body| Body::new(body.part, body.about)).collect(),
+            bodies: scene.bodies.iter().map(|body| new_body(scene, body)).collect(),
             shear: scene.bodies.iter().map(|body| SurfaceShear::new(scene, body.part, body.about)).collect(),
             // `pass/body.rs` gives the reason for switching these two off.
             pair: PairSettings { tensile_control: false, ..pair.clone() },
@@ -64,9 +89,15 @@ impl FromWorld for Bodies {
     }
 }
 
+/// Returns the body of the sums.
+fn new_body(scene: &Scene, body: &SceneBody) -> Body {
+    let sums = Body::new(body.part, body.about);
+    if scene.part_moves(body.part) { sums.moving() } else { sums }
+}
+
 /// Sums the forces on all bodies by the terms of `Wcsph`.
 pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
-    (scene, clock): (Res<ActiveScene>, Res<Clock>),
+    (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
     grid: Res<Grid<D>>,
     since_correction: Res<StepsSinceCorrection>,
     arrays: Res<Arrays<R, D>>,
@@ -76,18 +107,19 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     let Bodies { row, bodies, shear, pair, .. } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
+    find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         let mut sum =
             R::sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
-        add_shear(&scene.0, clock.time, shear, body, &mut sum);
+        add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
         sum
     }));
 }
 
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
 pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
-    (scene, clock): (Res<ActiveScene>, Res<Clock>),
+    (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
     grid: Res<Grid<D>>,
     arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
@@ -96,18 +128,42 @@ pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     let Bodies { row, bodies, shear, pair, edac } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
+    find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         let mut sum = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
-        add_shear(&scene.0, clock.time, shear, body, &mut sum);
+        add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
         sum
     }));
 }
 
+/// Finds the motions of the bodies, and moves the points that torques are about with them.
+fn find_motions(
+    (scene, poses): (&Scene, &WallPoses),
+    bodies: &mut [Body],
+    motions: &mut Vec<Option<BodyMotion>>,
+) {
+    motions.clear();
+    motions.extend(bodies.iter_mut().zip(&scene.bodies).map(|(body, of_scene)| {
+        let pose = scene.pose_of_part(poses, body.part)?;
+        body.about = pose.place(of_scene.about);
+        let velocity = pose.velocity_at(body.about);
+        Some(BodyMotion { position: body.about, velocity, spin: pose.spin })
+    }));
+}
+
 /// Adds the shear on a rotating or deforming surface that the pair sums omit.
-fn add_shear(scene: &Scene, time: f64, shear: &SurfaceShear, body: &Body, sum: &mut BodySum) {
-    let wall = &scene.walls.parts[usize::from(body.part)];
-    let surface = shear.at(scene, wall, body.about, time);
+fn add_shear(
+    (scene, poses): (&Scene, &WallPoses),
+    time: f64,
+    shear: &SurfaceShear,
+    body: &Body,
+    sum: &mut BodySum,
+) {
+    let surface = match scene.pose_of_part(poses, body.part) {
+        Some(pose) => shear.in_pose(scene, pose, body.about),
+        None => shear.at(scene, &scene.walls.parts[usize::from(body.part)], body.about, time),
+    };
     sum.viscous_force += surface.viscous_force;
     sum.viscous_torque += surface.viscous_torque;
 }

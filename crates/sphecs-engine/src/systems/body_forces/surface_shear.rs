@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use sphecs_core::pass::body::BodySum;
+use sphecs_core::physics::pose::Pose;
 use sphecs_core::physics::wall::Slip;
 use sphecs_core::physics::wall::transposed::transposed_traction;
 use sphecs_scene::model::{Scene, WallPart};
@@ -21,9 +22,19 @@ pub(super) struct SurfaceShear {
 }
 
 impl SurfaceShear {
-    /// Creates the surface of a wall part, with torques about the point `about`, m.
+    /// Creates the surface of a wall part; torques are about the point `about`, m, if it is at rest.
     pub(super) fn new(scene: &Scene, part: u16, about: DVec3) -> Self {
         let wall = &scene.walls.parts[usize::from(part)];
+        if let Some(pose) = scene.pose_of_part(&scene.wall_poses(0.0), part) {
+            let slips = wall.slip != Slip::NoSlip;
+            let pieces = if slips { Vec::new() } else { outline(scene, part) };
+            let to_reference = |piece: OutlinePoint| OutlinePoint {
+                point: pose.reference(piece.point),
+                normal: pose.reference_direction(piece.normal),
+                ..piece
+            };
+            return Self { pieces: pieces.into_iter().map(to_reference).collect(), steady: None };
+        }
         let varies = wall.velocity.iter().any(|component| component.depends_on(&[0, 1, 2]));
         if !varies || wall.slip != Slip::NoSlip {
             return Self { pieces: Vec::new(), steady: Some(BodySum::default()) };
@@ -33,6 +44,25 @@ impl SurfaceShear {
             shear.steady = Some(shear.at(scene, wall, about, 0.0));
         }
         shear
+    }
+
+    /// Returns force and torque about a point, m, on a surface that moves as a rigid body.
+    pub(super) fn in_pose(&self, scene: &Scene, pose: &Pose, about: DVec3) -> BodySum {
+        let mut sum = BodySum::default();
+        if pose.spin == DVec3::ZERO {
+            return sum;
+        }
+        // In reference coordinates, to which the surface is fixed.
+        let (spin, about) = (pose.reference_direction(pose.spin), pose.reference(about));
+        for piece in &self.pieces {
+            let slope = |direction: DVec3| (direction, spin.cross(direction));
+            let traction = traction(scene, piece.normal, slope);
+            sum.viscous_force += piece.area * traction;
+            sum.viscous_torque += piece.area * (piece.point - about).cross(traction);
+        }
+        sum.viscous_force = pose.direction(sum.viscous_force);
+        sum.viscous_torque = pose.direction(sum.viscous_torque);
+        sum
     }
 
     /// Returns force and torque at a time, s.
@@ -47,22 +77,23 @@ impl SurfaceShear {
             (direction, (after - before) / (2.0 * step))
         };
         for OutlinePoint { point, normal, area } in &self.pieces {
-            let viscosity = scene.fluid.density * scene.fluid.viscosity;
-            let traction = if scene.dimensions == 2 {
-                transposed_traction(
-                    viscosity,
-                    *normal,
-                    &[slope(*point, normal.truncate().perp().extend(0.0))],
-                )
-            } else {
-                let (first, second) = normal.any_orthonormal_pair();
-                transposed_traction(viscosity, *normal, &[slope(*point, first), slope(*point, second)])
-            };
+            let traction = traction(scene, *normal, |direction| slope(*point, direction));
             sum.viscous_force += *area * traction;
             sum.viscous_torque += *area * (*point - about).cross(traction);
         }
         sum
     }
+}
+
+/// Returns the traction of the transposed velocity gradient, Pa; `slope` returns a direction with
+/// the derivative of the surface velocity along it.
+fn traction(scene: &Scene, normal: DVec3, slope: impl Fn(DVec3) -> (DVec3, DVec3)) -> DVec3 {
+    let viscosity = scene.fluid.density * scene.fluid.viscosity;
+    if scene.dimensions == 2 {
+        return transposed_traction(viscosity, normal, &[slope(normal.truncate().perp().extend(0.0))]);
+    }
+    let (first, second) = normal.any_orthonormal_pair();
+    transposed_traction(viscosity, normal, &[slope(first), slope(second)])
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! - [`inflow_columns`]: compression of inflow zones
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
+//! - [`movers`]: positions, velocities and normals of walls that move
 //! - [`outlet_balance`]: balance of a body force at an outlet
 //! - [`outlet_diagnostics`]: signs that an outlet condition does not suit the flow
 //! - [`outlet_records`]: saved state of the outlets
@@ -18,6 +19,7 @@
 
 pub mod inflow_columns;
 pub mod inlets;
+pub mod movers;
 pub mod outlet_balance;
 pub mod outlet_diagnostics;
 pub mod outlet_records;

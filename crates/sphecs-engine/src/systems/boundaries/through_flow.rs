@@ -1,13 +1,14 @@
 //! Flow through the openings that follows from the velocities in the whole domain.
 //!
 //! ```text
-//! Q_i = V Σ_b v_b·∇φ_i(x_b) + ⟨φ_i⟩ Q̃_in − Σ_j M_ij/(ρ0 c0²) dp_j/dt − A_i S_i
+//! Q_i = V Σ_b v_b·∇φ_i(x_b) + ⟨φ_i⟩ Q̃_in + Q̃_i − Σ_j M_ij/(ρ0 c0²) dp_j/dt − A_i S_i
 //! V   = ∫ |∇φ_i|² dV/Σ_b |∇φ_i(x_b)|²,   M_ij = ∫ φ_i φ_j dV
 //! ```
 //!
 //! The sums are over the fluid particles, with the weights of
 //! [`potential_flow`](sphecs_scene::potential_flow), in which sound does not count. Q̃_in is the
-//! slow part of the prescribed inflow. V is the mean volume of a particle: with m/ρ0 a flow would
+//! slow part of the prescribed inflow, Q̃_i that of the flow that movers displace, with the weight
+//! φ_i. V is the mean volume of a particle: with m/ρ0 a flow would
 //! seem to vary with the number of particles in the domain, by a per cent or two. The last term is
 //! the fluid that is stored as the pressures p_j of the openings rise, since between them the
 //! pressure is Σ_j φ_j p_j: the divergence is −dp/dt/(ρ0 c0²). Without it a pressure that
@@ -26,10 +27,12 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 use super::prescribed_inflow::PrescribedInflow;
 use sphecs_core::boundary::outlet::method::{Needs, PlanePressure};
 use sphecs_core::boundary::outlet::outflow_zone::settling_time;
+use sphecs_core::boundary::slow_part::SlowPart;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
-use sphecs_scene::model::Scene;
+use sphecs_scene::displaced_flow::DisplacedFlow;
+use sphecs_scene::model::{Outlet, Scene};
 use sphecs_scene::potential_flow::{PotentialFlow, potential_flows};
 
 /// Rows per partial sum: constant, so that the sums are bitwise independent of the number of
@@ -43,6 +46,8 @@ const SOUND_FADES: f64 = 5.0;
 #[derive(Debug, Default)]
 pub struct ThroughFlow {
     weights: Vec<Option<PotentialFlow>>,
+    /// Flow that movers displace towards each outlet; None without movers or weights.
+    displaced: Vec<Option<Displaced>>,
     /// Velocity S that sound adds for each outlet, m/s, which a checkpoint saves.
     pub sound_velocity: Vec<f64>,
     /// Mean velocity through each section in the present step, m/s.
@@ -56,19 +61,26 @@ impl ThroughFlow {
     pub fn new(scene: &Scene, needs: &[Needs]) -> Self {
         let weights = potential_flows(scene, |outlet| needs[outlet].uses_through_flow);
         let sound_velocity = vec![0.0; scene.outlets.len()];
-        Self { weights, sound_velocity, velocities: Vec::new(), sums: Vec::new() }
+        let displaced = |(outlet, weights): (&Outlet, &Option<PotentialFlow>)| {
+            let weights = weights.as_ref()?;
+            let flow = DisplacedFlow::new(scene, |point| weights.potential(point))?;
+            let passage = scene.extent_along(outlet.patch.towards) / scene.fluid.sound_speed;
+            Some(Displaced { flow, slow: SlowPart::new(passage) })
+        };
+        let displaced = scene.outlets.iter().zip(&weights).map(displaced).collect();
+        Self { weights, displaced, sound_velocity, velocities: Vec::new(), sums: Vec::new() }
     }
 
-    /// Finds the velocities of the present state after a time step (s), from the pressures at the
+    /// Finds the velocities at a time after a time step (s), from the pressures at the
     /// planes.
     pub fn find<R: PairReal<D>, const D: usize>(
         &mut self,
-        (scene, time_step): (&Scene, f64),
+        (scene, time, time_step): (&Scene, f64, f64),
         inflow: &PrescribedInflow,
         plane_pressure: impl Fn(usize) -> PlanePressure,
         arrays: &ParticleArrays<R, D>,
     ) {
-        let Self { weights, sound_velocity, velocities, sums } = self;
+        let Self { weights, displaced, sound_velocity, velocities, sums } = self;
         velocities.clear();
         let stiffness = scene.fluid.density * scene.fluid.sound_speed.powi(2);
         for (index, (outlet, weights)) in scene.outlets.iter().zip(&*weights).enumerate() {
@@ -80,8 +92,14 @@ impl ThroughFlow {
                 };
                 (0..arrays.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect_into_vec(sums);
                 let [flow, square] = sums.iter().copied().fold([0.0; 2], joined);
-                let volume = if square > 0.0 { weights.square / square } else { 0.0 };
-                let prescribed = inflow.at_outlet(index).map_or(0.0, |inflow| inflow.rate);
+                let displaced = displaced[index].as_mut().map(|displaced| displaced.rate(scene, time));
+                let volume = match displaced {
+                    // The weights are those of the casing, the fluid does not fill it.
+                    Some(_) => scene.discretisation.cell_volume(),
+                    None if square > 0.0 => weights.square / square,
+                    None => 0.0,
+                };
+                let prescribed = inflow.of_inlets(index);
                 let sum = |factors: &[f64], value: &dyn Fn(PlanePressure) -> f64| -> f64 {
                     factors
                         .iter()
@@ -95,7 +113,7 @@ impl ThroughFlow {
                 let extent = scene.extent_along(outlet.patch.towards);
                 let fading = SOUND_FADES * settling_time(extent, scene.fluid.sound_speed);
                 *sound -= time_step * (push / outlet.patch.area + *sound / fading);
-                let rate = volume * flow + weights.inlet_potential * prescribed - stored;
+                let rate = volume * flow + weights.inlet_potential * prescribed - stored + displaced.unwrap_or(0.0);
                 rate / outlet.patch.area - *sound
             }));
         }
@@ -105,6 +123,20 @@ impl ThroughFlow {
     /// not use it.
     pub fn velocity(&self, outlet: usize) -> Option<f64> {
         self.velocities.get(outlet).copied().flatten()
+    }
+}
+
+/// Flow that movers displace towards an outlet.
+#[derive(Debug)]
+struct Displaced {
+    flow: DisplacedFlow,
+    slow: SlowPart,
+}
+
+impl Displaced {
+    /// Returns the slow part of the volume flow at a time (s), m³/s (m²/s in 2D).
+    fn rate(&mut self, scene: &Scene, time: f64) -> f64 {
+        self.slow.at(time, |time| self.flow.rate(scene, time)).0
     }
 }
 

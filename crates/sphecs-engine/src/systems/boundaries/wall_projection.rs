@@ -4,7 +4,7 @@
 //! flat wall. At the tip of a sharp corner the nearest wall particle is 0.7 Δ inside, and particles
 //! cut the corner. With six particles across a throat they do so by up to 0.1 Δ. Such a particle is
 //! moved back to the surface along the normal and loses its velocity into the wall, at both time
-//! levels. [`WallProjections`] counts these events for the monitor. Where the count grows all the
+//! levels; at a wall that moves, its velocity relative to the wall. [`WallProjections`] counts these events for the monitor. Where the count grows all the
 //! time, the spacing is too coarse for the corner.
 
 use std::ops::Range;
@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::arrays::Arrays;
 use crate::resources::grid::Grid;
 use crate::resources::scene::ActiveScene;
+use crate::systems::boundaries::movers::PresentPoses;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
@@ -40,14 +41,14 @@ const IN_FRONT: f64 = 1e-6;
 
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
 pub fn project_to_walls<R: PairReal<D>, const D: usize>(
-    scene: Res<ActiveScene>,
+    (scene, poses): (Res<ActiveScene>, Res<PresentPoses>),
     grid: Res<Grid<D>>,
     mut projections: ResMut<WallProjections>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    let scene = &*scene.0;
+    let (scene, poses) = (&*scene.0, &poses.0);
     // Extended beyond the far ends of the zones, which are not walls.
-    let walls = &scene.layout.confines;
+    let confines = &scene.layout.casing.confines;
     let near = R::from_f64(NEAR * scene.spacing);
     let ParticleArrays { zone, position, velocity, previous_velocity, wall_distance, .. } = &mut **arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
@@ -73,18 +74,20 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
             for axis in 0..D {
                 point[axis] = inside[axis];
             }
-            if walls.signed_distance(point) <= 0.0 {
+            let (behind, wall) = scene.nearest_wall(confines, poses, point);
+            if behind <= 0.0 {
                 continue;
             }
-            let step = STEP * scene.spacing;
-            let outwards = walls.gradient(point, step, D);
-            let surface = walls.nearest_surface(point, step, D);
-            let back = surface - outwards * (IN_FRONT * scene.spacing) - point;
+            let surface = scene.nearest_surface((wall, confines), poses, point, STEP * scene.spacing);
+            let outwards = surface.outwards;
+            let back = surface.point - outwards * (IN_FRONT * scene.spacing) - point;
             for axis in 0..D {
                 position[axis][at] += back[axis];
             }
+            let of_wall = surface.velocity.dot(outwards);
             for velocity in [&mut now, &mut before] {
                 let into: f64 = (0..D).map(|axis| velocity[axis][at].to_f64() * outwards[axis]).sum();
+                let into = into - of_wall;
                 for axis in 0..D {
                     velocity[axis][at] -= R::from_f64(into.max(0.0) * outwards[axis]);
                 }

@@ -12,6 +12,7 @@ use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
+use crate::systems::boundaries::movers::PresentPoses;
 use crate::systems::forces::body_force;
 use bevy_ecs::system::{Res, ResMut};
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -22,11 +23,12 @@ use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::rates::TimeLevel;
 use sphecs_core::physics::wall::{Slip, WallPressure};
 use sphecs_scene::model::{BodyForce, Scene, WallPart};
+use sphecs_scene::movers::WallPoses;
 
 /// Sets the velocity of moving walls, and pressure and velocity of wall particles from the flow
 /// next to them, as the wall model requires.
 pub fn apply_walls<R: PairReal<D>, const D: usize>(
-    scene: Res<ActiveScene>,
+    (scene, poses): (Res<ActiveScene>, Res<PresentPoses>),
     clock: Res<Clock>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
@@ -34,14 +36,14 @@ pub fn apply_walls<R: PairReal<D>, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
-    let scene = &*scene.0;
+    let (scene, poses) = (&*scene.0, &poses.0);
     let time = clock.time;
     if scene.walls.parts.iter().any(WallPart::moves) {
         set_surface_velocity(&scene.walls.parts, time, &mut arrays);
     }
     match scene.walls.model.pressure() {
         WallPressure::Extrapolated => {
-            let carried = |arrays: &ParticleArrays<R, D>, row: usize| carried(scene, time, arrays, row);
+            let carried = |arrays: &ParticleArrays<R, D>, row: usize| carried((scene, poses), time, arrays, row);
             R::extrapolate_wall_pressure(&pair.0, &grid.0, &mut arrays, &mut sums.0, &carried);
         }
         WallPressure::Mirrored => find_body_force(scene, time, &arrays, &mut sums.0.body_force),
@@ -102,9 +104,10 @@ fn set_surface_velocity<R: PairReal<D>, const D: usize>(
 ///
 /// Their a_wall is the acceleration of the fluid at the surface, caused by the pressure. Along the
 /// surface the fluid is accelerated by friction, and where it slips it does not move with the wall.
-/// So a_wall is the normal part of the acceleration of a no-slip surface.
+/// So a_wall is the normal part of the acceleration of a no-slip surface, and of any wall that
+/// changes its place.
 fn carried<R: PairReal<D>, const D: usize>(
-    scene: &Scene,
+    (scene, poses): (&Scene, &WallPoses),
     time: f64,
     arrays: &ParticleArrays<R, D>,
     row: usize,
@@ -112,7 +115,12 @@ fn carried<R: PairReal<D>, const D: usize>(
     let place = arrays.position_of(row);
     let mut force = body_force(&scene.body_force, place, time);
     let part = &scene.walls.parts[usize::from(arrays.patch[row])];
-    if part.slip == Slip::NoSlip && part.moves() {
+    if let Some(pose) = scene.pose_of_part(poses, arrays.patch[row]) {
+        let normal = real_vector(&arrays.wall_normal, row);
+        let place = scene.image_at_wall(poses, arrays.patch[row], place);
+        let surface = place + normal * arrays.wall_distance[row].to_f64();
+        force -= normal * pose.acceleration_at(surface).dot(normal);
+    } else if part.slip == Slip::NoSlip && part.moves() {
         let normal = real_vector(&arrays.wall_normal, row);
         let surface = place + normal * arrays.wall_distance[row].to_f64();
         force -= normal * part.convective_acceleration_at(surface, time, scene.spacing).dot(normal);
