@@ -21,6 +21,7 @@
 //! * [`summary`], [`oblique_walls`]: figures and notes of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`], [`driven_flow`]: its narrowest passage, the
 //!   flow from its inlets, its openings, and the flow that pressures drive
+//! * [`motion`]: prescribed motions of walls
 //! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
 //!   are sought
 //! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run
@@ -49,6 +50,7 @@ pub mod loader;
 pub mod manual;
 pub mod memory_estimate;
 pub mod model;
+pub mod motion;
 pub mod notation;
 pub mod oblique_walls;
 pub mod opening_figures;
