@@ -65,7 +65,8 @@ impl DisplacedFlow {
 
     /// Returns the volume flow at a time (s), m³/s (m²/s in 2D).
     pub fn rate(&self, scene: &Scene, time: f64) -> f64 {
-        let place = if self.interval > 0.0 { (time / self.interval).clamp(0.0, INTERVALS as f64) } else { 0.0 };
+        let place =
+            if self.interval > 0.0 { (time / self.interval).clamp(0.0, INTERVALS as f64) } else { 0.0 };
         let before = (place as usize).min(INTERVALS - 1);
         let share = place - before as f64;
         let of_mover = |(mover, integrals): (&super::model::Mover, &Vec<Integrals>)| {
@@ -100,10 +101,9 @@ impl<'a> CasingGrid<'a> {
 
     /// Returns the integrals of all movers in some poses.
     fn integrals(&self, poses: &WallPoses, weight: &impl Fn(DVec3) -> f64) -> Vec<Integrals> {
-        let inside: Vec<Vec<f64>> = (0..self.scene.movers.len()).map(|mover| self.shares(mover, poses)).collect();
-        let is_open = |cell: usize| {
-            self.share[cell] > 0.5 && inside.iter().all(|shares| shares[cell] < 0.5)
-        };
+        let inside: Vec<Vec<f64>> =
+            (0..self.scene.movers.len()).map(|mover| self.shares(mover, poses)).collect();
+        let is_open = |cell: usize| self.share[cell] > 0.5 && inside.iter().all(|shares| shares[cell] < 0.5);
         let wetted = self.near(&self.connected(&is_open));
         let of_mover = |(mover, shares): (usize, &Vec<f64>)| {
             let pose = &poses.movers[mover];
@@ -120,7 +120,10 @@ impl<'a> CasingGrid<'a> {
                 let near = self.scene.nearest_image(centre, pose.place(self.scene.movers[mover].centre));
                 sums.moment += (near - pose.origin).cross(outwards);
             }
-            Integrals { area: pose.reference_direction(sums.area), moment: pose.reference_direction(sums.moment) }
+            Integrals {
+                area: pose.reference_direction(sums.area),
+                moment: pose.reference_direction(sums.moment),
+            }
         };
         inside.iter().enumerate().map(of_mover).collect()
     }

@@ -21,6 +21,9 @@
 //! * [`summary`], [`oblique_walls`]: figures and notes of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`], [`driven_flow`]: its narrowest passage, the
 //!   flow from its inlets, its openings, and the flow that pressures drive
+//! * [`motion`]: prescribed motions of walls
+//! * [`movers`], [`mover_places`]: walls that move, and their particles
+//! * [`displaced_flow`]: the flow that they displace
 //! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
 //!   are sought
 //! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run

@@ -8,11 +8,11 @@
 use glam::DVec3;
 
 pub use super::body::{Body, BodyReference, ForcesEvery};
-pub use super::movers::Mover;
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::motion::Motion;
+pub use super::movers::Mover;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};

@@ -120,6 +120,8 @@ impl<'a> Bodies<'a> {
     /// Returns true if a point is in no wall but a mover.
     fn is_free(&self, mover: usize, point: DVec3) -> bool {
         let others = (0..self.scene.movers.len()).filter(|other| *other != mover).map(Wall::Mover);
-        std::iter::once(Wall::Casing).chain(others).all(|wall| wall.distance(self.scene, point) <= self.tolerance)
+        std::iter::once(Wall::Casing)
+            .chain(others)
+            .all(|wall| wall.distance(self.scene, point) <= self.tolerance)
     }
 }

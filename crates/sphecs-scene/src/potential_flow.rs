@@ -125,7 +125,13 @@ impl Cells {
     }
 
     /// Returns the neighbour of a cell along an axis; None at the end of the grid.
-    pub(crate) fn neighbour(&self, index: usize, axis: usize, forward: bool, is_periodic: bool) -> Option<usize> {
+    pub(crate) fn neighbour(
+        &self,
+        index: usize,
+        axis: usize,
+        forward: bool,
+        is_periodic: bool,
+    ) -> Option<usize> {
         let mut place = self.place(index);
         let last = self.counts[axis] - 1;
         place[axis] = match (forward, place[axis]) {

@@ -57,9 +57,8 @@ pub fn replace(scene: &Scene, places: &mut Vec<Place>) {
     // Wall particles of the lattice may lie up to a quarter of a spacing in front of the surface.
     let reach = |rings: &Rings| rings.radius + 0.26 * spacing;
     let within = |place: &Place| {
-        let inside = |rings: &Rings| {
-            place.patch == rings.wall && place.position.distance(rings.centre) < reach(rings)
-        };
+        let inside =
+            |rings: &Rings| place.patch == rings.wall && place.position.distance(rings.centre) < reach(rings);
         place.zone == Zone::Wall && scene.layout.rings.iter().any(inside)
     };
     places.retain(|place| !within(place));

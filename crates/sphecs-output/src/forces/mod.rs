@@ -146,7 +146,8 @@ impl ForcesWriter {
         let mut cells = vec![number(row.time), row.step.to_string()];
         let axes = header.dimensions;
         let along = |vector: DVec3| vector.to_array().into_iter().take(axes).map(number);
-        let about = |vector: DVec3| vector.to_array().into_iter().skip(if axes == 2 { 2 } else { 0 }).map(number);
+        let about =
+            |vector: DVec3| vector.to_array().into_iter().skip(if axes == 2 { 2 } else { 0 }).map(number);
         for ((body, sum), motion) in header.bodies.iter().zip(&row.forces).zip(&row.motions) {
             for (force, torque) in parts(sum) {
                 cells.extend(along(force));

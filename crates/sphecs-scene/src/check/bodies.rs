@@ -13,12 +13,7 @@ use crate::wall_particles::surface;
 use sphecs_core::particles::zone::Zone;
 
 /// Returns all bodies without faults; `end` is the end of the run, s.
-pub fn bodies(
-    file: &SceneFile,
-    places: &Places<'_>,
-    end: f64,
-    check: &mut Checker<'_>,
-) -> Vec<Body> {
+pub fn bodies(file: &SceneFile, places: &Places<'_>, end: f64, check: &mut Checker<'_>) -> Vec<Body> {
     let mut bodies: Vec<Body> = Vec::new();
     for file in &file.bodies {
         let name = &file.part;

@@ -103,7 +103,8 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     let course = movers::Course { folder: source.folder, end: time.end };
     let movers = movers::movers(file, (&mut walls, &mut wall_layout), (course, spacing), check);
     let casing_motion = movers::casing_motion(file, course, check);
-    let places = bodies::Places { walls: &walls, regions: &wall_layout.regions, movers: &movers, domain: &domain };
+    let places =
+        bodies::Places { walls: &walls, regions: &wall_layout.regions, movers: &movers, domain: &domain };
     let bodies = bodies::bodies(file, &places, time.end, check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), is_valid, check);
     let site = patches::Site {
@@ -171,7 +172,6 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     settings::derive(&mut scene, file);
     Some(scene)
 }
-
 
 fn patches_of<'a>(inlets: &'a [Inlet], outlets: &'a [Outlet]) -> Vec<&'a Patch> {
     let patches = inlets.iter().map(|inlet| &inlet.patch);

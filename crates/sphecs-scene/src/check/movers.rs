@@ -7,14 +7,15 @@ use glam::DVec3;
 use super::checker::Checker;
 use super::walls::{WallLayout, concentric};
 use super::{shapes, tables};
-use crate::expression::{Expression, TimeFunction};
+use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::model::{Mover, Scene, WallPart, Walls};
-use crate::motion::{Curve, Motion};
+use crate::motion::{Curve, Motion, MotionFault};
 use crate::movers::Wall;
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
-use crate::schema::{Formula, MotionFile, MoverFile, SceneFile, Text, Vector, WallFillFile};
+use crate::schema::{FillFile, MotionFile, MoverFile, SceneFile, Text, Vector, WallFillFile};
+use sphecs_core::format::significant;
 use sphecs_core::physics::wall::{Slip, WallPressure};
 
 /// Conditions of the checks of a motion.
@@ -90,7 +91,8 @@ pub fn casing_motion(file: &SceneFile, course: Course<'_>, check: &mut Checker<'
                 .help("give the bodies that move as `movers`"),
         );
     }
-    let velocities = walls.velocity.iter().chain(walls.parts.iter().filter_map(|part| part.velocity.as_ref()));
+    let velocities =
+        walls.velocity.iter().chain(walls.parts.iter().filter_map(|part| part.velocity.as_ref()));
     for velocity in velocities {
         let label = "must be left out: the surface has the velocity of the motion";
         check.report(Fault::new("a wall has a motion and a velocity", velocity.span, label));
@@ -105,9 +107,8 @@ fn motion(file: &Spanned<MotionFile>, course: Course<'_>, check: &mut Checker<'_
     if check.fault_count() > before {
         return None;
     }
-    let times = crate::sampled_times::sampled_times(course.end);
-    if let Some(time) = times.into_iter().find(|time| !motion.pose(*time).is_finite()) {
-        let label = format!("has no finite place, velocity or acceleration at t = `{time}` s");
+    if let Some(time) = motion.first_not_finite(course.end) {
+        let label = format!("has no finite place, velocity or acceleration at t = {} s", significant(time));
         check.report(Fault::new("a motion is not finite", file.head, label));
         return None;
     }
@@ -120,9 +121,12 @@ fn built(file: &MotionFile, place: Span, course: Course<'_>, check: &mut Checker
             let given = [displacement.is_some(), velocity.is_some(), file.is_some()];
             one_of(given, "`displacement`, `velocity` or `file`", place, check)?;
             let curves = match (displacement, velocity, file) {
-                (Some(components), ..) => components_of(components, check, Curve::Formula)?,
+                (Some(components), ..) => check.time_functions(components)?.map(Curve::Formula),
                 (_, Some(components), _) => {
-                    components_of(components, check, |rate| Curve::integral(rate, course.end))?
+                    let rates = check.time_functions(components)?;
+                    let curves = rates.map(|rate| Curve::integral(rate, course.end));
+                    let mut curves = curves.into_iter().map(|curve| found(curve, components.span, check));
+                    [curves.next()??, curves.next()??, curves.next()??]
                 }
                 (.., Some(path)) => {
                     let columns = table(path, check.dimensions, course.folder, check)?;
@@ -140,11 +144,14 @@ fn built(file: &MotionFile, place: Span, course: Course<'_>, check: &mut Checker
             let about = check.vector(about, "m");
             let angle = match (radians, rate, file) {
                 (Some(angle), ..) => Curve::Formula(check.time_function(angle)?),
-                (_, Some(rate), _) => Curve::integral(check.time_function(rate)?, course.end),
+                (_, Some(rate), _) => {
+                    let curve = Curve::integral(check.time_function(rate)?, course.end);
+                    found(curve, rate.span, check)?
+                }
                 (.., Some(path)) => table(path, 1, course.folder, check)?.pop()?,
                 _ => return None,
             };
-            Some(Motion::Rotation { about, axis, angle })
+            found(Motion::rotation(about, axis, angle), place, check)
         }
         MotionFile::Chain(motions) => {
             if motions.value.is_empty() {
@@ -180,27 +187,21 @@ fn axis_of(axis: Option<&Vector>, check: &mut Checker<'_>) -> DVec3 {
     }
 }
 
-fn components_of(
-    components: &Spanned<Vec<Formula>>,
-    check: &mut Checker<'_>,
-    curve: impl Fn(TimeFunction) -> Curve,
-) -> Option<[Curve; 3]> {
-    let functions = check.time_functions(components)?;
-    Some(functions.map(curve))
+/// Returns what was found; reports a fault of the motion at its place.
+fn found<T>(result: Result<T, MotionFault>, place: Span, check: &mut Checker<'_>) -> Option<T> {
+    match result {
+        Ok(found) => Some(found),
+        Err(fault) => {
+            check.report(Fault::new("a motion cannot be followed", place, fault.to_string()));
+            None
+        }
+    }
 }
 
 /// Returns the columns of a table as curves in time.
 fn table(path: &Text, count: usize, folder: &Path, check: &mut Checker<'_>) -> Option<Vec<Curve>> {
-    let table = tables::motion_table(path, count, folder, check)?;
-    let curve = |column: &Vec<f64>| Curve::table(&table.times, column);
-    let curves: Result<Vec<Curve>, String> = table.columns.iter().map(curve).collect();
-    match curves {
-        Ok(curves) => Some(curves),
-        Err(reason) => {
-            check.report(Fault::new("the table of a motion is faulty", path.span, reason));
-            None
-        }
-    }
+    let columns = tables::motion_table(path, count, folder, check)?;
+    columns.iter().map(|column| found(Curve::table(column), path.span, check)).collect()
 }
 
 /// Reports settings of the complete scene that walls that move do not have.
@@ -212,13 +213,14 @@ pub fn check_scene(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     let casing = file.walls.as_ref().and_then(|walls| walls.value.motion.as_ref()).map(|motion| motion.head);
     let place = first.or(casing).unwrap_or(Span::PLACEHOLDER);
     if scene.walls.model.pressure() == WallPressure::Mirrored {
-        let label = "needs walls whose pressure is `Extrapolated`: a mirrored one has no acceleration of the wall";
+        let label =
+            "needs walls whose pressure is `Extrapolated`: a mirrored one has no acceleration of the wall";
         faults.push(
             Fault::new("walls that move cannot mirror the pressure", place, label)
                 .help("give the wall model `pressure: Extrapolated`"),
         );
     }
-    if let Some(fill) = file.fill.as_ref().filter(|fill| matches!(fill.value, crate::schema::FillFile::WallFitted { .. })) {
+    if let Some(fill) = file.fill.as_ref().filter(|fill| matches!(fill.value, FillFile::WallFitted { .. })) {
         let label = "must be `Lattice()` in a scene with movers";
         faults.push(Fault::new("rows fitted to the walls cannot go around movers", fill.head, label));
     }

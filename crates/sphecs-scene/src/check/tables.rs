@@ -134,13 +134,19 @@ pub fn time_table(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option
     (check.faults.len() == before).then_some(table)
 }
 
-/// Returns the columns of a motion in time: `count` of them behind that of the times (s).
-pub fn motion_table(path: &Text, count: usize, folder: &Path, check: &mut Checker<'_>) -> Option<MotionTable> {
+/// Returns the columns of a motion in time, `count` of them.
+pub fn motion_table(
+    path: &Text,
+    count: usize,
+    folder: &Path,
+    check: &mut Checker<'_>,
+) -> Option<MotionColumns> {
     let (text, rows) = read(path, folder, check)?;
     let before = check.faults.len();
     widths(&rows, count + 1, &path.value, &text, check);
     if rows.len() < 2 {
-        let fault = Fault::new("a table of a motion is too small", line(&text, 0), "must have two rows or more");
+        let fault =
+            Fault::new("a table of a motion is too small", line(&text, 0), "must have two rows or more");
         check.report(fault.in_text(&path.value, &text));
     }
     if check.faults.len() > before {
@@ -148,18 +154,14 @@ pub fn motion_table(path: &Text, count: usize, folder: &Path, check: &mut Checke
     }
     let times: Vec<&Cell> = rows.iter().map(|row| &row[0]).collect();
     rising(&times, "times", &path.value, &text, check);
-    let column = |at: usize| rows.iter().map(|row| row[at].value).collect();
-    let table = MotionTable { times: column(0), columns: (1..=count).map(column).collect() };
-    (check.faults.len() == before).then_some(table)
+    let columns = (1..=count).map(|at| rows.iter().map(|row| (row[0].value, row[at].value)).collect());
+    let columns = columns.collect();
+    (check.faults.len() == before).then_some(columns)
 }
 
-/// Columns of the table of a motion.
-pub struct MotionTable {
-    /// Times, s, rising.
-    pub times: Vec<f64>,
-    /// Displacements (m) along the axes, or angles (rad).
-    pub columns: Vec<Vec<f64>>,
-}
+/// Columns of the table of a motion: displacements (m) along the axes, or angles (rad), each with
+/// the times (s).
+pub type MotionColumns = Vec<Vec<(f64, f64)>>;
 
 /// Returns a table of speeds (m/s): positions (m) in the first row, times (s) in the first column.
 pub fn profile_table(path: &Text, folder: &Path, check: &mut Checker<'_>) -> Option<InletVelocity> {

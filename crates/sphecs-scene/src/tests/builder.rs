@@ -10,9 +10,9 @@ use super::schema_fields::{self, Names};
 use super::shipped::scene;
 use crate::builder::{
     BendSection, Body, Concentric, EdacTvf, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice, MassFlow,
-    MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference, Reservoir, Rotation,
-    SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted, WallPart, Walls, Wcsph,
-    ron_text,
+    MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference, Reservoir,
+    Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted, WallPart, Walls,
+    Wcsph, ron_text,
 };
 use crate::expression::Constants;
 use crate::faults::SceneErrors;
@@ -241,7 +241,11 @@ fn complete() -> SceneBuilder {
         )
         .fill(Lattice::new().angle(0.0).axis((0.0, 0.0, 1.0)).anchor((0.0, "R")).jitter(0.1))
         .walls(walls)
-        .mover(Mover::new("piston", Shape::circle((0.0, 0.0), "R"), motions()).slip(Slip::NoSlip).fill(WallFill::Layers))
+        .mover(
+            Mover::new("piston", Shape::circle((0.0, 0.0), "R"), motions())
+                .slip(Slip::NoSlip)
+                .fill(WallFill::Layers),
+        )
         .body(body.mean((0.5, "10*R")).five_point_mean(true))
         .initial(Initial::new().velocity(("y", 0.0)).pressure("1000*y").tag(1.0))
         .outlet(

@@ -140,8 +140,7 @@ fn place<R: PairReal<D>, const D: usize>(
             if zone[row] != Zone::Wall {
                 continue;
             }
-            let (Some(index), Some(pose)) =
-                (particles.index(id[row]), scene.pose_of_part(poses, patch[row]))
+            let (Some(index), Some(pose)) = (particles.index(id[row]), scene.pose_of_part(poses, patch[row]))
             else {
                 continue;
             };

@@ -318,7 +318,12 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
     let scene = &*scene.0;
     outlets.inflow.find(scene, clock.time);
     let Outlets { all, inflow, through, .. } = &mut *outlets;
-    through.find((scene, clock.time, clock.time_step), inflow, |outlet| all[outlet].condition.plane_pressure(), &arrays);
+    through.find(
+        (scene, clock.time, clock.time_step),
+        inflow,
+        |outlet| all[outlet].condition.plane_pressure(),
+        &arrays,
+    );
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
         let force = OutletForce::new(scene, zone.patch, outlet.is_bidirectional, outlet.balance, clock.time);
         if let Some(force) = &force {

@@ -48,10 +48,17 @@ impl PrescribedInflow {
 
     /// Finds the inflow at a time, s.
     pub fn find(&mut self, scene: &Scene, time: f64) {
-        let Self { points, displaced, filters, displaced_filters, found, of_inlets, rate: present, acceleration } =
-            self;
-        let moved =
-            |time: f64| displaced.as_ref().map_or(0.0, |displaced| displaced.rate(scene, time));
+        let Self {
+            points,
+            displaced,
+            filters,
+            displaced_filters,
+            found,
+            of_inlets,
+            rate: present,
+            acceleration,
+        } = self;
+        let moved = |time: f64| displaced.as_ref().map_or(0.0, |displaced| displaced.rate(scene, time));
         let flow = |time: f64| -> f64 {
             let of_inlet = |(inlet, points): (&Inlet, &Vec<DVec3>)| {
                 inlet.volume_flow(scene.fluid.viscosity, points, time)

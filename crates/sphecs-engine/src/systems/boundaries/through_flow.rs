@@ -113,7 +113,8 @@ impl ThroughFlow {
                 let extent = scene.extent_along(outlet.patch.towards);
                 let fading = SOUND_FADES * settling_time(extent, scene.fluid.sound_speed);
                 *sound -= time_step * (push / outlet.patch.area + *sound / fading);
-                let rate = volume * flow + weights.inlet_potential * prescribed - stored + displaced.unwrap_or(0.0);
+                let rate =
+                    volume * flow + weights.inlet_potential * prescribed - stored + displaced.unwrap_or(0.0);
                 rate / outlet.patch.area - *sound
             }));
         }

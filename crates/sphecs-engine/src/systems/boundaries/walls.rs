@@ -43,7 +43,8 @@ pub fn apply_walls<R: PairReal<D>, const D: usize>(
     }
     match scene.walls.model.pressure() {
         WallPressure::Extrapolated => {
-            let carried = |arrays: &ParticleArrays<R, D>, row: usize| carried((scene, poses), time, arrays, row);
+            let carried =
+                |arrays: &ParticleArrays<R, D>, row: usize| carried((scene, poses), time, arrays, row);
             R::extrapolate_wall_pressure(&pair.0, &grid.0, &mut arrays, &mut sums.0, &carried);
         }
         WallPressure::Mirrored => find_body_force(scene, time, &arrays, &mut sums.0.body_force),
