@@ -80,7 +80,7 @@ impl DisplacedFlow {
 }
 
 /// Cells over the casing, with those from which fluid can reach an outlet.
-struct CasingGrid<'a> {
+pub(crate) struct CasingGrid<'a> {
     scene: &'a Scene,
     cells: Cells,
     /// Share of each cell inside the casing.
@@ -88,7 +88,8 @@ struct CasingGrid<'a> {
 }
 
 impl<'a> CasingGrid<'a> {
-    fn new(scene: &'a Scene) -> Self {
+    /// Returns the grid of a scene.
+    pub(crate) fn new(scene: &'a Scene) -> Self {
         let cells = Cells::over(scene);
         let casing = &scene.layout.casing.domain;
         let share = |cell: usize| {
@@ -126,6 +127,16 @@ impl<'a> CasingGrid<'a> {
             }
         };
         inside.iter().enumerate().map(of_mover).collect()
+    }
+
+    /// Returns the volume that movers in some poses leave to the fluid, m³ (m² in 2D).
+    pub(crate) fn free_volume(&self, poses: &WallPoses) -> f64 {
+        let inside: Vec<Vec<f64>> = (0..self.scene.movers.len()).map(|mover| self.shares(mover, poses)).collect();
+        let free = |cell: usize| {
+            let covered: f64 = inside.iter().map(|shares| shares[cell]).sum();
+            (self.share[cell] - covered).max(0.0)
+        };
+        (0..self.cells.len()).map(free).sum::<f64>() * self.cells.size.powi(self.scene.dimensions as i32)
     }
 
     /// Returns the share of each cell inside a mover.

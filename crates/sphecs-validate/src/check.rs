@@ -13,7 +13,7 @@ use super::schema::{
 use sphecs_scene::expression::Constants;
 use sphecs_scene::faults::{Fault, advice};
 use sphecs_scene::notation::typed::Spanned;
-use sphecs_scene::schema::{FormulaText, Text};
+use sphecs_scene::schema::{Formula, FormulaText, Text};
 
 /// Tolerance of the length of a direction, which must be 1.
 const UNIT: f64 = 1e-3;
@@ -150,13 +150,7 @@ impl<'a> Check<'a> {
 
     fn reference(&mut self, reference: &ReferenceFile) {
         match reference {
-            ReferenceFile::Formula(formula) => {
-                if let FormulaText::Text(text) = &formula.value
-                    && let Err(fault) = self.case.constants.field(text)
-                {
-                    self.faults.push(fault.into_fault(formula.span, None));
-                }
-            }
+            ReferenceFile::Formula(formula) => self.formula(formula),
             ReferenceFile::Run(run) => {
                 let _is_reported = self.run(run);
             }
@@ -166,6 +160,14 @@ impl<'a> Check<'a> {
                 }
             }
             _ => {}
+        }
+    }
+
+    fn formula(&mut self, formula: &Formula) {
+        if let FormulaText::Text(text) = &formula.value
+            && let Err(fault) = self.case.constants.field(text)
+        {
+            self.faults.push(fault.into_fault(formula.span, None));
         }
     }
 
@@ -208,6 +210,10 @@ impl<'a> Check<'a> {
                 self.feature(when, take);
             }
             ValueFile::Series { run, table, .. } => self.table_of(run, table),
+            ValueFile::Signal { run, table, reference, .. } => {
+                self.table_of(run, table);
+                self.formula(reference);
+            }
             ValueFile::Body { run, body, .. } => self.body(run, body),
             ValueFile::Departure { run, table, from, .. } => {
                 self.table_of(run, table);
@@ -247,10 +253,11 @@ impl<'a> Check<'a> {
                 self.table_of(run, table);
                 let Some(reference) = reference else { return };
                 self.reference(reference);
-                if matches!(table.value.as_str(), MONITOR | FORCES) || reference::run_of(reference).is_some()
-                {
+                let has_place = !matches!(table.value.as_str(), MONITOR | FORCES);
+                let is_formula = matches!(**reference, ReferenceFile::Formula(_));
+                if !(has_place || is_formula) || reference::run_of(reference).is_some() {
                     let title = "the reference of this series cannot be drawn";
-                    let help = "a series of a probe can have a formula, a table or an exact solution";
+                    let help = "a series can have a formula, that of a probe also a table or an exact solution";
                     self.faults.push(Fault::new(title, table.span, "has no place").help(help));
                 }
             }

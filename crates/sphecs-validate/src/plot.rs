@@ -11,7 +11,7 @@ use plotters::style::{BLACK, Color, RGBColor, WHITE};
 
 use super::measures::profile::{distance_over_time, profiles};
 use super::measures::reference::{self, coordinate};
-use super::measures::{Context, series};
+use super::measures::{Context, FORCES, MONITOR, series};
 use super::schema::{CurveFile, PlotFile};
 use sphecs_core::format::significant;
 
@@ -97,7 +97,9 @@ fn gather(curve: &CurveFile, context: Context<'_>) -> Result<Curve, String> {
             };
             let line = match function {
                 Some(function) => {
-                    let place = run.probe(&table.value)?.places.first().copied().unwrap_or_default();
+                    let has_place = !matches!(table.value.as_str(), MONITOR | FORCES);
+                    let places = if has_place { run.probe(&table.value)?.places.clone() } else { Vec::new() };
+                    let place = places.first().copied().unwrap_or_default();
                     points.iter().map(|&(time, _)| (time, function(place, time))).collect()
                 }
                 None => Vec::new(),

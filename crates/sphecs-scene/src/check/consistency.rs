@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{bodies, compressibility, driven, movers, walls};
+use super::{bodies, compressibility, driven, mover_paths, movers, walls};
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill::{self, Place};
@@ -52,6 +52,7 @@ pub fn check(scene: &Scene, file: &SceneFile, is_complete: bool, faults: &mut Ve
         driven::check_openings(scene, file, faults);
         probes(scene, file, faults);
         bodies::have_particles(scene, file, &places, faults);
+        mover_paths::check(scene, file, &places, faults);
         fields(scene, file, &places, faults);
     }
 }
@@ -171,7 +172,7 @@ fn overlaps(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
 }
 
 /// Returns points of a zone, a spacing apart, m.
-fn zone_points(patch: &Patch, is_inlet: bool, scene: &Scene) -> Vec<DVec3> {
+pub(super) fn zone_points(patch: &Patch, is_inlet: bool, scene: &Scene) -> Vec<DVec3> {
     let outwards = if is_inlet { -patch.towards } else { patch.towards };
     let steps = |extent: f64| ((extent / scene.spacing).ceil() as i32).clamp(0, 200);
     let [a, b] = patch.half_extent;

@@ -29,6 +29,7 @@ pub mod cut;
 pub mod driven;
 pub mod layout;
 pub mod mass_flow;
+pub mod mover_paths;
 pub mod movers;
 pub mod names;
 pub mod patches;

@@ -122,6 +122,7 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
         ValueFile::Departure { run, from, .. } => vec![&run.value, &from.value],
         ValueFile::Feature { run, .. }
         | ValueFile::Series { run, .. }
+        | ValueFile::Signal { run, .. }
         | ValueFile::Body { run, .. }
         | ValueFile::Growth { run, .. }
         | ValueFile::Reflection { run, .. } => vec![&run.value],
@@ -208,6 +209,12 @@ fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature
         ValueFile::Series { table, column, over, take, scale, .. } => {
             let (times, values) = series::column(run, &table.value, &column.value)?;
             series::statistic(&times, &values, (over.0.value, over.1.value), *take)? / factor(scale)
+        }
+        ValueFile::Signal { table, column, over, reference, take, scale, .. } => {
+            let (times, values) = series::column(run, &table.value, &column.value)?;
+            let function = reference::formula(reference, case)?;
+            let of_time = |time: f64| function([0.0; 3], time);
+            series::signal((&times, &values), (over.0.value, over.1.value), of_time, *take)? / factor(scale)
         }
         ValueFile::Body { body, take, .. } => series::coefficient(run, &body.value, *take)?,
         ValueFile::Growth { probe, field, waves, between, .. } => {

@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::exact::{couette, duct, poiseuille_startup};
 use crate::schema::{AxisFile, ReferenceFile};
-use sphecs_scene::schema::FormulaText;
+use sphecs_scene::schema::{Formula, FormulaText};
 
 /// Reference as a function of position (m) and time (s).
 pub type Reference = Box<dyn Fn([f64; 3], f64) -> f64>;
@@ -23,17 +23,7 @@ pub fn run_of(reference: &ReferenceFile) -> Option<&str> {
 pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Reference>, String> {
     let function: Reference = match reference {
         ReferenceFile::Run(_) | ReferenceFile::Members => return Ok(None),
-        ReferenceFile::Formula(formula) => match &formula.value {
-            FormulaText::Number(number) => {
-                let number = *number;
-                Box::new(move |_, _| number)
-            }
-            FormulaText::Text(text) => {
-                let expression =
-                    case.constants.field(text).map_err(|_| format!("`{text}` cannot be parsed"))?;
-                Box::new(move |[x, y, z], t| expression.value(x, y, z, t))
-            }
-        },
+        ReferenceFile::Formula(written) => formula(written, case)?,
         ReferenceFile::PoiseuilleStartup { half_width, body_force, viscosity } => {
             let (d, force, nu) = (half_width.value, body_force.value, viscosity.value);
             Box::new(move |[_, y, _], t| poiseuille_startup(y, t, d, force, nu))
@@ -55,6 +45,24 @@ pub fn function(reference: &ReferenceFile, case: &Case) -> Result<Option<Referen
         }
     };
     Ok(Some(function))
+}
+
+/// Returns a formula as a function.
+///
+/// # Errors
+/// The formula cannot be parsed.
+pub fn formula(formula: &Formula, case: &Case) -> Result<Reference, String> {
+    Ok(match &formula.value {
+        FormulaText::Number(number) => {
+            let number = *number;
+            Box::new(move |_, _| number)
+        }
+        FormulaText::Text(text) => {
+            let expression =
+                case.constants.field(text).map_err(|_| format!("`{text}` cannot be parsed"))?;
+            Box::new(move |[x, y, z], t| expression.value(x, y, z, t))
+        }
+    })
 }
 
 /// Returns a component of a position.

@@ -1,7 +1,7 @@
 //! Columns over time and their statistics.
 
 use super::{FORCES, MONITOR, RunResults, slope};
-use crate::schema::{CoefficientFile, TakeFile};
+use crate::schema::{CoefficientFile, SignalFile, TakeFile};
 
 /// Returns times, s, and values of a column of the monitor, of the forces on bodies or of a probe;
 /// the mean over its points if it has several.
@@ -81,6 +81,40 @@ pub fn statistic(times: &[f64], values: &[f64], over: (f64, f64), take: TakeFile
 /// Times, s, and values of a column.
 type SeriesColumn<'a> = (&'a [f64], &'a [f64]);
 
+/// Returns a comparison of a column with a function of time in an interval, s.
+///
+/// # Errors
+/// The interval has no samples, or the function is 0 at all of them.
+pub fn signal(
+    (times, values): SeriesColumn<'_>,
+    over: (f64, f64),
+    function: impl Fn(f64) -> f64,
+    take: SignalFile,
+) -> Result<f64, String> {
+    let inside = times.iter().zip(values).filter(|(time, _)| (over.0..=over.1).contains(*time));
+    let pairs: Vec<(f64, f64)> = inside.map(|(time, value)| (*value, function(*time))).collect();
+    if pairs.is_empty() {
+        return Err(format!("no samples from {} to {} s", over.0, over.1));
+    }
+    let squares = pairs.iter().map(|(value, expected)| (value - expected).powi(2)).sum::<f64>();
+    Ok(match take {
+        SignalFile::Factor => {
+            let product = pairs.iter().map(|(value, expected)| value * expected).sum::<f64>();
+            let square = pairs.iter().map(|(_, expected)| expected * expected).sum::<f64>();
+            if square == 0.0 {
+                return Err(format!("the reference is 0 from {} to {} s", over.0, over.1));
+            }
+            product / square
+        }
+        SignalFile::RootMeanSquare => (squares / pairs.len() as f64).sqrt(),
+        // NaN must not be hidden.
+        SignalFile::Largest => pairs.iter().map(|(value, expected)| (value - expected).abs()).fold(
+            0.0,
+            |largest: f64, error| if error > largest || error.is_nan() { error } else { largest },
+        ),
+    })
+}
+
 /// Returns √(Σ (f − f_other)²/Σ f_other²) over the samples of the first column in an interval (s).
 ///
 /// Samples outside the times of the other column are omitted.
@@ -127,6 +161,17 @@ mod tests {
         // Samples after the end of the other are omitted; without any other there is no value.
         assert_eq!(departure((&[3.0, 5.0], &[6.0, 77.0]), other, (0.0, 9.0)), Ok(0.0));
         assert!(departure((&[5.0], &[77.0]), other, (0.0, 9.0)).is_err());
+    }
+
+    #[test]
+    fn signal_is_compared_with_a_function_of_time() {
+        let column = (&[0.0, 1.0, 2.0, 3.0][..], &[50.0, 2.0, 4.0, 7.0][..]);
+        let of = |take| signal(column, (1.0, 3.0), |time| 2.0 * time, take).expect("a value");
+        assert!((of(SignalFile::Factor) - (4.0 + 16.0 + 42.0) / 56.0).abs() < 1e-15);
+        assert!((of(SignalFile::RootMeanSquare) - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(of(SignalFile::Largest), 1.0);
+        assert!(signal(column, (4.0, 5.0), |_| 1.0, SignalFile::Largest).is_err());
+        assert!(signal(column, (1.0, 3.0), |_| 0.0, SignalFile::Factor).is_err());
     }
 
     #[test]

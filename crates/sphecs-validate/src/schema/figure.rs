@@ -60,6 +60,24 @@ pub enum ValueFile {
         #[serde(default)]
         scale: Option<Number>,
     },
+    /// Comparison of a column over time with a function of time.
+    Signal {
+        /// Run.
+        run: Text,
+        /// `monitor`, `forces`, or a probe of the scene.
+        table: Text,
+        /// Name of the column without its unit.
+        column: Text,
+        /// Interval, s.
+        over: (Number, Number),
+        /// The function, an expression of t.
+        reference: Formula,
+        /// Kind of comparison.
+        take: SignalFile,
+        /// Divisor, default 1.
+        #[serde(default)]
+        scale: Option<Number>,
+    },
     /// Coefficient of a body over the interval given by the scene, as in `forces_mean.csv`.
     Body {
         /// Run.
@@ -130,6 +148,17 @@ pub enum ValueFile {
     },
     /// Formula of earlier figures.
     Formula(Text),
+}
+
+/// Comparison of a column with a function of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum SignalFile {
+    /// Factor by which the function fits the samples best, least squares.
+    Factor,
+    /// Root mean square of the differences.
+    RootMeanSquare,
+    /// Largest magnitude of a difference.
+    Largest,
 }
 
 /// Coefficient of a body.
