@@ -23,7 +23,9 @@ pub use curve::Curve;
 
 use crate::sampled_times::sampled_times;
 
-/// Fault of a motion: the value found and the value required. The caller adds its place in the file.
+/// Fault of a motion: the value found and the value required.
+///
+/// The caller adds its place in the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionFault {
     /// An axis of rotation that has no direction.
