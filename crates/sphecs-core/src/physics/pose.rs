@@ -49,8 +49,10 @@ impl Pose {
         Self { origin: displacement, velocity, acceleration, ..Self::IDENTITY }
     }
 
-    /// Returns a rotation about the line through the point `about`, m, along the unit vector `axis`,
-    /// by an angle, rad, with its rate, 1/s, and acceleration, 1/s²; the right hand gives the sense.
+    /// Returns a rotation about the line through the point `about`, m, along the unit vector
+    /// `axis`, by an angle, rad, with its rate, 1/s, and acceleration, 1/s².
+    ///
+    /// The right hand gives the sense. An angle of 0 leaves all places bitwise unchanged.
     pub fn rotated(about: DVec3, axis: DVec3, angle: f64, rate: f64, acceleration: f64) -> Self {
         let rotation = DMat3::from_axis_angle(axis, angle);
         let (spin, spin_rate) = (rate * axis, acceleration * axis);

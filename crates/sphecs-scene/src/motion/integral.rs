@@ -9,7 +9,7 @@
 //! the whole by 1e-13: a rate such as `min(t/0.2, 1)` has a kink within a panel. The panels do not
 //! depend on the time steps, and their sums are computed once, so that x is bitwise the same
 //! whatever times were evaluated before. A power of two makes k w exact; it changes with T only
-//! where T passes 2^k. Behind T the panels continue.
+//! where T passes a power of two. The panels continue before 0 and after T.
 
 use std::sync::Arc;
 
@@ -84,14 +84,13 @@ impl RateIntegral {
         if !time.is_finite() {
             return f64::NAN;
         }
-        if time <= 0.0 {
-            return -self.over(time, 0.0);
-        }
-        let index = (time / self.panel).floor() as usize;
-        let known = index.min(self.sums.len() - 1);
-        let beginning = |index: usize| index as f64 * self.panel;
-        let behind_end = (known..index).map(|index| self.over(beginning(index), beginning(index + 1)));
-        behind_end.fold(self.sums[known], |sum, added| sum + added) + self.over(beginning(index), time)
+        let index = (time.abs() / self.panel).floor() as usize;
+        let beginning = |index: usize| (index as f64 * self.panel).copysign(time);
+        let panel = |index: usize| self.over(beginning(index), beginning(index + 1));
+        // Before the start and after the end the panels are not stored.
+        let known = if time < 0.0 { 0 } else { index.min(self.sums.len() - 1) };
+        let sum = (known..index).map(panel).fold(self.sums[known], |sum, added| sum + added);
+        sum + self.over(beginning(index), time)
     }
 
     /// Returns the integral between two times, s.
@@ -100,7 +99,7 @@ impl RateIntegral {
             return 0.0;
         }
         let whole = self.quadrature(from, to, |rate| rate);
-        let tolerance = TOLERANCE * self.quadrature(from, to, f64::abs);
+        let tolerance = TOLERANCE * self.quadrature(from, to, f64::abs).abs();
         let mut halvings = MOST_HALVINGS;
         self.halved([from, to], whole, tolerance, &mut halvings)
     }

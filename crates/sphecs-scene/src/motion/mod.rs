@@ -16,13 +16,16 @@ pub mod integral;
 pub mod spline;
 
 use glam::DVec3;
+use sphecs_core::format::significant;
 use sphecs_core::physics::pose::Pose;
 
 pub use curve::Curve;
 
 use crate::sampled_times::sampled_times;
 
-/// Fault of a motion, to continue "the motion …"; the caller adds its place in the file.
+/// Fault of a motion: the value found and the value required.
+///
+/// The caller adds its place in the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionFault {
     /// An axis of rotation that has no direction.
@@ -32,7 +35,7 @@ pub enum MotionFault {
     #[error("the point of the axis is ({}, {}, {}) m, must be finite", .0.x, .0.y, .0.z)]
     About(DVec3),
     /// Number of samples of a table that does not suffice.
-    #[error("a table has {0} sample(s), must have at least two")]
+    #[error("the number of samples is {0}, must be at least two")]
     TooFewSamples(usize),
     /// Sample with a number that is not finite.
     #[error("sample {} has a number that is not finite", .sample + 1)]
@@ -53,8 +56,8 @@ pub enum MotionFault {
     /// End of a run for which a rate cannot be integrated, s.
     #[error("the run ends at {0} s, must end at a finite time greater than 0 for a rate")]
     End(f64),
-    /// Rate that is not finite behind a time.
-    #[error("the rate is not finite shortly behind {time} s, must be finite during the run")]
+    /// Rate that is not finite at some time of a short interval.
+    #[error("the rate is not finite shortly after {} s, must be finite during the run", significant(*.time))]
     RateNotFinite {
         /// Beginning of the interval, s.
         time: f64,

@@ -61,7 +61,7 @@ impl MonotoneSpline {
 
     /// Returns the value, its first and its second derivative at a time, s.
     ///
-    /// The second derivative jumps at the samples; there it is that of the step behind.
+    /// The second derivative jumps at the samples; there it is that of the step after.
     pub fn at(&self, time: f64) -> [f64; 3] {
         let next = self.knots.partition_point(|knot| knot.time <= time);
         if next == 0 || next == self.knots.len() {
@@ -82,13 +82,13 @@ impl MonotoneSpline {
 
 /// Returns the slope at the middle one of three samples, 1/s of the unit of their values.
 fn slope([a, b, c]: [(f64, f64); 3]) -> f64 {
-    let (before, behind) = (b.0 - a.0, c.0 - b.0);
-    let (falling, rising) = ((b.1 - a.1) / before, (c.1 - b.1) / behind);
-    if falling * rising <= 0.0 {
+    let steps = [b.0 - a.0, c.0 - b.0];
+    let means = [(b.1 - a.1) / steps[0], (c.1 - b.1) / steps[1]];
+    if means[0] * means[1] <= 0.0 {
         return 0.0;
     }
-    let weights = [2.0 * behind + before, behind + 2.0 * before];
-    3.0 * (before + behind) / (weights[0] / falling + weights[1] / rising)
+    let weights = [2.0 * steps[1] + steps[0], steps[1] + 2.0 * steps[0]];
+    3.0 * (steps[0] + steps[1]) / (weights[0] / means[0] + weights[1] / means[1])
 }
 
 #[cfg(test)]
