@@ -166,6 +166,7 @@ fn product(a: Syntax, b: Syntax) -> Syntax {
         (a, b) if is(&b, 1.0) => a,
         (a, b) if is(&a, -1.0) => negated(b),
         (a, b) if is(&b, -1.0) => negated(a),
+        (Syntax::Number(a), Syntax::Number(b)) => number(a * b),
         (a, b @ Syntax::Number(_)) => product(b, a),
         (Syntax::Number(a), Syntax::Binary("*", b, c)) if matches!(*b, Syntax::Number(_)) => {
             product(pair("*", number(a), *b), *c)
@@ -253,6 +254,14 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// A factor of a divisor once made the simplification endless.
+    #[test]
+    fn derivatives_of_scaled_times_are_those_of_differences() {
+        for text in ["1 - exp(-(t/0.3)^2)", "(t/0.3)^4", "(2*t/3)^3", "exp(-(2*t)^4)*sin(7*t/2)", "(5*t)^2*3"] {
+            check(text, 0.37);
         }
     }
 
