@@ -8,15 +8,18 @@
 //! proportional to the bytes read.
 
 mod foreign;
+mod obj;
+mod ply;
+mod ply_header;
+mod polygon;
 mod stl;
 mod text;
 
 use crate::facets::Facets;
 use crate::fault::{Fault, Place};
 
-/// First words of a line of an OBJ file.
-const OBJ_WORDS: [&str; 14] =
-    ["v", "vn", "vt", "vp", "f", "g", "o", "s", "l", "p", "mtllib", "usemtl", "mg", "shadow_obj"];
+/// Bytes of a file that show whether it is text: in a binary STL file, up to the second facet.
+const BEGINNING: usize = 134;
 
 /// Reads the facets of an STL, OBJ or PLY file.
 ///
@@ -35,12 +38,21 @@ pub fn read(bytes: &[u8], file: &str) -> Result<Facets, Fault> {
         return whole(message);
     }
     let extension = file.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase()).unwrap_or_default();
-    let first = text::first_word(bytes).to_ascii_lowercase();
-    let is_text = !bytes.contains(&0);
+    let first = text::first_word(bytes);
+    // A zero byte behind the beginning of a text is damage, which has a line.
+    let is_text = !bytes[..bytes.len().min(BEGINNING)].contains(&0);
     let facets = if stl::is_binary(bytes) {
         stl::read_binary(bytes, file)
-    } else if first == b"solid" && is_text {
+    } else if ply_header::is_ply(bytes) {
+        ply::read(bytes, file)
+    } else if extension == "ply" {
+        return whole("does not begin with the line `ply`: it is damaged or another format, export it again");
+    } else if is_text && first.eq_ignore_ascii_case(b"solid") {
         stl::read_text(bytes, file)
+    } else if is_text && (extension == "obj" || obj::is_statement(first)) {
+        obj::read(bytes, file)
+    } else if extension == "obj" {
+        return whole("has bytes that are not text, an OBJ file is text: it is damaged, export it again");
     } else if extension == "stl" {
         stl::read_binary(bytes, file)
     } else {

@@ -172,6 +172,13 @@ impl<'a> TextReader<'a> {
                     "has `vertex` where {wanted} must be: a facet has three corners, export as triangles"
                 ),
             ),
+            Some(word) if self.words.clone().next().is_none() => (
+                word.place,
+                format!(
+                    "ends with `{}` where {wanted} must be: the file is truncated, export it again",
+                    word.quoted()
+                ),
+            ),
             Some(word) => {
                 (word.place, format!("has `{}` where {wanted} must be: export the file again", word.quoted()))
             }

@@ -108,6 +108,17 @@ impl<'a> Words<'a> {
         (length > 0).then_some(Word { bytes: &rest[..length], place })
     }
 
+    /// Returns the next word of this line, or of the next ones where a `\` at the end joins them.
+    pub(super) fn next_on_joined_lines(&mut self) -> Option<Word<'a>> {
+        loop {
+            let word = self.next_on_line()?;
+            if word.bytes != b"\\" || !self.rest_of_line().is_empty() {
+                return Some(word);
+            }
+            self.next_line();
+        }
+    }
+
     /// Returns the rest of this line without blanks around it, and stays at the end of the line.
     pub(super) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
@@ -130,6 +141,11 @@ impl<'a> Words<'a> {
             self.at = ahead.at;
         }
         self.bytes[start..self.at].trim_ascii()
+    }
+
+    /// Returns the offset of the next byte in the text, without a byte order mark.
+    pub(super) fn offset(&self) -> usize {
+        self.at
     }
 
     /// Moves to the next line; returns false at the end of the text.

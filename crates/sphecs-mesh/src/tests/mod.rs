@@ -1,4 +1,7 @@
 //! Tests of readers, repair and queries on surfaces with known answers.
 
+mod bad_inputs;
+mod formats;
+mod polygons;
 mod queries;
 mod shapes;

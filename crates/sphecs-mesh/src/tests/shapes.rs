@@ -59,7 +59,7 @@ impl Shape {
 
     /// Returns the shape as a binary STL file.
     pub(super) fn binary_stl(&self) -> Vec<u8> {
-        let mut bytes = vec![b' '; 80];
+        let mut bytes = vec![b'x'; 80];
         bytes.extend((self.triangles.len() as u32).to_le_bytes());
         for triangle in 0..self.triangles.len() {
             bytes.extend([0; 12]);
@@ -82,6 +82,71 @@ impl Shape {
             text.push_str("    endloop\n  endfacet\n");
         }
         text + &format!("endsolid {name}\n")
+    }
+}
+
+/// Encoding of a PLY file.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Ply {
+    Text,
+    Little,
+    Big,
+}
+
+impl Shape {
+    /// Returns the shape as an OBJ file.
+    pub(super) fn obj(&self) -> String {
+        let mut text = String::from("# a comment\no part\n");
+        for vertex in &self.vertices {
+            text.push_str(&format!("v {} {} {}\n", vertex.x, vertex.y, vertex.z));
+        }
+        for [a, b, c] in &self.triangles {
+            text.push_str(&format!("f {} {} {}\n", a + 1, b + 1, c + 1));
+        }
+        text
+    }
+
+    /// Returns the shape as a PLY file with elements and properties that are not used.
+    pub(super) fn ply(&self, encoding: Ply) -> Vec<u8> {
+        let format = match encoding {
+            Ply::Text => "ascii",
+            Ply::Little => "binary_little_endian",
+            Ply::Big => "binary_big_endian",
+        };
+        let mut bytes = format!(
+            "ply\nformat {format} 1.0\ncomment caf\u{e9}\nelement material 2\nproperty uchar red\n\
+             property list uchar short uv\nelement vertex {}\nproperty double x\nproperty uchar quality\n\
+             property double y\nproperty double z\nelement face {}\nproperty list uchar int vertex_indices\n\
+             property ushort flags\nend_header\n",
+            self.vertices.len(),
+            self.triangles.len()
+        )
+        .into_bytes();
+        let mut put = |value: f64, size: usize| {
+            let raw = match size {
+                8 => value.to_le_bytes().to_vec(),
+                size => (value as i32).to_le_bytes()[..size].to_vec(),
+            };
+            match encoding {
+                Ply::Text => bytes.extend(format!("{value} ").bytes()),
+                Ply::Little => bytes.extend(raw),
+                Ply::Big => bytes.extend(raw.iter().rev()),
+            }
+        };
+        for _ in 0..2 {
+            [(7.0, 1), (2.0, 1), (-3.0, 2), (4.0, 2)].iter().for_each(|(value, size)| put(*value, *size));
+        }
+        for vertex in &self.vertices {
+            for (value, size) in [(vertex.x, 8), (9.0, 1), (vertex.y, 8), (vertex.z, 8)] {
+                put(value, size);
+            }
+        }
+        for triangle in &self.triangles {
+            put(3.0, 1);
+            triangle.iter().for_each(|vertex| put(f64::from(*vertex), 4));
+            put(1.0, 2);
+        }
+        bytes
     }
 }
 
