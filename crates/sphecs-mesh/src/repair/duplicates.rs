@@ -95,6 +95,5 @@ fn equal_sets(mesh: &Triangulation) -> Vec<Vec<u32>> {
 
 /// Whether three different numbers are an even permutation of their ascending order.
 fn is_even([a, b, c]: [u32; 3]) -> bool {
-    usize::from(a > b) + usize::from(b > c) + usize::from(a > c) != 1
-        && usize::from(a > b) + usize::from(b > c) + usize::from(a > c) != 3
+    (usize::from(a > b) + usize::from(b > c) + usize::from(a > c)).is_multiple_of(2)
 }

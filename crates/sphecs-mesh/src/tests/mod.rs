@@ -4,4 +4,5 @@ mod bad_inputs;
 mod formats;
 mod polygons;
 mod queries;
+mod repairs;
 mod shapes;
