@@ -53,7 +53,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether every edge has two facets or more.
+    /// Returns true if every edge has two facets or more.
     pub fn is_closed(&self) -> bool {
         self.open_loops.is_empty()
     }

@@ -17,7 +17,7 @@ const STATEMENTS: [&str; 34] = [
     "con", "bevel", "c_interp", "d_interp", "lod",
 ];
 
-/// Whether a word begins a line of an OBJ file.
+/// Returns true for a word that begins a line of an OBJ file.
 pub(super) fn is_statement(word: &[u8]) -> bool {
     word.starts_with(b"#") || STATEMENTS.iter().any(|statement| statement.as_bytes() == word)
 }

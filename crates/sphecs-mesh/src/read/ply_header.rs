@@ -89,7 +89,7 @@ pub(super) struct Header {
     pub elements: Vec<Element>,
 }
 
-/// Whether a file begins with the line `ply`.
+/// Returns true for a file that begins with the line `ply`.
 pub(super) fn is_ply(bytes: &[u8]) -> bool {
     bytes.starts_with(b"ply") && bytes.get(3).is_none_or(u8::is_ascii_whitespace)
 }

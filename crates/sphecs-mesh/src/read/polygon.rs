@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-/// Most points that are compared with an ear, over all ears of a polygon. The time of clipping grows
-/// with the square of the number of corners, and with its cube for a few polygons.
+/// Most points that are compared with an ear, over all ears of a polygon. The time of clipping
+/// grows with the square of the number of corners, and with its cube for a few polygons.
 const MOST_COMPARED: usize = 20_000_000;
 
 /// Divides a polygon, given by at least three indices of vertices, and calls `push` for each of

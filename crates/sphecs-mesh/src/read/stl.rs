@@ -20,7 +20,7 @@ fn declared(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes([count[0], count[1], count[2], count[3]])))
 }
 
-/// Whether the length of a file is that of a binary STL file with the facets it says it has.
+/// Returns true if the length of a file is that of a binary STL file with its number of facets.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     declared(bytes).is_some_and(|count| bytes.len() as u64 == HEAD as u64 + FACET as u64 * count)
 }

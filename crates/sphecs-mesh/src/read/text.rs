@@ -16,7 +16,7 @@ pub(super) struct Word<'a> {
 }
 
 impl Word<'_> {
-    /// Whether the word is a keyword, whatever its case.
+    /// Returns true for a keyword, in upper or lower case.
     pub(super) fn is(&self, keyword: &str) -> bool {
         self.bytes.eq_ignore_ascii_case(keyword.as_bytes())
     }
@@ -127,7 +127,7 @@ impl<'a> Words<'a> {
         rest[..length].trim_ascii()
     }
 
-    /// Returns the rest of this line, or of it what stands before two words that follow each other.
+    /// Returns the rest of this line, or the part of it before two given words in a row.
     pub(super) fn rest_of_line_before(&mut self, stop: [&str; 2]) -> &'a [u8] {
         let start = self.at;
         loop {

@@ -93,7 +93,7 @@ fn equal_sets(mesh: &Triangulation) -> Vec<Vec<u32>> {
         .collect()
 }
 
-/// Whether three different numbers are an even permutation of their ascending order.
+/// Returns true if three different numbers are an even permutation of their ascending order.
 fn is_even([a, b, c]: [u32; 3]) -> bool {
     (usize::from(a > b) + usize::from(b > c) + usize::from(a > c)).is_multiple_of(2)
 }

@@ -19,7 +19,7 @@ const SHEET: f64 = 1e-3;
 pub(crate) struct Component {
     /// Numbers of the triangles, in the order in which they were reached.
     pub triangles: Vec<u32>,
-    /// Whether every edge has two facets, or another even number.
+    /// True if every edge has two facets, or another even number.
     pub is_closed: bool,
 }
 

@@ -80,7 +80,7 @@ impl Surface {
         winding::winding(&self.bvh, &self.mesh, point)
     }
 
-    /// Whether a point is inside: where the winding number is above ½.
+    /// Returns true for a point inside, where the winding number is above ½.
     pub fn is_inside(&self, point: DVec3) -> bool {
         self.winding(point) > INSIDE
     }

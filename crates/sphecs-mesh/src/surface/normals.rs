@@ -70,8 +70,8 @@ impl Surface {
     /// Returns the unit normal at the nearest point of `query`, outward.
     ///
     /// It is the direction between the two points, the gradient of the distance; on the surface
-    /// itself, the pseudonormal: the mean of the normals around, weighted by the angles of the
-    /// facets there (Bærentzen & Aanæs 2005).
+    /// itself, the pseudonormal of Bærentzen & Aanæs (2005): the mean of the normals around,
+    /// weighted by the angles of the facets there.
     pub fn smooth_normal_at(&self, query: DVec3, nearest: &Nearest) -> DVec3 {
         let pseudonormal = self.pseudonormal(nearest);
         let away = query - nearest.point;

@@ -4,10 +4,10 @@
 //! w(q) = 1/(4π) Σ_t Ω_t(q),   tan(Ω_t/2) = a·(b × c)/(|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)
 //! ```
 //!
-//! Jacobson et al. (2013), Eq. 5, with a, b, c the corners of a triangle from q; w is 1 inside and
-//! 0 outside a closed surface that is counter-clockwise seen from outside. Triangles of a node of
-//! the tree that are farther from q than β times its radius, β = 2, are summed at once by the
-//! expansion of Barill et al. (2018), Eq. 10, up to the first moment:
+//! Jacobson et al. (2013), with a, b, c the corners of a triangle from q; w is 1 inside and 0
+//! outside a closed surface that is counter-clockwise seen from outside. Triangles of a node of the
+//! tree that are farther from q than β times its radius, β = 2, are summed at once by the expansion
+//! of Barill et al. (2018), up to the first moment:
 //!
 //! ```text
 //! Σ Ω_t ≈ A·d/|d|³ + tr M/|d|³ − 3 d·M d/|d|⁵,   d = p − q,  M = Σ (x_t − p) A_tᵀ
