@@ -19,4 +19,4 @@ pub use facets::Facets;
 pub use fault::{Fault, Place};
 pub use read::read;
 pub use report::{OpenLoop, Report};
-pub use surface::{Feature, Nearest, Part, Plane, Surface};
+pub use surface::{Feature, Intersections, Nearest, Part, Plane, Surface};

@@ -2,6 +2,8 @@
 
 mod build;
 pub(crate) mod bvh;
+pub(crate) mod crossing;
+mod intersections;
 pub(crate) mod nearest;
 mod normals;
 mod planes;
@@ -11,6 +13,7 @@ use glam::DVec3;
 
 pub use build::Part;
 use bvh::Bvh;
+pub use intersections::Intersections;
 pub use nearest::{Feature, Nearest};
 pub use planes::Plane;
 

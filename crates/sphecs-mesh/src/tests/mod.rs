@@ -2,6 +2,7 @@
 
 mod bad_inputs;
 mod formats;
+mod overlaps;
 mod polygons;
 mod queries;
 mod repairs;
