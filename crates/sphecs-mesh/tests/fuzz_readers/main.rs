@@ -1,0 +1,200 @@
+//! Damaged files of all formats: no panic, a message, and memory in proportion to the file.
+//!
+//! There is one test: another one at the same time would disturb the count of the allocator.
+
+use peak_alloc::PeakAlloc;
+use sphecs_mesh::{Part, Surface, read};
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// Damaged files in all.
+const FILES: usize = 1_000_000;
+
+/// Largest memory for a file, in its sizes, beside some for messages and small buffers.
+const TIMES: usize = 20;
+const BESIDE: usize = 16 << 10;
+
+/// One in this many of the files that are read becomes a surface.
+const SURFACES: usize = 16;
+
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 20) as usize % end.max(1)
+    }
+}
+
+const POINTS: [[f64; 3]; 5] =
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.25]];
+const TRIANGLES: [[usize; 3]; 6] = [[0, 2, 1], [0, 1, 3], [1, 4, 3], [2, 0, 3], [4, 2, 3], [1, 2, 4]];
+
+fn binary_stl() -> Vec<u8> {
+    let mut bytes = b"solid made by a program".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend((TRIANGLES.len() as u32).to_le_bytes());
+    for triangle in TRIANGLES {
+        bytes.extend([0; 12]);
+        let numbers = triangle.iter().flat_map(|vertex| POINTS[*vertex]);
+        bytes.extend(numbers.flat_map(|x| (x as f32).to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn text_stl() -> Vec<u8> {
+    let mut text = String::new();
+    for (number, triangle) in TRIANGLES.iter().enumerate() {
+        let corner = |at: usize| POINTS[triangle[at]].map(|x| x.to_string()).join(" ");
+        text += &format!(
+            "solid s{number}\nfacet normal 0 0 1\nouter loop\nvertex {}\nvertex {}\nvertex {}\nendloop\n\
+             endfacet\nendsolid\n",
+            corner(0),
+            corner(1),
+            corner(2)
+        );
+    }
+    text.into_bytes()
+}
+
+fn obj() -> Vec<u8> {
+    let mut text = String::from("# box\no a\n");
+    POINTS.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
+    for [a, b, c] in TRIANGLES {
+        text += &format!("g g{a}\nf {}/1/1 {}//2 {}\n", a + 1, b + 1, c as i64 - 5);
+    }
+    (text + "f 1 2 5 3 \\\n 4\n").into_bytes()
+}
+
+fn ply(format: &str, is_big: bool) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         property list uchar short tags\nelement face {}\nproperty list uchar ushort vertex_indices\nend_header\n",
+        POINTS.len(),
+        TRIANGLES.len()
+    )
+    .into_bytes();
+    let mut put = |text: String, mut raw: Vec<u8>| {
+        if is_big {
+            raw.reverse();
+        }
+        bytes.extend(if format == "ascii" { (text + " ").into_bytes() } else { raw });
+    };
+    for point in POINTS {
+        point.iter().for_each(|x| put(x.to_string(), (*x as f32).to_le_bytes().to_vec()));
+        put("1".to_owned(), vec![1]);
+        put("7".to_owned(), vec![7, 0]);
+    }
+    for triangle in TRIANGLES {
+        put("3".to_owned(), vec![3]);
+        triangle.iter().for_each(|v| put(v.to_string(), vec![*v as u8, 0]));
+    }
+    bytes
+}
+
+/// Words and numbers that readers take special care of.
+const PIECES: [&[u8]; 24] = [
+    b"\n",
+    b" ",
+    b"\r\n",
+    b"\0",
+    b"\xff\xff\xff\xff",
+    b"nan",
+    b"1e400",
+    b"-1",
+    b"99999999999",
+    b"solid ",
+    b"endsolid",
+    b"facet ",
+    b"vertex ",
+    b"f 1 2 3 4 5\n",
+    b"v 1 2 3\n",
+    b"g x\n",
+    b"\\\n",
+    b"/",
+    b"#",
+    b"element face 99999999\n",
+    b"property list uchar uchar vertex_index\n",
+    b"end_header\n",
+    b"list ",
+    b"element x 4000000000\n",
+];
+
+/// Damages a file in one to four places.
+fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
+    for _ in 0..=random.below(4) {
+        let at = random.below(bytes.len());
+        let end = (at + 1 + random.below(12)).min(bytes.len());
+        match random.below(7) {
+            0 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
+            1 if at < bytes.len() => bytes[at] = random.below(256) as u8,
+            2 => drop(bytes.drain(at.min(end)..end)),
+            3 => {
+                let piece = PIECES[random.below(PIECES.len())];
+                drop(bytes.splice(at..at, piece.iter().copied()));
+            }
+            4 => {
+                let copy = bytes[at.min(end)..end].to_vec();
+                let to = random.below(bytes.len());
+                drop(bytes.splice(to..to, copy));
+            }
+            5 if random.below(8) == 0 => bytes.truncate(at),
+            _ => {
+                let number = random.below(300).to_string();
+                drop(bytes.splice(at.min(end)..end, number.bytes()));
+            }
+        }
+    }
+}
+
+#[test]
+fn damaged_files_are_read_or_refused_in_little_memory() {
+    let files = [
+        ("a.stl", binary_stl()),
+        ("a.stl", text_stl()),
+        ("a.obj", obj()),
+        ("a.ply", ply("ascii", false)),
+        ("a.ply", ply("binary_little_endian", false)),
+        ("a.ply", ply("binary_big_endian", true)),
+    ];
+    for (name, bytes) in &files {
+        assert!(read(bytes, name).is_ok(), "{name}: {:?}", read(bytes, name).err());
+    }
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let (mut good, mut refused) = ([0; 6], [0; 6]);
+    for number in 0..FILES {
+        let kind = number % files.len();
+        let (name, mut bytes) = files[kind].clone();
+        damage(&mut bytes, &mut random);
+        let before = ALLOCATOR.current_usage();
+        ALLOCATOR.reset_peak_usage();
+        let result = read(&bytes, name);
+        let most = ALLOCATOR.peak_usage() - before;
+        let text = || String::from_utf8_lossy(&bytes).into_owned();
+        assert!(most <= TIMES * bytes.len() + BESIDE, "{most} bytes for {}: {}", bytes.len(), text());
+        match result {
+            Ok(facets) => {
+                good[kind] += 1;
+                if good[kind] % SURFACES == 0 {
+                    let part = Part { name: "a".to_owned(), facets };
+                    // Any result but a panic.
+                    let _ = Surface::new(vec![part], 1e-3).map(|(surface, _)| surface.planes());
+                }
+            }
+            Err(fault) => {
+                refused[kind] += 1;
+                let message = fault.to_string();
+                assert!((20..400).contains(&message.len()) && !message.contains('\n'), "{message}");
+            }
+        }
+    }
+    // Damage that always or never counts would test little.
+    for kind in 0..files.len() {
+        let share = f64::from(refused[kind]) / f64::from(refused[kind] + good[kind] as i32);
+        assert!((0.1..0.99).contains(&share), "{}: {share}", files[kind].0);
+    }
+}
