@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 
 use super::frame::Frame;
 use sphecs_core::particles::zone::Zone;
+use sphecs_scene::meshes::MeshFile;
 use sphecs_scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
 
 /// Properties of a run that are known at its first step.
@@ -20,6 +21,12 @@ pub struct Header {
     /// Tables that the scene names: path as written, and text. Stored as `tables.json`.
     #[serde(skip)]
     pub tables: Vec<(String, String)>,
+    /// Mesh files that the scene names. Stored in `meshes/`.
+    #[serde(skip)]
+    pub meshes: Vec<MeshFile>,
+    /// Their paths in the scene and their SHA-256, hexadecimal.
+    #[serde(default)]
+    pub mesh_hashes: Vec<(String, String)>,
     /// Changes to the scene by `sphecs resume --set`, as path and value, in their order.
     #[serde(default)]
     pub changes: Vec<(String, String)>,
@@ -146,6 +153,8 @@ impl Header {
             title: scene.title.clone(),
             text: scene.text.clone(),
             tables: scene.tables.clone(),
+            meshes: scene.meshes.clone(),
+            mesh_hashes: scene.meshes.iter().map(|mesh| (mesh.path.clone(), hash_of(mesh))).collect(),
             changes: Vec::new(),
             until: None,
             max_steps: None,
@@ -186,10 +195,10 @@ impl Header {
         }
     }
 
-    /// Returns the SHA-256 of the scene and its tables, hexadecimal, which a checkpoint must match.
+    /// Returns the SHA-256 of the scene, its tables and its meshes, hexadecimal, which a checkpoint must match.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
-        let parts = self.tables.iter().flat_map(|(path, text)| [path, text]);
+        let parts = self.tables.iter().chain(&self.mesh_hashes).flat_map(|(path, text)| [path, text]);
         for part in std::iter::once(&self.text).chain(parts) {
             // The lengths make sure that different lists of texts have different bytes.
             hash.update((part.len() as u64).to_le_bytes());
@@ -216,6 +225,11 @@ impl Header {
     pub fn axes(&self) -> &'static [&'static str] {
         if self.dimensions == 2 { &["x", "y"] } else { &["x", "y", "z"] }
     }
+}
+
+/// Returns the SHA-256 of a mesh file, hexadecimal.
+pub(crate) fn hash_of(mesh: &MeshFile) -> String {
+    hexadecimal(&Sha256::digest(&mesh.bytes))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

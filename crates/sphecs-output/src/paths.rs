@@ -8,6 +8,8 @@ use sphecs_scene::result_name::result_name;
 pub const SCENE: &str = "scene.ron";
 /// Tables that the scene names, JSON.
 pub const TABLES: &str = "tables.json";
+/// Folder of the mesh files that it names, by their numbers.
+pub const MESHES: &str = "meshes";
 /// State of the run and how it ended, JSON.
 pub const SUMMARY: &str = "summary.json";
 /// File that a process locks while it writes the run.
@@ -18,6 +20,12 @@ pub const STAGED: &str = ".sphecs-start";
 pub const PLACED: &str = ".sphecs-placed";
 /// Earlier run until the new one has its initial files.
 pub const REPLACED: &str = ".sphecs-replaced";
+
+/// Returns the name of the file of a mesh in a run folder.
+pub fn mesh_name(index: usize, path: &str) -> String {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
+    format!("{index}-{name}")
+}
 
 /// Folder of one file per frame while the run is not packed.
 pub const JOURNAL: &str = "journal";

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
 use super::frame::Frame;
-use super::header::Header;
+use super::header::{Header, hash_of};
 use super::journal::frame_paths;
 use super::netcdf::particles::ParticleFile;
-use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES, SCENE, SUMMARY, TABLES};
+use super::paths::{self, JOURNAL, MESHES, PACKED_JOURNAL, PARTICLES, SCENE, SUMMARY, TABLES};
 use super::summary::Summary;
 use sphecs_core::format::significant;
+use sphecs_scene::meshes::MeshFile;
 
 /// Returns the header of a run with the text of its scene and tables.
 ///
@@ -24,6 +25,16 @@ pub fn read_header(folder: &Path) -> Result<Header, OutputError> {
         let text = std::fs::read(&path).map_err(OutputError::io(&path, "read"))?;
         header.tables = serde_json::from_slice(&text)
             .map_err(|error| OutputError::Damaged { path, what: error.to_string() })?;
+    }
+    let folder = folder.join(MESHES);
+    for (index, (name, hash)) in header.mesh_hashes.iter().enumerate() {
+        let path = folder.join(paths::mesh_name(index, name));
+        let bytes = std::fs::read(&path).map_err(OutputError::io(&path, "read"))?;
+        let mesh = MeshFile { path: name.clone(), bytes: bytes.into() };
+        if hash_of(&mesh) != *hash {
+            return Err(OutputError::Damaged { path, what: "was changed after the run started".to_owned() });
+        }
+        header.meshes.push(mesh);
     }
     Ok(header)
 }

@@ -15,12 +15,12 @@ use super::disk::{self, remove_folder};
 use super::error::OutputError;
 use super::header::Header;
 use super::lock::Lock;
-use super::paths::{JOURNAL, LOCK, PLACED, REPLACED, SCENE, STAGED, SUMMARY, TABLES};
+use super::paths::{self, JOURNAL, LOCK, MESHES, PLACED, REPLACED, SCENE, STAGED, SUMMARY, TABLES};
 use super::results::is_run;
 use super::summary::Summary;
 
 /// Files and folders of a run before its first frame.
-const INITIAL: [&str; 4] = [JOURNAL, TABLES, SUMMARY, SCENE];
+const INITIAL: [&str; 5] = [JOURNAL, TABLES, MESHES, SUMMARY, SCENE];
 
 /// Entries that do not count as content: `lost+found` is made with a file system, the others by
 /// a start.
@@ -239,6 +239,13 @@ fn write_initial_files(folder: &Path, header: &Header) -> Result<(), OutputError
         let tables = serde_json::to_vec_pretty(&header.tables)
             .map_err(|error| OutputError::Damaged { path: path.clone(), what: error.to_string() })?;
         disk::write_whole(&path, &tables)?;
+    }
+    if !header.meshes.is_empty() {
+        let meshes = folder.join(MESHES);
+        fs::create_dir_all(&meshes).map_err(OutputError::io(&meshes, "make the folder"))?;
+        for (index, mesh) in header.meshes.iter().enumerate() {
+            disk::write_whole(&meshes.join(paths::mesh_name(index, &mesh.path)), &mesh.bytes)?;
+        }
     }
     Summary { run: header.clone(), ..Summary::default() }.write(folder)
 }

@@ -64,6 +64,9 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
         },
     );
     figures.notes.extend(overlaps);
+    for mesh in &scene.mesh_reports {
+        figures.notes.extend(mesh.notes.iter().map(|note| format!("the mesh {} {note}", mesh.name)));
+    }
     let by_zone = figures.by_zone.map(|count| count as u64);
     let disk = disk_estimate(scene, by_zone, until);
     let openings: Vec<(String, String)> = opening_figures(scene, until)
@@ -71,6 +74,8 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
         .map(|figures| (figures.name.clone(), opening_text(scene, &figures)))
         .collect();
     let mut rows: Vec<(&str, String)> = scene_rows(scene, &figures, by_zone, until, None);
+    let meshes = scene.mesh_reports.iter().map(|mesh| (mesh.name.as_str(), mesh.lines.join("; ")));
+    rows.extend(meshes);
     rows.extend(passage.map(|passage| ("passage", passage_text(scene, &passage))));
     rows.extend(path.map(|path| ("fastest", fastest_text(scene, &path))));
     rows.extend(openings.iter().map(|(name, text)| (name.as_str(), text.clone())));

@@ -136,6 +136,7 @@ fn changed_scene(
     let changes = [header.changes.clone(), options.sets.clone()].concat();
     let scene = Scene::from_text(&header.scene, &header.text)
         .tables(header.tables.clone())
+        .meshes(header.meshes.clone())
         .sets(&changes)
         .memory(memory::available())
         .load()?;

@@ -131,7 +131,8 @@ impl<'a> CasingGrid<'a> {
 
     /// Returns the volume that movers in some poses leave to the fluid, m³ (m² in 2D).
     pub(crate) fn free_volume(&self, poses: &WallPoses) -> f64 {
-        let inside: Vec<Vec<f64>> = (0..self.scene.movers.len()).map(|mover| self.shares(mover, poses)).collect();
+        let inside: Vec<Vec<f64>> =
+            (0..self.scene.movers.len()).map(|mover| self.shares(mover, poses)).collect();
         let free = |cell: usize| {
             let covered: f64 = inside.iter().map(|shares| shares[cell]).sum();
             (self.share[cell] - covered).max(0.0)

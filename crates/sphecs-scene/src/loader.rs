@@ -7,6 +7,7 @@ use super::check::{self, SceneSource};
 use super::constants;
 use super::expression::Constants;
 use super::faults::{Fault, SceneErrors};
+use super::meshes::MeshFile;
 use super::model::Scene;
 use super::notation::reader::{self, Parsed};
 use super::notation::{paths, typed};
@@ -77,6 +78,7 @@ pub struct SceneLoader {
     smoke: bool,
     memory: Option<f64>,
     tables: Vec<(String, String)>,
+    meshes: Vec<MeshFile>,
 }
 
 impl Scene {
@@ -94,7 +96,7 @@ impl Scene {
 
 impl SceneLoader {
     fn new(input: Input) -> Self {
-        Self { input, sets: Vec::new(), smoke: false, memory: None, tables: Vec::new() }
+        Self { input, sets: Vec::new(), smoke: false, memory: None, tables: Vec::new(), meshes: Vec::new() }
     }
 
     /// Changes the value at a path of the scene: `spacing`, `fluid.sound_speed`,
@@ -140,6 +142,12 @@ impl SceneLoader {
         self
     }
 
+    /// Takes these mesh files for those of the folder.
+    pub fn meshes(mut self, meshes: impl IntoIterator<Item = MeshFile>) -> Self {
+        self.meshes.extend(meshes);
+        self
+    }
+
     /// Reads and checks the scene.
     ///
     /// # Errors
@@ -165,6 +173,7 @@ impl SceneLoader {
             text: &text,
             folder: &folder,
             tables: &self.tables,
+            meshes: &self.meshes,
             memory: self.memory,
         };
         read(&shown, source, &self.sets)

@@ -11,6 +11,7 @@ pub use super::body::{Body, BodyReference, ForcesEvery};
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
+use super::meshes::{MeshFile, MeshReport};
 use super::motion::Motion;
 pub use super::movers::Mover;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
@@ -35,6 +36,10 @@ pub struct Scene {
     pub text: String,
     /// The tables that it names: the path as written, and the text.
     pub tables: Vec<(String, String)>,
+    /// The mesh files that it names.
+    pub meshes: Vec<MeshFile>,
+    /// What was read from them.
+    pub mesh_reports: Vec<MeshReport>,
     /// 2 or 3.
     pub dimensions: usize,
     /// Scalar of the pair sums.
@@ -88,12 +93,15 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Distance between the outermost patches along a direction, m, at least ten spacings.
+    /// Distance between the outermost patches and movers along a direction, m, at least ten
+    /// spacings.
     pub fn extent_along(&self, direction: DVec3) -> f64 {
         let inlets = self.inlets.iter().map(|inlet| inlet.patch.at);
         let outlets = self.outlets.iter().map(|outlet| outlet.patch.at);
+        let movers = self.movers.iter().map(|mover| self.wetted_end(mover, direction));
         let (low, high) = inlets
             .chain(outlets)
+            .chain(movers)
             .map(|at| at.dot(direction))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         (high - low).max(10.0 * self.spacing)

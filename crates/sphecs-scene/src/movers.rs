@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use super::fill::periodic_distance;
 use super::geometry::Shape;
+use super::geometry::measure::exit_distance;
 use super::model::Scene;
 use super::motion::Motion;
 use super::sampled_times::largest_in_time;
@@ -120,6 +121,14 @@ impl Wall {
         }
     }
 
+    /// Returns true if a part of its surface is a mesh.
+    pub fn has_mesh(self, scene: &Scene) -> bool {
+        match self {
+            Wall::Casing => scene.layout.casing.confines.has_mesh(),
+            Wall::Mover(index) => scene.movers[index].shape.has_mesh(),
+        }
+    }
+
     /// Returns the unit normal at the start, out of the fluid, by differences of the distance
     /// without its periodic images.
     pub fn gradient(self, scene: &Scene, point: DVec3) -> DVec3 {
@@ -162,6 +171,21 @@ impl Scene {
     /// Returns true if a wall changes its place.
     pub fn has_moving_walls(&self) -> bool {
         self.casing_motion.is_some() || !self.movers.is_empty()
+    }
+
+    /// Returns the point of a mover at the start, inside the casing, that is nearest to the outlets
+    /// along a direction, m.
+    pub fn wetted_end(&self, mover: &Mover, direction: DVec3) -> DVec3 {
+        let centre = mover.start.place(mover.centre);
+        let middle = self.outlets.iter().map(|outlet| outlet.patch.at).sum::<DVec3>();
+        let middle = middle / (self.outlets.len().max(1) as f64);
+        let towards = direction * (middle - centre).dot(direction).signum();
+        // The surface on the line from the centre to the outlets.
+        let inside =
+            |length: f64| mover.shape.signed_distance(mover.start.reference(centre + length * towards)) < 0.0;
+        let longest = 2.0 * mover.radius;
+        let length = exit_distance(inside, 0.5 * self.spacing, longest).unwrap_or(0.0);
+        centre + length * towards
     }
 
     /// Returns the largest speed that a wall has by its motion during the run, m/s.

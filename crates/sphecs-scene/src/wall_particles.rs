@@ -51,32 +51,31 @@ pub struct Surface {
 /// A particle that the lattice puts up to Δ/4 in front of its surface has distance 0.
 pub fn surface(scene: &Scene, wall: Wall, point: DVec3) -> Surface {
     let step = probing_step(scene);
-    let behind = |point: DVec3| wall.distance(scene, point);
-    let nearest = nearest_point(scene, &behind, point);
-    let distance = if behind(point) > 0.0 { point.distance(nearest) } else { 0.0 };
-    let direction =
-        if distance > step { (nearest - point) / distance } else { -gradient(scene, &behind, point) };
+    let side = Side::of(scene, wall);
+    let nearest = side.nearest_point(point);
+    let distance = if side.distance(point) > 0.0 { point.distance(nearest) } else { 0.0 };
+    let direction = if distance > step { (nearest - point) / distance } else { -side.gradient(point) };
     Surface { distance, normal: snapped(direction), part: part(scene, wall, nearest) }
 }
 
 /// Returns the surface point nearest to a point on either side at the start, m, with its unit
 /// normal into the fluid and its wall part.
 pub fn surface_at(scene: &Scene, point: DVec3) -> (DVec3, DVec3, u16) {
-    let behind = |point: DVec3| confined_distance(scene, point);
-    let nearest = nearest_point(scene, &behind, point);
+    let side = Side { scene, wall: None };
+    let nearest = side.nearest_point(point);
     let movers = (0..scene.movers.len()).map(Wall::Mover);
     let tolerance = 1e-3 * scene.spacing;
     let mover = movers.into_iter().find(|mover| mover.distance(scene, nearest).abs() < tolerance);
-    let normal = snapped(-gradient(scene, &behind, nearest));
+    let normal = snapped(-side.gradient(nearest));
     (nearest, normal, part(scene, mover.unwrap_or(Wall::Casing), nearest))
 }
 
 /// Returns the surface point of one wall nearest to a point on either side at the start, m, with
 /// its unit normal into the fluid and its wall part.
 pub fn surface_of(scene: &Scene, wall: Wall, point: DVec3) -> (DVec3, DVec3, u16) {
-    let behind = |point: DVec3| wall.distance(scene, point);
-    let nearest = nearest_point(scene, &behind, point);
-    (nearest, snapped(-gradient(scene, &behind, nearest)), part(scene, wall, nearest))
+    let side = Side::of(scene, wall);
+    let nearest = side.nearest_point(point);
+    (nearest, snapped(-side.gradient(nearest)), part(scene, wall, nearest))
 }
 
 /// Returns the step of differences of the signed distance, m.
@@ -84,27 +83,60 @@ fn probing_step(scene: &Scene) -> f64 {
     1e-4 * scene.spacing
 }
 
-/// Returns the nearest surface point, m, by steps along the gradient of the distance behind a wall.
-fn nearest_point(scene: &Scene, behind: &impl Fn(DVec3) -> f64, point: DVec3) -> DVec3 {
-    let mut nearest = point;
-    for _ in 0..8 {
-        let distance = behind(nearest);
-        if distance.abs() < 1e-3 * probing_step(scene) {
-            break;
-        }
-        nearest -= distance * gradient(scene, behind, nearest);
-    }
-    nearest
+/// Distance behind one wall, or behind all walls, at the start.
+struct Side<'a> {
+    scene: &'a Scene,
+    wall: Option<Wall>,
 }
 
-/// Returns the normalised gradient of the distance behind a wall, by central differences.
-fn gradient(scene: &Scene, behind: &impl Fn(DVec3) -> f64, point: DVec3) -> DVec3 {
-    let step = probing_step(scene);
-    let mut gradient = DVec3::ZERO;
-    for (axis, unit) in DVec3::AXES.iter().enumerate().take(scene.dimensions) {
-        gradient[axis] = behind(point + step * *unit) - behind(point - step * *unit);
+impl<'a> Side<'a> {
+    fn of(scene: &'a Scene, wall: Wall) -> Self {
+        Self { scene, wall: Some(wall) }
     }
-    gradient.normalize_or_zero()
+
+    /// Returns the signed distance behind the surface, m: positive in the solid.
+    fn distance(&self, point: DVec3) -> f64 {
+        match self.wall {
+            Some(wall) => wall.distance(self.scene, point),
+            None => confined_distance(self.scene, point),
+        }
+    }
+
+    /// Returns the nearest surface point, m, by steps along the gradient of the distance.
+    fn nearest_point(&self, point: DVec3) -> DVec3 {
+        let mut nearest = point;
+        for _ in 0..8 {
+            let distance = self.distance(nearest);
+            if distance.abs() < 1e-3 * probing_step(self.scene) {
+                break;
+            }
+            nearest -= distance * self.gradient(nearest);
+        }
+        nearest
+    }
+
+    /// Returns the normalised gradient of the distance: exact for meshes, else by central
+    /// differences.
+    fn gradient(&self, point: DVec3) -> DVec3 {
+        let is_periodic = self.scene.periodic.iter().any(Option::is_some);
+        let confines = &self.scene.layout.confines;
+        match self.wall {
+            // A distance to a mesh takes long.
+            Some(wall) if !is_periodic && wall.has_mesh(self.scene) => {
+                return wall.gradient(self.scene, point);
+            }
+            None if !is_periodic && confines.has_mesh() => {
+                return confines.gradient(point, probing_step(self.scene), self.scene.dimensions);
+            }
+            _ => {}
+        }
+        let step = probing_step(self.scene);
+        let mut gradient = DVec3::ZERO;
+        for (axis, unit) in DVec3::AXES.iter().enumerate().take(self.scene.dimensions) {
+            gradient[axis] = self.distance(point + step * *unit) - self.distance(point - step * *unit);
+        }
+        gradient.normalize_or_zero()
+    }
 }
 
 /// Returns a normal without the rounding errors of differences if it is along an axis.

@@ -257,7 +257,8 @@ impl<'a> Check<'a> {
                 let is_formula = matches!(**reference, ReferenceFile::Formula(_));
                 if !(has_place || is_formula) || reference::run_of(reference).is_some() {
                     let title = "the reference of this series cannot be drawn";
-                    let help = "a series can have a formula, that of a probe also a table or an exact solution";
+                    let help =
+                        "a series can have a formula, that of a probe also a table or an exact solution";
                     self.faults.push(Fault::new(title, table.span, "has no place").help(help));
                 }
             }

@@ -66,6 +66,8 @@ pub struct Body {
     pub part: u16,
     /// Point that torques are about, m.
     pub about: DVec3,
+    /// Numbers of particles of other wall parts that count for the body, ascending.
+    pub others: Vec<u32>,
     /// True if the body moves, so that its cells are found in every step.
     moves: bool,
     /// Cells whose particles have the body in their support. Empty until they are found.
@@ -99,7 +101,7 @@ impl Body {
         if !sums.columns.find_images(pair, particles) {
             return false;
         }
-        sums.columns.find_body(self.part, particles);
+        sums.columns.find_body(particles, |row| self.has(particles, row));
         self.find_cells(grid, particles);
         true
     }
@@ -109,15 +111,16 @@ impl Body {
         if !self.cells.is_empty() && !self.moves {
             return;
         }
-        let Self { cells, before, part, .. } = self;
-        cells.clear();
+        let mut before = std::mem::take(&mut self.before);
         before.clear();
         before.push(0);
         let mut count = 0;
-        before.extend(particles.zone.iter().zip(&particles.patch).map(|(zone, patch)| {
-            count += u32::from(*zone == Zone::Wall && patch == part);
+        before.extend((0..particles.len()).map(|row| {
+            count += u32::from(self.has(particles, row));
             count
         }));
+        let cells = &mut self.cells;
+        cells.clear();
         for cell in 0..grid.len() {
             let mut near = false;
             grid.for_each_run(grid.index_of(cell), |rows, _| {
@@ -127,6 +130,13 @@ impl Body {
                 cells.push(cell as u32);
             }
         }
+        self.before = before;
+    }
+
+    /// Returns true if a row counts for the body.
+    fn has<R: Real, const D: usize>(&self, particles: &ParticleArrays<R, D>, row: usize) -> bool {
+        particles.zone[row] == Zone::Wall
+            && (particles.patch[row] == self.part || self.others.binary_search(&particles.id[row]).is_ok())
     }
 }
 

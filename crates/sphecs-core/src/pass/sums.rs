@@ -279,12 +279,15 @@ impl<R: Real> PairColumns<R> {
     }
 
     /// Fills the column of the particles of a part of the wall.
-    pub(super) fn find_body<const D: usize>(&mut self, part: u16, particles: &ParticleArrays<R, D>) {
+    pub(super) fn find_body<const D: usize>(
+        &mut self,
+        particles: &ParticleArrays<R, D>,
+        is_body: impl Fn(usize) -> bool + Sync,
+    ) {
         self.body.resize(particles.len(), R::default());
         let work = |rows: Range<usize>, body: &mut [R]| {
             for (body, row) in body.iter_mut().zip(rows) {
-                let is_part = particles.zone[row] == Zone::Wall && particles.patch[row] == part;
-                *body = if is_part { R::from_f64(1.0) } else { R::default() };
+                *body = if is_body(row) { R::from_f64(1.0) } else { R::default() };
             }
         };
         for_each_part(0..particles.len(), self.body.as_mut_slice(), &work);

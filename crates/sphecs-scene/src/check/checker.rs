@@ -1,10 +1,14 @@
 //! Checks of single numbers, vectors and expressions.
 
+use std::path::PathBuf;
+
 use glam::DVec3;
 
+use super::meshes::ReadSurface;
 use crate::expression::syntax::SyntaxFault;
 use crate::expression::{Constants, Expression, TimeFunction};
 use crate::faults::Fault;
+use crate::meshes::{MeshFile, MeshReport};
 use crate::model::UnopenedPart;
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
@@ -23,6 +27,16 @@ pub struct Checker<'a> {
     pub tables: Vec<(String, String)>,
     /// Parts of the domain's ends that no opening covers.
     pub unopened: Vec<UnopenedPart>,
+    /// Folder of tables and meshes.
+    pub folder: PathBuf,
+    /// Particle spacing, m.
+    pub spacing: f64,
+    /// Mesh files given or already read.
+    pub meshes: Vec<MeshFile>,
+    /// Surfaces of meshes that were already made.
+    pub surfaces: Vec<ReadSurface>,
+    /// Reports on the meshes.
+    pub mesh_reports: Vec<MeshReport>,
     /// Number of placeholders found in place of faulty values.
     placeholders: usize,
 }
@@ -37,6 +51,11 @@ impl<'a> Checker<'a> {
             faults: Vec::new(),
             tables: Vec::new(),
             unopened: Vec::new(),
+            folder: PathBuf::from("."),
+            spacing: 1.0,
+            meshes: Vec::new(),
+            surfaces: Vec::new(),
+            mesh_reports: Vec::new(),
             placeholders: 0,
         }
     }

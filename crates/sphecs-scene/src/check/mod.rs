@@ -1,7 +1,7 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`cut`], [`driven`], [`section`],
+//! 2. [`shapes`], [`meshes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`cut`], [`driven`], [`section`],
 //!    [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one
 //!    section each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
@@ -14,6 +14,7 @@ use glam::DVec3;
 use super::expression::Constants;
 use super::faults::Fault;
 use super::geometry::Shape;
+use super::meshes::MeshFile;
 use super::model::{
     BodyForce, Casing, Fill, FluidProperties, Initial, Inlet, Layout, Outlet, Patch, Scene, UnopenedPart,
 };
@@ -29,6 +30,7 @@ pub mod cut;
 pub mod driven;
 pub mod layout;
 pub mod mass_flow;
+pub mod meshes;
 pub mod mover_paths;
 pub mod movers;
 pub mod names;
@@ -53,6 +55,8 @@ pub struct SceneSource<'a> {
     pub folder: &'a Path,
     /// Tables that replace the files of the folder: the path as the scene writes it, and the text.
     pub tables: &'a [(String, String)],
+    /// Meshes that replace the files of the folder.
+    pub meshes: &'a [MeshFile],
     /// Memory limit of a run, B; None for no limit.
     pub memory: Option<f64>,
 }
@@ -66,6 +70,8 @@ pub fn check(
 ) -> (Option<Scene>, Vec<Fault>) {
     let mut checker = Checker::new(constants, source.text);
     checker.tables = source.tables.to_vec();
+    checker.meshes = source.meshes.to_vec();
+    checker.folder = source.folder.to_owned();
     let scene = check_sections(file, &mut checker, source);
     let is_complete = checker.fault_count() == 0;
     let mut faults = checker.faults;
@@ -81,6 +87,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     let dimensions = settings::dimensions(file, check);
     check.dimensions = dimensions;
     let spacing = check.positive(&file.spacing, "m");
+    check.spacing = spacing;
     let scheme = scheme::scheme(&file.scheme, dimensions, check);
     check.note_placeholder(file.domain.span);
     let domain = shapes::shape(&file.domain.value, check);
@@ -132,6 +139,8 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         title: file.title.value.clone(),
         text: source.text.to_owned(),
         tables: std::mem::take(&mut check.tables),
+        meshes: std::mem::take(&mut check.meshes),
+        mesh_reports: std::mem::take(&mut check.mesh_reports),
         dimensions,
         precision: file.precision,
         spacing,

@@ -77,12 +77,9 @@ fn speeds(scene: &Scene, file: &SceneFile, faults: &mut Vec<Fault>) {
     if speed < sound {
         return;
     }
-    let label = format!(
-        "is {} m/s, but walls move at up to {} m/s",
-        significant(sound),
-        significant(speed)
-    );
-    let help = format!("give a `sound_speed` of {} m/s or more, or slow the motion down", significant(10.0 * speed));
+    let label = format!("is {} m/s, but walls move at up to {} m/s", significant(sound), significant(speed));
+    let help =
+        format!("give a `sound_speed` of {} m/s or more, or slow the motion down", significant(10.0 * speed));
     faults.push(Fault::new("a wall is as fast as sound", file.fluid.sound_speed.span, label).help(help));
 }
 
@@ -167,7 +164,8 @@ fn volume(course: &Course<'_>, file: &SceneFile, faults: &mut Vec<Fault>) {
     let grid = CasingGrid::new(scene);
     let volumes: Vec<f64> = course.poses.par_iter().map(|poses| grid.free_volume(poses)).collect();
     let change = |volume: f64| (volume / volumes[0] - 1.0).abs();
-    let Some(at) = (0..volumes.len()).max_by(|a, b| change(volumes[*a]).total_cmp(&change(volumes[*b]))) else {
+    let Some(at) = (0..volumes.len()).max_by(|a, b| change(volumes[*a]).total_cmp(&change(volumes[*b])))
+    else {
         return;
     };
     if change(volumes[at]) > VOLUME_CHANGE {

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::checker::Checker;
+use super::meshes;
 use crate::faults::Fault;
 use crate::geometry::Shape;
 use crate::geometry::bend::{Bend, BendSection};
@@ -53,6 +54,14 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
                 ));
             }
             prism(points, low, high, check)
+        }
+        ShapeFile::Mesh { file, files, unit } => {
+            if check.dimensions != 3 {
+                let first = file.iter().chain(files.iter().flatten()).next();
+                let place = first.map_or(Span::PLACEHOLDER, |path| path.span);
+                needs(3, "Mesh", "`Polygon`", place, check)?;
+            }
+            meshes::mesh((file.as_ref(), files.as_ref()), *unit, check)
         }
         ShapeFile::Bend { start, direction, center, angle, section } => {
             bend([start, direction, center], angle, section, check)

@@ -260,7 +260,8 @@ mod tests {
     /// A factor of a divisor once made the simplification endless.
     #[test]
     fn derivatives_of_scaled_times_are_those_of_differences() {
-        for text in ["1 - exp(-(t/0.3)^2)", "(t/0.3)^4", "(2*t/3)^3", "exp(-(2*t)^4)*sin(7*t/2)", "(5*t)^2*3"] {
+        for text in ["1 - exp(-(t/0.3)^2)", "(t/0.3)^4", "(2*t/3)^3", "exp(-(2*t)^4)*sin(7*t/2)", "(5*t)^2*3"]
+        {
             check(text, 0.37);
         }
     }

@@ -55,6 +55,12 @@ impl Shape {
                 let half = bend.section.half_height() * axis;
                 found.extend([-half, half].map(|aside| plane(axis, bend.center + aside)));
             }
+            Shape::Mesh(surface) => {
+                let planes = surface.planes().into_iter();
+                found.extend(
+                    planes.map(|plane| Direction::Plane { normal: plane.normal, offset: plane.offset }),
+                );
+            }
             Shape::Union(shapes) | Shape::Intersection(shapes) => {
                 for shape in shapes {
                     shape.directions(found);

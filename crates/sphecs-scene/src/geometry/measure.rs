@@ -50,6 +50,7 @@ impl Shape {
                 (min, max)
             }
             Shape::Bend(bend) => bend.bounds(),
+            Shape::Mesh(surface) => surface.bounds(),
             Shape::Union(shapes) => shapes
                 .iter()
                 .map(Shape::bounds)
@@ -90,9 +91,50 @@ impl Shape {
         }
     }
 
-    /// Returns the normalised gradient of the signed distance, by central differences over `step`,
-    /// m. It is zero where the distance has no gradient, and its z is zero in 2D.
+    /// Returns true if a part of it is a mesh.
+    pub fn has_mesh(&self) -> bool {
+        match self {
+            Shape::Mesh(_) => true,
+            Shape::Union(shapes) | Shape::Intersection(shapes) => shapes.iter().any(Shape::has_mesh),
+            Shape::Difference(shape, hole) => shape.has_mesh() || hole.has_mesh(),
+            Shape::Placed { shape, .. } | Shape::Extension { shape, .. } => shape.has_mesh(),
+            Shape::Box { .. } | Shape::Ball { .. } | Shape::Cylinder { .. } => false,
+            Shape::Prism { .. } | Shape::Bend(_) => false,
+        }
+    }
+
+    /// Returns the normalised gradient of the signed distance, exact for meshes and else by central
+    /// differences over `step`, m. It is zero where the distance has no gradient, and its z is zero
+    /// in 2D.
     pub fn gradient(&self, point: DVec3, step: f64, dimensions: usize) -> DVec3 {
+        // A distance to a mesh takes long, and a shape of several has the gradient of the one that
+        // decides.
+        match self {
+            Shape::Mesh(surface) => {
+                let nearest = surface.nearest(point);
+                return surface.smooth_normal_at(point, &nearest);
+            }
+            Shape::Union(shapes) if self.has_mesh() => {
+                return deciding(shapes, |shape| -shape.signed_distance(point))
+                    .map_or(DVec3::ZERO, |shape| shape.gradient(point, step, dimensions));
+            }
+            Shape::Intersection(shapes) if self.has_mesh() => {
+                return deciding(shapes, |shape| shape.signed_distance(point))
+                    .map_or(DVec3::ZERO, |shape| shape.gradient(point, step, dimensions));
+            }
+            Shape::Difference(shape, hole) if self.has_mesh() => {
+                return if shape.signed_distance(point) >= -hole.signed_distance(point) {
+                    shape.gradient(point, step, dimensions)
+                } else {
+                    -hole.gradient(point, step, dimensions)
+                };
+            }
+            Shape::Placed { shape, rotation, scale, origin } if shape.has_mesh() => {
+                let local = rotation.transpose() * (point - *origin) / *scale;
+                return *rotation * shape.gradient(local, step / *scale, dimensions);
+            }
+            _ => {}
+        }
         let mut gradient = DVec3::ZERO;
         for (axis, unit) in DVec3::AXES.iter().enumerate().take(dimensions) {
             gradient[axis] =
@@ -114,6 +156,11 @@ impl Shape {
         }
         surface
     }
+}
+
+/// Returns the shape with the largest value.
+fn deciding(shapes: &[Shape], value: impl Fn(&Shape) -> f64) -> Option<&Shape> {
+    shapes.iter().max_by(|a, b| value(a).total_cmp(&value(b)))
 }
 
 impl Shape {
@@ -165,6 +212,13 @@ impl Shape {
                     if let Some(index) = (0..3).find(|i| normal[*i].abs() > 1.0 - 1e-9) {
                         let placed = origin[index] + coordinate * scale * normal[index].signum();
                         found.push((index, placed));
+                    }
+                }
+            }
+            Shape::Mesh(surface) => {
+                for plane in surface.planes() {
+                    if let Some(axis) = (0..3).find(|axis| plane.normal[*axis].abs() > 1.0 - 1e-9) {
+                        found.push((axis, plane.offset * plane.normal[axis].signum()));
                     }
                 }
             }

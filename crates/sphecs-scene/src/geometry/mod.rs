@@ -6,6 +6,8 @@
 //! * [`measure`]: bounds, gradient, nearest surface point
 //! * [`directions`]: directions of plane and straight surfaces, rotation
 //!
+//! A mesh is a [`Surface`] of triangles, with an exact distance on both sides.
+//!
 //! Outside, the distance to a primitive and to a union is exact. Inside a union and on either side
 //! of an intersection or difference it is a lower bound in size; its sign is correct everywhere. To
 //! add a shape: a module with its distance, a variant and an arm here, a variant in the schema.
@@ -14,6 +16,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3};
 use sphecs_core::boundary::section_raster::SectionRaster;
+use sphecs_mesh::Surface;
 
 pub mod bend;
 pub mod directions;
@@ -60,6 +63,8 @@ pub enum Shape {
     },
     /// A section swept along an arc.
     Bend(Bend),
+    /// The inside of a surface of triangles.
+    Mesh(Arc<Surface>),
     /// Union of all of them.
     Union(Vec<Shape>),
     /// Intersection of all of them.
@@ -123,6 +128,7 @@ impl Shape {
             Shape::Cylinder { from, to, radius } => primitives::cylinder(point, *from, *to, *radius),
             Shape::Prism { points, from, to } => polygon::prism(point, points, *from, *to),
             Shape::Bend(bend) => bend.signed_distance(point),
+            Shape::Mesh(surface) => surface.signed_distance(point),
             Shape::Union(shapes) => union(shapes, point),
             Shape::Intersection(shapes) => {
                 shapes.iter().map(|shape| shape.signed_distance(point)).fold(f64::NEG_INFINITY, f64::max)

@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use super::{Number, Vector};
+use super::{Number, Text, Vector};
+use crate::meshes::LengthUnit;
 use crate::notation::typed::Spanned;
 
 /// A region of space.
@@ -54,6 +55,17 @@ pub enum ShapeFile {
         from: Number,
         /// Upper end along z, m.
         to: Number,
+    },
+    /// Closed surface of triangles from STL, OBJ or PLY files, in 3D. Take it for geometry from CAD.
+    Mesh {
+        /// File in the folder of the scene, default none.
+        #[serde(default)]
+        file: Option<Text>,
+        /// Files whose facets together form the closed surface, default none; in place of `file`.
+        #[serde(default)]
+        files: Option<Vec<Text>>,
+        /// Unit of the coordinates in the files.
+        unit: LengthUnit,
     },
     /// A section swept along an arc, in 3D. Take it for pipe and duct bends.
     Bend {

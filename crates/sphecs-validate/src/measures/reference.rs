@@ -58,8 +58,7 @@ pub fn formula(formula: &Formula, case: &Case) -> Result<Reference, String> {
             Box::new(move |_, _| number)
         }
         FormulaText::Text(text) => {
-            let expression =
-                case.constants.field(text).map_err(|_| format!("`{text}` cannot be parsed"))?;
+            let expression = case.constants.field(text).map_err(|_| format!("`{text}` cannot be parsed"))?;
             Box::new(move |[x, y, z], t| expression.value(x, y, z, t))
         }
     })

@@ -108,10 +108,10 @@ pub fn signal(
         }
         SignalFile::RootMeanSquare => (squares / pairs.len() as f64).sqrt(),
         // NaN must not be hidden.
-        SignalFile::Largest => pairs.iter().map(|(value, expected)| (value - expected).abs()).fold(
-            0.0,
-            |largest: f64, error| if error > largest || error.is_nan() { error } else { largest },
-        ),
+        SignalFile::Largest => pairs
+            .iter()
+            .map(|(value, expected)| (value - expected).abs())
+            .fold(0.0, |largest: f64, error| if error > largest || error.is_nan() { error } else { largest }),
     })
 }
 

@@ -16,7 +16,8 @@ pub mod figure;
 
 pub use drawing::{CurveFile, PictureFile, PlotFile};
 pub use figure::{
-    AxisFile, CoefficientFile, FeatureFile, FieldFile, NormFile, ReferenceFile, SignalFile, TakeFile, ValueFile, WhenFile,
+    AxisFile, CoefficientFile, FeatureFile, FieldFile, NormFile, ReferenceFile, SignalFile, TakeFile,
+    ValueFile, WhenFile,
 };
 
 /// Case.

@@ -1,7 +1,9 @@
 //! Force and torque of the fluid on the bodies of a scene, summed in every step after the rates.
 //!
+//! - `covered_walls`: particles of walls at rest behind a body that moves
 //! - `surface_shear`: shear on a rotating or deforming surface that the pair sums omit
 
+mod covered_walls;
 mod surface_shear;
 
 use bevy_ecs::resource::Resource;
@@ -16,6 +18,7 @@ use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::movers::PresentPoses;
+use covered_walls::CoveredWalls;
 use sphecs_core::pass::body::{Body, BodySum};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::settings::{PairSettings, PressureLaw};
@@ -66,6 +69,7 @@ pub struct Bodies {
     bodies: Vec<Body>,
     /// Surface shear of each body.
     shear: Vec<SurfaceShear>,
+    covered: CoveredWalls,
     pair: PairSettings,
     edac: Edac,
 }
@@ -82,6 +86,7 @@ impl FromWorld for Bodies {
             row: BodyForcesRow::default(),
             bodies: scene.bodies.iter().map(|body| new_body(scene, body)).collect(),
             shear: scene.bodies.iter().map(|body| SurfaceShear::new(scene, body.part, body.about)).collect(),
+            covered: CoveredWalls::default(),
             // `pass/body.rs` gives the reason for switching these two off.
             pair: PairSettings { tensile_control: false, ..pair.clone() },
             edac: Edac { average_pressure: false, ..edac },
@@ -104,11 +109,12 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {
-    let Bodies { row, bodies, shear, pair, .. } = &mut *bodies;
+    let Bodies { row, bodies, shear, covered, pair, .. } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
+        covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
         let mut sum =
             R::sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
@@ -125,11 +131,12 @@ pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {
-    let Bodies { row, bodies, shear, pair, edac } = &mut *bodies;
+    let Bodies { row, bodies, shear, covered, pair, edac } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
+        covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
         let mut sum = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
