@@ -122,6 +122,7 @@ impl OpenLoop {
     }
 }
 
-fn counted(count: usize, one: &str, many: &str) -> String {
+/// Returns a number with its noun.
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }

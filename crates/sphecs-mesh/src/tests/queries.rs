@@ -163,6 +163,40 @@ fn volume_of_a_sphere_converges() {
 }
 
 #[test]
+fn queries_on_several_threads_are_bitwise_identical() {
+    let surface = gear(24).surface();
+    let queries = points(&surface, 500);
+    let answers = || -> Vec<(f64, u32)> {
+        let nearest = |query: &DVec3| surface.nearest(*query).triangle;
+        queries.iter().map(|query| (surface.signed_distance(*query), nearest(query))).collect()
+    };
+    let first = answers();
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..3).map(|_| scope.spawn(answers)).collect();
+        for thread in threads {
+            assert_eq!(thread.join().unwrap(), first);
+        }
+    });
+}
+
+#[test]
+fn queries_far_away_and_on_the_surface_are_finite() {
+    let surface = gear(9).surface();
+    for query in [DVec3::splat(1e100), DVec3::new(-1e15, 0.0, 0.0)] {
+        assert!((surface.nearest(query).distance / query.length() - 1.0).abs() < 1e-12, "{query}");
+        assert!(!surface.is_inside(query));
+    }
+    for query in surface.vertices() {
+        assert_eq!(surface.signed_distance(*query), 0.0);
+        assert!(surface.winding(*query).is_finite());
+        let normal = surface.smooth_normal_at(*query, &surface.nearest(*query));
+        assert!((normal.length() - 1.0).abs() < 1e-12, "{query}: {normal}");
+    }
+    assert_eq!(surface.nearest_within(DVec3::ZERO, -1.0), None);
+    assert_eq!(surface.nearest_within(DVec3::NAN, 1.0), None);
+}
+
+#[test]
 fn nearest_of_several_triangles_is_the_first() {
     let surface = cube().surface();
     // Below the diagonal shared by triangles 0 and 1, and at a corner of five triangles.
