@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, EulerRot};
 
 use super::shapes::{Random, Shape, bar, cube, gear, sphere};
 use crate::Surface;
@@ -194,6 +194,42 @@ fn queries_far_away_and_on_the_surface_are_finite() {
     }
     assert_eq!(surface.nearest_within(DVec3::ZERO, -1.0), None);
     assert_eq!(surface.nearest_within(DVec3::NAN, 1.0), None);
+}
+
+#[test]
+fn slender_triangles_are_as_accurate_as_others() {
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
+    for height in [1e-3, 1e-5, 1e-7, 1e-9] {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.4, height, 0.0)].map(|corner| turn * corner);
+        let surface = Surface::from_triangles(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+        for (x, y) in [(0.4, 0.5), (0.2, 0.2), (0.9, 0.1)] {
+            let foot = DVec3::new(x, y * height, 0.0);
+            for above in [0.3, 1e-6, -2.0] {
+                let found = surface.nearest(turn * (foot + above * DVec3::Z));
+                assert!(
+                    (found.distance - f64::abs(above)).abs() < 1e-12,
+                    "{height} {foot} {above}: {found:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn planes_of_a_turned_bar_are_found_in_single_precision() {
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
+    let mut shape = bar(DVec3::new(4.0, 2.0, 1.0));
+    shape.vertices.iter_mut().for_each(|vertex| *vertex = turn * *vertex + DVec3::new(5.0, -3.0, 2.0));
+    let facets = crate::read(&shape.binary_stl(), "bar.stl").unwrap();
+    let part = crate::Part { name: "bar".to_owned(), facets };
+    let planes = Surface::new(vec![part], 1.0).unwrap().0.planes();
+    assert_eq!(planes.len(), 6);
+    for (plane, area) in planes.iter().zip([8.0, 8.0, 4.0, 4.0, 2.0, 2.0]) {
+        // Coordinates of 5 have an error of 2e-7 in f32.
+        assert!((plane.area - area).abs() < 1e-5, "{plane:?}");
+        let along = turn.inverse() * plane.normal;
+        assert!((along.abs().max_element() - 1.0).abs() < 1e-6, "{plane:?}");
+    }
 }
 
 #[test]
