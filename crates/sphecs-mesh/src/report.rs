@@ -5,6 +5,9 @@ use glam::DVec3;
 /// Most openings that a report describes one by one.
 const DESCRIBED: usize = 3;
 
+/// Width of a seam as a share of its length, up to which it has no gap: the tolerance of welding.
+const SEAM: f64 = 1e-6;
+
 /// Connected edges that have one facet only: the border of an opening, or a seam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenLoop {
@@ -110,18 +113,32 @@ impl Report {
 }
 
 impl OpenLoop {
+    /// Returns the mean width, m: the distance of the sides of a slit, the radius of a round hole.
+    pub fn width(&self) -> f64 {
+        2.0 * self.area / self.length
+    }
+
+    /// Returns true for a seam without a gap, which does not change inside and outside.
+    pub fn is_seam(&self) -> bool {
+        self.width() <= SEAM * self.length
+    }
+
     /// Returns a sentence with length and place.
     pub fn line(&self) -> String {
         let [x, y, z] = self.centre.to_array();
-        format!(
-            "is open along {:.2e} m near ({x:.3e}, {y:.3e}, {z:.3e}) m: {} one facet only, close the surface \
-             in the CAD or give the missing file",
-            self.length,
-            counted(self.edges, "edge has", "edges have"),
-        )
+        let near = format!("along {:.2e} m near ({x:.3e}, {y:.3e}, {z:.3e}) m", self.length);
+        let edges = counted(self.edges, "edge has", "edges have");
+        if self.is_seam() {
+            format!("has a seam without a gap {near}: {edges} one facet only, join its sides in the CAD")
+        } else {
+            format!(
+                "is open {near}: {edges} one facet only, close the surface in the CAD or give the missing file"
+            )
+        }
     }
 }
 
-fn counted(count: usize, one: &str, many: &str) -> String {
+/// Returns a number with its noun.
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }

@@ -53,6 +53,13 @@ pub fn read(bytes: &[u8], file: &str) -> Result<Facets, Fault> {
         obj::read(bytes, file)
     } else if extension == "obj" {
         return whole("has bytes that are not text, an OBJ file is text: it is damaged, export it again");
+    } else if extension == "stl" && is_text && bytes.len() > BEGINNING {
+        let message = format!(
+            "begins with `{}`, a text STL file must begin with `solid`: it is damaged or another format, export \
+             it again",
+            text::quoted(first)
+        );
+        return whole(&message);
     } else if extension == "stl" {
         stl::read_binary(bytes, file)
     } else {

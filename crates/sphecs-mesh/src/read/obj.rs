@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::polygon::triangulate;
+use super::polygon::{check_corners, triangulate};
 use super::text::{Word, Words};
 use crate::facets::{Facets, GroupNames};
 use crate::fault::{Fault, Place};
@@ -22,11 +22,20 @@ pub(super) fn is_statement(word: &[u8]) -> bool {
     word.starts_with(b"#") || STATEMENTS.iter().any(|statement| statement.as_bytes() == word)
 }
 
+fn is_face(word: &[u8]) -> bool {
+    matches!(word, b"f" | b"fo")
+}
+
 /// Reads the facets of a file.
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<Facets, Fault> {
     // First all vertices: a face may come before the vertices that it names.
-    let vertices = read_vertices(bytes, file)?;
-    let facets = Facets { vertices, ..Facets::default() };
+    let (vertices, triangles) = read_vertices(bytes, file)?;
+    let facets = Facets {
+        vertices,
+        triangles: Vec::with_capacity(triangles),
+        groups: Vec::with_capacity(triangles),
+        group_names: Vec::new(),
+    };
     let groups = GroupNames::default();
     let words = Words::new(bytes);
     let mut reader = Reader {
@@ -52,11 +61,20 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Facets, Fault> {
     Ok(facets)
 }
 
-fn read_vertices(bytes: &[u8], file: &str) -> Result<Vec<DVec3>, Fault> {
+/// Returns the vertices and the number of triangles that the faces will have.
+fn read_vertices(bytes: &[u8], file: &str) -> Result<(Vec<DVec3>, usize), Fault> {
     let mut words = Words::new(bytes);
     let mut vertices = Vec::new();
+    let mut triangles = 0;
     loop {
-        if let Some(word) = words.next_on_line().filter(|word| word.bytes == b"v") {
+        let word = words.next_on_line();
+        if word.is_some_and(|word| is_face(word.bytes)) {
+            let mut corners = 0;
+            while words.next_on_joined_lines().is_some() {
+                corners += 1;
+            }
+            triangles += usize::saturating_sub(corners, 2);
+        } else if let Some(word) = word.filter(|word| word.bytes == b"v") {
             let mut vertex = DVec3::ZERO;
             for axis in 0..3 {
                 let Some(word) = words.next_on_joined_lines() else {
@@ -72,7 +90,7 @@ fn read_vertices(bytes: &[u8], file: &str) -> Result<Vec<DVec3>, Fault> {
             vertices.push(vertex);
         }
         if !words.next_line() {
-            return Ok(vertices);
+            return Ok((vertices, triangles));
         }
     }
 }
@@ -98,7 +116,7 @@ impl Reader<'_> {
                 self.passed += 1;
                 while self.words.next_on_joined_lines().is_some() {}
             }
-            b"f" | b"fo" => return self.face(word.place),
+            bytes if is_face(bytes) => return self.face(word.place),
             b"g" | b"o" => {
                 let name = String::from_utf8_lossy(self.words.rest_of_line()).into_owned();
                 // `g` without a name or with `default` ends a group: the object continues.
@@ -130,13 +148,8 @@ impl Reader<'_> {
             let corner = self.index(word)?;
             self.corners.push(corner);
         }
-        if self.corners.len() < 3 {
-            let message = format!(
-                "has a face with {} corners, must have at least 3: export the file again",
-                self.corners.len()
-            );
-            return Err(Fault::new(self.file, place, message));
-        }
+        check_corners(self.corners.len() as u64, self.facets.vertices.len())
+            .map_err(|message| Fault::new(self.file, place, format!("has a face with {message}")))?;
         let group = match self.group {
             Some(group) => group,
             None => self.groups.index(self.name.clone()).ok_or_else(|| {

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::ply_header::{self as header, Element, Encoding, Header, Scalar};
-use super::polygon::triangulate;
+use super::polygon::{check_corners, triangulate};
 use super::text::Words;
 use crate::facets::{Facets, coordinate_fault};
 use crate::fault::{Fault, Place};
@@ -185,10 +185,38 @@ impl Values<'_> {
             Some(count) => self.list_length(count, property.scalar)?,
             None => 1,
         };
+        self.pass_over(count, property.scalar)
+    }
+
+    /// Passes over some numbers.
+    fn pass_over(&mut self, count: u64, scalar: Scalar) -> Result<(), Fault> {
+        if self.encoding != Encoding::Text && count * scalar.size() as u64 <= self.remaining() {
+            self.at += count as usize * scalar.size();
+            return Ok(());
+        }
         for _ in 0..count {
-            self.number(property.scalar)?;
+            self.number(scalar)?;
         }
         Ok(())
+    }
+
+    /// Returns the number of triangles of the faces that follow.
+    fn count_triangles(&self, element: &Element) -> Result<u64, Fault> {
+        let mut ahead = self.clone();
+        let mut triangles = 0;
+        for _ in 0..element.count {
+            for property in &element.properties {
+                match property.list.filter(|_| is_corners(property)) {
+                    Some(count) => {
+                        let length = ahead.list_length(count, property.scalar)?;
+                        triangles += length.saturating_sub(2);
+                        ahead.pass_over(length, property.scalar)?;
+                    }
+                    None => ahead.skip_property(property)?,
+                }
+            }
+        }
+        Ok(triangles)
     }
 
     /// Passes over the rows of an element.
@@ -230,8 +258,9 @@ impl Values<'_> {
 
     fn faces(&mut self, element: &Element, facets: &mut Facets) -> Result<(), Fault> {
         let mut corners: Vec<u32> = Vec::new();
-        facets.triangles.reserve_exact(element.count as usize);
-        facets.groups.reserve_exact(element.count as usize);
+        let triangles = self.count_triangles(element)? as usize;
+        facets.triangles.reserve_exact(triangles);
+        facets.groups.reserve_exact(triangles);
         for face in 1..=element.count {
             for property in &element.properties {
                 match property.list.filter(|_| is_corners(property)) {
@@ -262,10 +291,8 @@ impl Values<'_> {
         corners.clear();
         let place = self.place();
         let length = self.list_length(count, item)?;
-        if length < 3 {
-            let message =
-                format!("face {face} has {length} corners, must have at least 3: export the file again");
-            return self.fault(place, message);
+        if let Err(message) = check_corners(length, vertices) {
+            return self.fault(place, format!("face {face} has {message}"));
         }
         for _ in 0..length {
             let (index, place) = self.number(item)?;

@@ -6,6 +6,21 @@ use glam::{DVec2, DVec3};
 /// grows with the square of the number of corners, and with its cube for a few polygons.
 const MOST_COMPARED: usize = 20_000_000;
 
+/// Checks the number of corners of a face against the vertices of its file.
+///
+/// A face with a hole, connected to its border by a cut, has vertices twice, but none more often.
+pub(super) fn check_corners(corners: u64, vertices: usize) -> Result<(), String> {
+    if corners < 3 {
+        return Err(format!("{corners} corners, must have at least 3: export the file again"));
+    }
+    if corners > 2 * vertices as u64 {
+        return Err(format!(
+            "{corners} corners for {vertices} vertices: it is damaged, export the file again"
+        ));
+    }
+    Ok(())
+}
+
 /// Divides a polygon, given by at least three indices of vertices, and calls `push` for each of
 /// its n − 2 triangles.
 ///

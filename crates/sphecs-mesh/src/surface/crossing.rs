@@ -13,8 +13,17 @@ pub(crate) type Corner = (u32, DVec3);
 
 /// Returns true for two triangles that cross.
 pub(crate) fn cross(p: [Corner; 3], q: [Corner; 3]) -> bool {
-    let (sides_p, sides_q) = (sides(q, p), sides(p, q));
-    if !straddles(sides_p) || !straddles(sides_q) {
+    let shared = p.iter().filter(|corner| q.iter().any(|other| corner.0 == other.0)).count();
+    if shared > 1 {
+        // One corner of each is left, which cannot be on both sides.
+        return false;
+    }
+    let sides_p = sides(q, p);
+    if !straddles(sides_p) {
+        return false;
+    }
+    let sides_q = sides(p, q);
+    if !straddles(sides_q) {
         return false;
     }
     let (p, is_p_above) = alone_first(p, sides_p);

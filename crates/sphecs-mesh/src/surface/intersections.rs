@@ -8,6 +8,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use super::Surface;
 use super::bvh::{Node, STACK};
 use super::crossing::{Corner, cross};
+use crate::report::counted;
 
 /// Crossings of the triangles of a surface.
 ///
@@ -34,24 +35,23 @@ impl Intersections {
         let near = format!("near ({x:.3e}, {y:.3e}, {z:.3e}) m");
         Some(if self.within_parts > 0 {
             format!(
-                "crosses itself at {} pairs of facets, the first {near}: repair it in the CAD, the inside is \
-                 not certain there",
-                self.pairs
+                "crosses itself at {}, the first {near}: repair it in the CAD, the inside is not certain there",
+                counted(self.pairs, "pair of facets", "pairs of facets")
             )
         } else {
             format!(
-                "has {} pairs of parts that overlap, the first {near}: they are taken as one solid",
-                self.parts
+                "has {} that overlap, the first {near}: they are taken as one solid",
+                counted(self.parts, "pair of parts", "pairs of parts")
             )
         })
     }
 }
 
 impl Surface {
-    /// Finds the triangles that cross others; about 2 µs a triangle on each core.
+    /// Finds the triangles that cross others; about 4 µs of computing for each triangle.
     pub fn intersections(&self) -> Intersections {
-        let mut pairs: Vec<[u32; 2]> =
-            self.bvh.order.par_iter().flat_map_iter(|triangle| self.crossing(*triangle)).collect();
+        let leaves = self.bvh.nodes.par_iter().filter(|node| node.count > 0);
+        let mut pairs: Vec<[u32; 2]> = leaves.flat_map_iter(|leaf| self.crossing(leaf)).collect();
         pairs.sort_unstable();
         let Some(first) = pairs.first().copied() else { return Intersections::default() };
         let part = self.parts();
@@ -73,11 +73,9 @@ impl Surface {
         }
     }
 
-    /// Returns the pairs of a triangle with those of larger number that it crosses.
-    fn crossing(&self, triangle: u32) -> Vec<[u32; 2]> {
-        let own = self.numbered(triangle);
-        let (low, high) = bounds(own.map(|(_, place)| place));
-        let overlaps = |node: &Node| node.low.cmple(high).all() && node.high.cmpge(low).all();
+    /// Returns the pairs that cross of the triangles of a leaf and those of this and later leaves.
+    fn crossing(&self, leaf: &Node) -> Vec<[u32; 2]> {
+        let own: Vec<Boxed> = self.bvh.leaf(leaf).iter().map(|triangle| self.boxed(*triangle)).collect();
         let mut found = Vec::new();
         let mut stack = [0_u32; STACK];
         let mut held = 1;
@@ -85,26 +83,34 @@ impl Surface {
             held -= 1;
             let index = stack[held];
             let node = &self.bvh.nodes[index as usize];
-            if !overlaps(node) {
+            if !overlap((node.low, node.high), (leaf.low, leaf.high)) {
                 continue;
             }
             if node.count == 0 {
                 stack[held] = index + 1;
                 stack[held + 1] = node.first;
                 held += 2;
-                continue;
-            }
-            for other in self.bvh.leaf(node).iter().filter(|other| **other > triangle) {
-                if cross(own, self.numbered(*other)) {
-                    found.push([triangle, *other]);
+            } else if node.first >= leaf.first {
+                for other in self.bvh.leaf(node).iter().map(|triangle| self.boxed(*triangle)) {
+                    // Within the leaf itself, each pair once.
+                    let is_pair = |own: &&Boxed| node.first > leaf.first || own.number < other.number;
+                    let crossing = own
+                        .iter()
+                        .filter(is_pair)
+                        .filter(|own| overlap(own.bounds, other.bounds) && cross(own.corners, other.corners));
+                    found.extend(
+                        crossing.map(|own| [own.number.min(other.number), own.number.max(other.number)]),
+                    );
                 }
             }
         }
         found
     }
 
-    fn numbered(&self, triangle: u32) -> [Corner; 3] {
-        self.mesh.triangles[triangle as usize].map(|vertex| (vertex, self.mesh.vertices[vertex as usize]))
+    fn boxed(&self, number: u32) -> Boxed {
+        let corners =
+            self.mesh.triangles[number as usize].map(|vertex| (vertex, self.mesh.vertices[vertex as usize]));
+        Boxed { number, corners, bounds: bounds(corners.map(|(_, place)| place)) }
     }
 
     /// Returns the middle of the box that two triangles have in common, m.
@@ -145,6 +151,17 @@ impl Surface {
         }
         part
     }
+}
+
+/// Triangle with its box.
+struct Boxed {
+    number: u32,
+    corners: [Corner; 3],
+    bounds: (DVec3, DVec3),
+}
+
+fn overlap((low, high): (DVec3, DVec3), (other_low, other_high): (DVec3, DVec3)) -> bool {
+    low.cmple(other_high).all() && high.cmpge(other_low).all()
 }
 
 fn bounds([a, b, c]: [DVec3; 3]) -> (DVec3, DVec3) {

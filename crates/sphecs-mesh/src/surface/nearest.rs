@@ -11,7 +11,7 @@ use crate::triangulation::Triangulation;
 
 /// Share of the product of two edges below which a triangle is taken as three edges: its normal is
 /// rounding.
-const FLAT: f64 = 1e-12;
+const FLAT: f64 = 1e-11;
 
 /// Allowance for the rounding of the square of a bound: a distance that was found is within itself.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -133,8 +133,11 @@ fn closest_unclamped(corners: [DVec3; 3], query: DVec3) -> (DVec3, Feature) {
     if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
         return (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), Feature::Edge(1));
     }
-    // The foot of the perpendicular: barycentric coordinates lose digits in slender triangles.
-    (query - normal * (normal.dot(from_a) / size), Feature::Face)
+    // The foot of the perpendicular: barycentric coordinates lose digits in slender triangles, and
+    // so does the normal in the direction of the long edges.
+    let edge = if ab.length_squared() > ac.length_squared() { ab } else { ac };
+    let normal = normal - edge * (normal.dot(edge) / edge.length_squared());
+    (query - normal * (normal.dot(from_a) / normal.length_squared()), Feature::Face)
 }
 
 fn closest_on_edges(corners: [DVec3; 3], query: DVec3) -> (DVec3, Feature) {

@@ -62,6 +62,7 @@ fn other_formats_are_recognised() {
 #[test]
 fn damaged_binary_stl_is_refused() {
     let bytes = cube().binary_stl();
+    refuse("a.stl", "pipe, wall\n".repeat(40).as_bytes(), &["begins with `pipe,`", "`solid`"]);
     refuse("a.stl", &bytes[..400], &["byte 400", "says 12 facets", "684 bytes", "has 400", "truncated"]);
     refuse("a.stl", &b"made by a CAD program"[..], &["byte 21", "21 bytes long", "at least 84", "truncated"]);
     refuse("a.stl", &[&bytes[..], b"end"].concat(), &["has 687", "3 bytes follow the last facet"]);
@@ -120,6 +121,7 @@ fn damaged_obj_is_refused() {
     refuse("a.obj", &with("f 1 2 99999999999999999999"), &["number of a vertex"]);
     refuse("a.obj", &with("f 1 2 -9223372036854775808"), &["vertex -9223372036854775808"]);
     refuse("a.obj", &with("f 1 2"), &["a.obj:4:1", "2 corners", "at least 3"]);
+    refuse("a.obj", &with("f 1 2 3 1 2 3 1"), &["a.obj:4:1", "7 corners for 3 vertices"]);
     refuse("a.obj", &with("f 1 2 a"), &["`a`", "number of a vertex"]);
     refuse("a.obj", &with("f 1 2 /3"), &["`/3`", "number of a vertex"]);
     refuse("a.obj", &with("v 1 2"), &["a.obj:4:1", "2 coordinates", "must have 3"]);

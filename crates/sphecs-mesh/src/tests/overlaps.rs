@@ -65,7 +65,7 @@ fn overlapping_parts_are_a_union() {
     let found = surface.intersections();
     assert_eq!((found.parts, found.within_parts, report.components), (1, 0, 2));
     assert!(found.pairs >= 2);
-    assert!(found.line().is_some_and(|line| line.contains("1 pairs of parts that overlap")));
+    assert!(found.line().is_some_and(|line| line.contains("1 pair of parts that overlap")));
     let inside = |x: f64, y: f64| surface.is_inside(DVec3::new(x, y, 0.5));
     assert!(inside(0.2, 0.3) && inside(0.8, 0.7) && inside(1.2, 1.3) && !inside(1.2, 0.2));
     let three = shape.with(&sphere(9).moved(DVec3::new(1.1, 1.2, 0.4)));

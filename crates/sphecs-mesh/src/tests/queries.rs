@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, EulerRot};
 
 use super::shapes::{Random, Shape, bar, cube, gear, sphere};
 use crate::Surface;
@@ -159,6 +159,76 @@ fn volume_of_a_sphere_converges() {
         assert!((surface.volume() - volume).abs() < 5e-5, "{triangles}: {}", surface.volume());
         assert!((surface.area() - 4.0 * PI).abs() < 1e-2, "{triangles}: {}", surface.area());
         assert!((surface.signed_distance(DVec3::new(0.3, 0.1, 0.2)) + 1.0 - 0.14_f64.sqrt()).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn queries_on_several_threads_are_bitwise_identical() {
+    let surface = gear(24).surface();
+    let queries = points(&surface, 500);
+    let answers = || -> Vec<(f64, u32)> {
+        let nearest = |query: &DVec3| surface.nearest(*query).triangle;
+        queries.iter().map(|query| (surface.signed_distance(*query), nearest(query))).collect()
+    };
+    let first = answers();
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..3).map(|_| scope.spawn(answers)).collect();
+        for thread in threads {
+            assert_eq!(thread.join().unwrap(), first);
+        }
+    });
+}
+
+#[test]
+fn queries_far_away_and_on_the_surface_are_finite() {
+    let surface = gear(9).surface();
+    for query in [DVec3::splat(1e100), DVec3::new(-1e15, 0.0, 0.0)] {
+        assert!((surface.nearest(query).distance / query.length() - 1.0).abs() < 1e-12, "{query}");
+        assert!(!surface.is_inside(query));
+    }
+    for query in surface.vertices() {
+        assert_eq!(surface.signed_distance(*query), 0.0);
+        assert!(surface.winding(*query).is_finite());
+        let normal = surface.smooth_normal_at(*query, &surface.nearest(*query));
+        assert!((normal.length() - 1.0).abs() < 1e-12, "{query}: {normal}");
+    }
+    assert_eq!(surface.nearest_within(DVec3::ZERO, -1.0), None);
+    assert_eq!(surface.nearest_within(DVec3::NAN, 1.0), None);
+}
+
+#[test]
+fn slender_triangles_are_as_accurate_as_others() {
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
+    for height in [1e-3, 1e-5, 1e-7, 1e-9] {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.4, height, 0.0)].map(|corner| turn * corner);
+        let surface = Surface::from_triangles(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+        for (x, y) in [(0.4, 0.5), (0.2, 0.2), (0.9, 0.1)] {
+            let foot = DVec3::new(x, y * height, 0.0);
+            for above in [0.3, 1e-6, -2.0] {
+                let found = surface.nearest(turn * (foot + above * DVec3::Z));
+                assert!(
+                    (found.distance - f64::abs(above)).abs() < 1e-12,
+                    "{height} {foot} {above}: {found:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn planes_of_a_turned_bar_are_found_in_single_precision() {
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
+    let mut shape = bar(DVec3::new(4.0, 2.0, 1.0));
+    shape.vertices.iter_mut().for_each(|vertex| *vertex = turn * *vertex + DVec3::new(5.0, -3.0, 2.0));
+    let facets = crate::read(&shape.binary_stl(), "bar.stl").unwrap();
+    let part = crate::Part { name: "bar".to_owned(), facets };
+    let planes = Surface::new(vec![part], 1.0).unwrap().0.planes();
+    assert_eq!(planes.len(), 6);
+    for (plane, area) in planes.iter().zip([8.0, 8.0, 4.0, 4.0, 2.0, 2.0]) {
+        // Coordinates of 5 have an error of 2e-7 in f32.
+        assert!((plane.area - area).abs() < 1e-5, "{plane:?}");
+        let along = turn.inverse() * plane.normal;
+        assert!((along.abs().max_element() - 1.0).abs() < 1e-6, "{plane:?}");
     }
 }
 

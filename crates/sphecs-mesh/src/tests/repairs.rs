@@ -133,6 +133,7 @@ fn opening_of_a_lid_is_measured() {
     let report = shape.repaired().1;
     let [lid] = report.open_loops[..] else { panic!("{report:?}") };
     assert_eq!((lid.length, lid.area, lid.edges), (10.0, 6.0, 4));
+    assert!(!lid.is_seam() && lid.width() == 1.2);
     assert!(lid.centre.distance(DVec3::new(1.0, 1.5, 1.0)) < 1e-15);
     says(&report, "is open along 1.00e1 m near (1.000e0, 1.500e0, 1.000e0) m: 4 edges have one facet");
 }
@@ -149,6 +150,8 @@ fn seam_between_edges_divided_in_different_ways_encloses_no_area() {
     let (surface, report) = shape.repaired();
     let [seam] = report.open_loops[..] else { panic!("{report:?}") };
     assert!((seam.length - 2.0).abs() < 1e-15 && seam.area < 1e-15 && seam.edges == 3, "{seam:?}");
+    assert!(seam.is_seam());
+    says(&report, "has a seam without a gap along 2.00e0 m");
     assert!((surface.winding(middle.lerp(DVec3::splat(0.5), 0.05)) - 1.0).abs() < 0.1);
 }
 

@@ -3,7 +3,7 @@
 //! There is one test: another one at the same time would disturb the count of the allocator.
 
 use peak_alloc::PeakAlloc;
-use sphecs_mesh::{Part, Surface, read};
+use sphecs_mesh::{Facets, Part, Surface, read};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -151,6 +151,67 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
+/// Files with as little text as possible for what is kept of them.
+fn dense() -> Vec<(&'static str, Vec<u8>)> {
+    let count = 60_000;
+    let stl: String = (0..count).map(|at| format!("solid {at}\nendsolid\n")).collect();
+    let points = "v 0 0 0\n".repeat(50) + "v 1 0 0\nv 0 1 0\n";
+    let triangles = points.clone() + &"f 1 2 3\n".repeat(count);
+    let polygons = points.clone() + &format!("f{}\n", " 9".repeat(100)).repeat(count / 10);
+    let groups = points + &(0..count).map(|at| format!("g {at}\nf 1 2 3\n")).collect::<String>();
+    let header = |format: &str, list: &str, points: usize, faces: usize| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex {points}\nproperty char x\nproperty char y\n\
+             property char z\nelement face {faces}\nproperty list {list} vertex_index\nend_header\n"
+        )
+        .into_bytes()
+    };
+    let mut many = header("binary_little_endian", "uchar uchar", 200, count / 10);
+    many.extend((0..200).flat_map(|at| [at, 3, at / 2]));
+    // 200 corners with numbers of one byte.
+    (0..count / 10).for_each(|_| many.extend([200].into_iter().chain(0..200)));
+    let mut round = header("binary_little_endian", "uint uint", count, 1);
+    round.extend((0..count).flat_map(|at| [at as u8, (at / 256) as u8, 0]));
+    round.extend((count as u32).to_le_bytes());
+    round.extend((0..count as u32).flat_map(u32::to_le_bytes));
+    vec![
+        ("solids.stl", stl.into_bytes()),
+        ("triangles.obj", triangles.into_bytes()),
+        ("polygons.obj", polygons.into_bytes()),
+        ("groups.obj", groups.into_bytes()),
+        ("many.ply", many),
+        ("round.ply", round),
+    ]
+}
+
+/// Returns the largest memory that reading a file takes, B.
+fn peak(bytes: &[u8], name: &str) -> usize {
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let _ = read(bytes, name);
+    ALLOCATOR.peak_usage() - before
+}
+
+/// Makes a surface where that is possible, and asserts what holds for every surface.
+fn query(facets: Facets) {
+    let part = Part { name: "a".to_owned(), facets };
+    let Ok((surface, report)) = Surface::new(vec![part], 1e-3) else { return };
+    assert_eq!(surface.triangles().len(), report.triangles);
+    let dropped = report.degenerate + report.duplicates + report.opposite;
+    assert_eq!(report.facets, report.triangles + dropped, "{report:?}");
+    let (low, high) = surface.bounds();
+    for share in [-0.5, 0.3, 0.5] {
+        let point = low + share * (high - low);
+        let nearest = surface.nearest(point);
+        assert!(nearest.distance.is_finite() && surface.winding(point).is_finite());
+        assert_eq!(surface.signed_distance(point).abs(), nearest.distance);
+        assert!(surface.smooth_normal_at(point, &nearest).is_finite());
+    }
+    assert!(surface.planes().iter().all(|plane| plane.offset.is_finite() && plane.normal.is_finite()));
+    assert!(surface.intersections().place.is_none_or(|place| place.is_finite()));
+    assert!(report.lines().iter().all(|line| !line.contains("NaN")), "{:?}", report.lines());
+}
+
 #[test]
 fn damaged_files_are_read_or_refused_in_little_memory() {
     let files = [
@@ -163,6 +224,11 @@ fn damaged_files_are_read_or_refused_in_little_memory() {
     ];
     for (name, bytes) in &files {
         assert!(read(bytes, name).is_ok(), "{name}: {:?}", read(bytes, name).err());
+    }
+    for (name, bytes) in dense() {
+        let times = peak(&bytes, name) as f64 / bytes.len() as f64;
+        println!("{name}: {times:.1} times the file");
+        assert!(times <= TIMES as f64, "{name}: {times} times the file");
     }
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let (mut good, mut refused) = ([0; 6], [0; 6]);
@@ -180,9 +246,7 @@ fn damaged_files_are_read_or_refused_in_little_memory() {
             Ok(facets) => {
                 good[kind] += 1;
                 if good[kind] % SURFACES == 0 {
-                    let part = Part { name: "a".to_owned(), facets };
-                    // Any result but a panic.
-                    let _ = Surface::new(vec![part], 1e-3).map(|(surface, _)| surface.planes());
+                    query(facets);
                 }
             }
             Err(fault) => {
