@@ -130,8 +130,7 @@ fn extent(surface: &Surface, place: Span, check: &mut Checker<'_>) {
 
 /// Reports openings through which fluid particles would leave.
 fn openings(report: &Report, place: Span, check: &mut Checker<'_>) {
-    let is_wide =
-        |opening: &&OpenLoop| opening.length > check.spacing && opening.area.sqrt() > 0.1 * check.spacing;
+    let is_wide = |opening: &&OpenLoop| !opening.is_seam() && opening.length > check.spacing;
     let wide: Vec<&OpenLoop> = report.open_loops.iter().filter(is_wide).collect();
     let Some(first) = wide.first() else { return };
     let label = format!(
