@@ -70,7 +70,8 @@ fn check_uniform(scene: &Scene) {
     let step = (fluid.len() / 1500).max(1);
     let fluid: Vec<usize> =
         fluid.into_iter().step_by(step).filter(|i| !sees_layers(seeds[*i].position)).collect();
-    let expected = neighbourhood(scene, &seeds, fluid[fluid.len() / 2], support);
+    let Some(&middle) = fluid.get(fluid.len() / 2) else { return };
+    let expected = neighbourhood(scene, &seeds, middle, support);
     for index in fluid {
         let found = neighbourhood(scene, &seeds, index, support);
         let same =
