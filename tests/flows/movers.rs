@@ -12,8 +12,10 @@ use crate::{flow, fluid};
 fn walls(simulation: &mut Simulation) -> Vec<(u32, u16, DVec3, DVec3)> {
     let world = simulation.world_mut();
     let mut query = world.query_filtered::<(&ParticleId, &Wall, &Position, &Velocity), With<Wall>>();
-    let mut found: Vec<_> =
-        query.iter(world).map(|(id, wall, position, velocity)| (id.0, wall.part, position.0, velocity.0)).collect();
+    let mut found: Vec<_> = query
+        .iter(world)
+        .map(|(id, wall, position, velocity)| (id.0, wall.part, position.0, velocity.0))
+        .collect();
     found.sort_by_key(|(id, ..)| *id);
     found
 }
@@ -40,12 +42,13 @@ fn check_poses(text: &str, sets: Sets, steps: u64, tolerance: f64) {
     let mut run = simulation(scene.clone());
     let before = walls(&mut run);
     advance(&mut run, steps);
-    let time = run.time();
+    let time = run.clock().time;
     let (start, now) = (scene.wall_poses(0.0), scene.wall_poses(time));
     let mut count = 0;
     for ((id, part, first, _), (other, _, position, velocity)) in before.into_iter().zip(walls(&mut run)) {
         assert_eq!(id, other);
-        let (Some(start), Some(pose)) = (scene.pose_of_part(&start, part), scene.pose_of_part(&now, part)) else {
+        let (Some(start), Some(pose)) = (scene.pose_of_part(&start, part), scene.pose_of_part(&now, part))
+        else {
             assert_eq!(position, first, "a wall at rest moved");
             continue;
         };
@@ -126,7 +129,7 @@ fn force_of_a_piston_includes_its_corners() {
         let mut run = flow(text, &[("scheme", scheme)]);
         run.run_until(1.0).expect("water at rest");
         let (mut sum, mut count) = (0.0, 0);
-        while run.time() < 2.0 {
+        while run.clock().time < 2.0 {
             run.step().expect("a step");
             let forces = run.body_forces().forces[0];
             sum += forces.pressure_force.x + forces.viscous_force.x;
@@ -156,9 +159,9 @@ fn mover_passes_a_periodic_face() {
     let mut run = flow(text, &[("scheme", "EdacTvf()")]);
     let count = fluid(&mut run).len();
     let mut forces = Vec::new();
-    while run.time() < 2.5 {
+    while run.clock().time < 2.5 {
         run.step().expect("a step");
-        if run.time() > 1.0 {
+        if run.clock().time > 1.0 {
             forces.push(run.body_forces().forces[0].pressure_force.x);
         }
     }

@@ -203,11 +203,10 @@ fn a_misspelt_path_names_the_nearest() {
 
 /// Returns the mesh file of a cube with edges of 100.
 fn cube(path: &str) -> MeshFile {
-    let corner = |bits: usize| [0, 1, 2].map(|axis| if bits >> axis & 1 == 1 { "100" } else { "0" }.to_owned());
+    let corner =
+        |bits: usize| [0, 1, 2].map(|axis| if bits >> axis & 1 == 1 { "100" } else { "0" }.to_owned());
     let mut text = String::from("solid cube\n");
-    for [a, b, c, d] in
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
-    {
+    for [a, b, c, d] in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
         for facet in [[a, b, c], [a, c, d]] {
             let vertices = facet.map(|bits| format!("vertex {}\n", corner(bits).join(" ")));
             text += &format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", vertices.concat());

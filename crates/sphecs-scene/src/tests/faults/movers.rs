@@ -48,7 +48,10 @@ fn motions_are_given_in_one_way_and_depend_on_time() {
         let found = faults(&format!("{CLOSED} {}", body(DISC, motion)));
         assert!(found.contains(expected), "{motion}: {found}");
     }
-    let sound = body(DISC, "Chain([Rotation(about: (2.0, 1.0), rate: \"t\"), Translation(velocity: (\"0.2*t\", 0.0))])");
+    let sound = body(
+        DISC,
+        "Chain([Rotation(about: (2.0, 1.0), rate: \"t\"), Translation(velocity: (\"0.2*t\", 0.0))])",
+    );
     assert_eq!(faults(&format!("{CLOSED} {sound}")), "");
 }
 
@@ -72,7 +75,8 @@ fn paths_that_a_body_cannot_take_are_refused() {
         assert!(found.contains(expected), "{fields}: {found}");
     }
     // A piston slides along the walls and out of the end of the domain; a rod turns in a wall.
-    let piston = path("Box(min: (-2.0, 0.0), max: (0.5, 2.0))", "Translation(displacement: (\"0.3*t\", 0.0))");
+    let piston =
+        path("Box(min: (-2.0, 0.0), max: (0.5, 2.0))", "Translation(displacement: (\"0.3*t\", 0.0))");
     assert_eq!(faults(&piston), "");
     let rod = path("Circle(center: (2.0, 0.0), radius: 0.4)", "Rotation(about: (2.0, 0.0), rate: 1.0)");
     assert_eq!(faults(&rod), "");
@@ -83,14 +87,22 @@ fn settings_that_walls_that_move_do_not_have_are_refused() {
     let still = body(DISC, "Translation(displacement: (0.0, 0.0))");
     let turning = "motion: Rotation(about: (2.0, 1.0), rate: 1.0)";
     let cases = [
-        (format!("{CLOSED} {still} walls: (model: Image(pressure: Mirrored)),"), "cannot mirror the pressure"),
+        (
+            format!("{CLOSED} {still} walls: (model: Image(pressure: Mirrored)),"),
+            "cannot mirror the pressure",
+        ),
         (format!("{CLOSED} {still} fill: WallFitted(lower: 0.0, upper: 2.0),"), "cannot go around movers"),
-        (format!("{CLOSED} {still} walls: None, periodic: [\"x\", \"y\"],"), "a scene without walls has movers"),
+        (
+            format!("{CLOSED} {still} walls: None, periodic: [\"x\", \"y\"],"),
+            "a scene without walls has movers",
+        ),
         (format!("{CLOSED} walls: ({turning}), periodic: [\"x\"],"), "all walls move, but openings do not"),
         (format!("{OPEN} walls: ({turning}),"), "all walls move, but openings do not"),
         (format!("{CLOSED} walls: ({turning}, velocity: (1.0, 0.0)),"), "has a motion and a velocity"),
         (
-            format!("{CLOSED} movers: [(name: \"walls\", shape: {DISC}, motion: Translation(velocity: (0.0, 0.0)))],"),
+            format!(
+                "{CLOSED} movers: [(name: \"walls\", shape: {DISC}, motion: Translation(velocity: (0.0, 0.0)))],"
+            ),
             "two wall parts are called `walls`",
         ),
         (
