@@ -105,7 +105,7 @@ enum WallChoice {
     /// `None`.
     Absent,
     /// Walls as described.
-    Described(Walls),
+    Described(Box<Walls>),
 }
 
 impl WallChoice {
@@ -268,7 +268,7 @@ impl SceneBuilder {
 
     /// Sets the walls, default no-slip images at rest.
     pub fn walls(mut self, walls: Walls) -> Self {
-        self.walls = WallChoice::Described(walls);
+        self.walls = WallChoice::Described(Box::new(walls));
         self
     }
 
