@@ -8,6 +8,7 @@
 //! * [`bodies`]: force and torque on bodies
 //! * [`channel`]: flows along plane walls and their exact solutions
 //! * [`edac`]: the scheme `EdacTvf`
+//! * [`movers`]: walls that move
 //! * [`walls`]: every wall model, plane and curved
 //! * [`slip`]: free-slip walls of every model
 //! * [`shipped`]: the shipped scenes at their smoke spacings, step by step
@@ -21,6 +22,7 @@ mod edac;
 mod inlets;
 mod junction;
 mod metered;
+mod movers;
 mod periodic;
 mod rest;
 mod shipped;

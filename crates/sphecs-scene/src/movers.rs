@@ -260,6 +260,17 @@ impl Scene {
         }
     }
 
+    /// Returns the image of a point inside the periodic box, m.
+    pub fn wrapped(&self, mut point: DVec3) -> DVec3 {
+        for (axis, bounds) in self.periodic.iter().enumerate() {
+            if let Some((low, high)) = bounds {
+                let period = high - low;
+                point[axis] -= period * ((point[axis] - low) / period).floor();
+            }
+        }
+        point
+    }
+
     /// Returns the image of a point in the periodic directions that is nearest to another, m.
     pub fn nearest_image(&self, mut point: DVec3, to: DVec3) -> DVec3 {
         for (axis, bounds) in self.periodic.iter().enumerate() {

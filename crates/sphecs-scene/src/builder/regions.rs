@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::description::description;
 use super::numbers::{Number, Vector};
+use crate::meshes::LengthUnit;
 
 /// A region of space.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -46,6 +47,13 @@ enum Kind {
         angle: Number,
         section: BendSection,
     },
+    Mesh {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        file: Option<String>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        files: Option<Vec<String>>,
+        unit: LengthUnit,
+    },
     Union(Vec<Shape>),
     Intersection(Vec<Shape>),
     Difference(Vec<Shape>),
@@ -72,6 +80,17 @@ impl Shape {
     /// Returns the axis-aligned rectangle or, in 3D, box between two corners, m: `Box`.
     pub fn cuboid(min: impl Into<Vector>, max: impl Into<Vector>) -> Self {
         Self(Kind::Box { min: min.into(), max: max.into() })
+    }
+
+    /// Returns the inside of a closed surface, in 3D: path of its file and unit of its coordinates.
+    pub fn mesh(file: impl Into<String>, unit: LengthUnit) -> Self {
+        Self(Kind::Mesh { file: Some(file.into()), files: None, unit })
+    }
+
+    /// Returns the inside of the closed surface that several files form together, in 3D.
+    pub fn mesh_of<P: Into<String>>(files: impl IntoIterator<Item = P>, unit: LengthUnit) -> Self {
+        let files = files.into_iter().map(P::into).collect();
+        Self(Kind::Mesh { file: None, files: Some(files), unit })
     }
 
     /// Returns a circle, in 2D: centre and radius, m.

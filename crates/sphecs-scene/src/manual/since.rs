@@ -28,6 +28,8 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Mover",
             "Motion",
             "Walls.motion",
+            "Shape.Mesh",
+            "LengthUnit",
             "Walls.fill",
             "WallFill.Layers",
         ],

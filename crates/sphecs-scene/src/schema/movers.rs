@@ -15,7 +15,7 @@ pub struct MoverFile {
     pub name: Text,
     /// Shape in its place without displacement.
     pub shape: Spanned<ShapeFile>,
-    /// Motion.
+    /// Prescribed motion of the body.
     pub motion: Spanned<MotionFile>,
     /// Slip condition, default that of the walls.
     #[serde(default)]

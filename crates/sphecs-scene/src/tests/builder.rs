@@ -16,6 +16,7 @@ use crate::builder::{
 };
 use crate::expression::Constants;
 use crate::faults::SceneErrors;
+use crate::meshes::LengthUnit;
 use crate::model::{ForcesEvery, Precision, ProbeSight, Scene, WhenEmpty};
 use crate::notation::{reader, typed};
 use crate::rings::FirstRing;
@@ -164,7 +165,7 @@ fn tables_and_changed_values_reach_the_loader() {
 }
 
 /// Regions of every kind.
-fn regions() -> [Shape; 12] {
+fn regions() -> [Shape; 14] {
     let unit = || Shape::cuboid((0.0, 0.0), (1.0, 1.0));
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let bend = |section| Shape::bend((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0), 90, section);
@@ -181,6 +182,8 @@ fn regions() -> [Shape; 12] {
         unit().translated((1.0, "R")),
         unit().rotated(Rotation::new(30.0).axis((0.0, 0.0, 1.0)).about((1.0, 0.0))).rotated("R"),
         unit().scaled(2.0),
+        Shape::mesh("pipe.stl", LengthUnit::Millimetre),
+        Shape::mesh_of(["wall.stl", "ends.stl"], LengthUnit::Inch),
     ]
 }
 
@@ -334,6 +337,7 @@ fn every_field_of_a_scene_file_can_be_built() {
         shared::<Viscosity>(),
         shared::<NoiseDamping>(),
         shared::<Slip>(),
+        shared::<LengthUnit>(),
         shared::<WallModel>(),
     ] {
         shared_names.extend(names);

@@ -60,12 +60,20 @@ fn check_uniform(scene: &Scene) {
     let sees_rings = |place: DVec3| {
         scene.layout.rings.iter().any(|rings| place.distance(rings.centre) < rings.radius + support)
     };
+    // So are those near walls in layers.
+    let layered =
+        |seed: &&ParticleSeed| seed.zone == Zone::Wall && scene.layout.layered.contains(&seed.patch);
+    let layers: Vec<DVec3> = seeds.iter().filter(layered).map(|seed| seed.position).collect();
+    let sees_layers = |place: DVec3| layers.iter().any(|wall| wall.distance(place) < support + scene.spacing);
     let fluid: Vec<usize> = (0..seeds.len())
         .filter(|i| seeds[*i].zone == Zone::Fluid && !sees_rings(seeds[*i].position))
         .collect();
-    let expected = neighbourhood(scene, &seeds, fluid[fluid.len() / 2], support);
     let step = (fluid.len() / 1500).max(1);
-    for index in fluid.into_iter().step_by(step) {
+    let fluid: Vec<usize> =
+        fluid.into_iter().step_by(step).filter(|i| !sees_layers(seeds[*i].position)).collect();
+    let Some(&middle) = fluid.get(fluid.len() / 2) else { return };
+    let expected = neighbourhood(scene, &seeds, middle, support);
+    for index in fluid {
         let found = neighbourhood(scene, &seeds, index, support);
         let same =
             found.len() == expected.len() && found.iter().zip(&expected).all(|(a, b)| (a - b).abs() <= 2);

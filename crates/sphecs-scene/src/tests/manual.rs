@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::schema_fields;
 use crate::manual::{Argument, Content, Field, Manual, ValueKind, examples, json_schema, newer_names};
+use crate::meshes::MeshFile;
 use crate::model::Scene;
 use crate::schema::SceneFile;
 
@@ -200,6 +201,21 @@ fn a_misspelt_path_names_the_nearest() {
     assert!(fault.advice.contains("single value"), "{fault:?}");
 }
 
+/// Returns the mesh file of a cube with edges of 100.
+fn cube(path: &str) -> MeshFile {
+    let corner =
+        |bits: usize| [0, 1, 2].map(|axis| if bits >> axis & 1 == 1 { "100" } else { "0" }.to_owned());
+    let mut text = String::from("solid cube\n");
+    for [a, b, c, d] in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+        for facet in [[a, b, c], [a, c, d]] {
+            let vertices = facet.map(|bits| format!("vertex {}\n", corner(bits).join(" ")));
+            text += &format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", vertices.concat());
+        }
+    }
+    text += "endsolid cube\n";
+    MeshFile { path: path.to_owned(), bytes: text.into_bytes().into() }
+}
+
 /// Fields of scenes into which a passage is put: a channel, and boxes in 2D and 3D.
 const BASES: [&[(&str, &str)]; 3] = [
     &[
@@ -231,7 +247,7 @@ fn faults_within(base: &[(&str, &str)], passage: &str) -> Option<String> {
         .collect();
     let text =
         if passage.starts_with("Scene(") { passage.to_owned() } else { format!("Scene({fields}{passage})") };
-    let faults = Scene::from_text("passage", &text).load().err()?;
+    let faults = Scene::from_text("passage", &text).meshes([cube("pipe.stl")]).load().err()?;
     Some(faults.faults().iter().map(|fault| format!("{}: {}; ", fault.title, fault.label)).collect())
 }
 

@@ -153,9 +153,9 @@ fn find_motions(
     motions.clear();
     motions.extend(bodies.iter_mut().zip(&scene.bodies).map(|(body, of_scene)| {
         let pose = scene.pose_of_part(poses, body.part)?;
-        body.about = pose.place(of_scene.about);
-        let velocity = pose.velocity_at(body.about);
-        Some(BodyMotion { position: body.about, velocity, spin: pose.spin })
+        let position = pose.place(of_scene.about);
+        body.about = scene.wrapped(position);
+        Some(BodyMotion { position, velocity: pose.velocity_at(position), spin: pose.spin })
     }));
 }
 
@@ -168,7 +168,7 @@ fn add_shear(
     sum: &mut BodySum,
 ) {
     let surface = match scene.pose_of_part(poses, body.part) {
-        Some(pose) => shear.in_pose(scene, pose, body.about),
+        Some(pose) => shear.in_pose(scene, pose, scene.image_at_wall(poses, body.part, body.about)),
         None => shear.at(scene, &scene.walls.parts[usize::from(body.part)], body.about, time),
     };
     sum.viscous_force += surface.viscous_force;

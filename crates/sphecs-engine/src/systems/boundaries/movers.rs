@@ -145,8 +145,9 @@ fn place<R: PairReal<D>, const D: usize>(
                 continue;
             };
             let placed = Placed::new(particles, index, pose);
+            let inside = scene.wrapped(placed.position);
             for axis in 0..D {
-                position[axis][at] = placed.position[axis];
+                position[axis][at] = inside[axis];
                 before[axis][at] = velocity[axis][at];
                 velocity[axis][at] = R::from_f64(placed.velocity[axis]);
                 normal[axis][at] = R::from_f64(placed.normal[axis]);

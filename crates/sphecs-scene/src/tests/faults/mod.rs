@@ -2,6 +2,7 @@
 
 mod driven;
 mod geometry;
+mod movers;
 mod notation;
 mod values;
 
