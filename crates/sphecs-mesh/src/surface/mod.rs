@@ -35,6 +35,9 @@ pub struct Surface {
     bounds: (DVec3, DVec3),
     area: f64,
     volume: f64,
+    /// True if it is closed, oriented and does not cross itself: the normal of a facet then tells
+    /// the sides of the points next to it.
+    is_embedded: bool,
 }
 
 impl Surface {
@@ -89,9 +92,24 @@ impl Surface {
     }
 
     /// Returns the distance of a point from the surface, m: negative inside.
+    ///
+    /// Of a surface that does not cross itself the normal decides on the side if the nearest point
+    /// is within a facet, which takes a fifth of the time; at edges, at vertices and else the
+    /// winding number does.
     pub fn signed_distance(&self, point: DVec3) -> f64 {
-        let distance = self.nearest(point).distance;
-        if distance > 0.0 && self.is_inside(point) { -distance } else { distance }
+        let nearest = self.nearest(point);
+        let distance = nearest.distance;
+        if distance == 0.0 {
+            return distance;
+        }
+        if self.is_embedded && nearest.feature == Feature::Face {
+            let height = (point - nearest.point).dot(self.normal(nearest.triangle));
+            // The line to a point within a facet is along its normal; else rounding has moved it.
+            if height.abs() > 0.5 * distance {
+                return distance.copysign(height);
+            }
+        }
+        if self.is_inside(point) { -distance } else { distance }
     }
 
     /// Returns the lower and the upper corner of the bounding box, m.
