@@ -13,6 +13,7 @@ use super::report::{scene_rows, scene_table};
 use super::run_state::LARGEST_MACH;
 use sphecs_core::format::{bytes, duration, grouped, point, significant};
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::wall::WallPressure;
 use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
@@ -20,6 +21,7 @@ use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
 use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
 use sphecs_scene::passage::{Passage, narrowest_passage};
 use sphecs_scene::summary::{steps_to, summary};
+use sphecs_scene::thin_walls::{ThinWall, leaking_thickness, mixing_thickness, thinnest_wall};
 use sphecs_scene::wall_particles::overlapping_parts;
 
 /// Wanted number of particles across a passage.
@@ -56,14 +58,16 @@ pub struct CheckOptions {
 pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) -> CheckReport {
     let until = options.until.unwrap_or(scene.time.end);
     // The path of the flow takes as long as all else together.
-    let (path, (passage, (mut figures, overlaps))) = rayon::join(
+    let (path, (passage, (mut figures, overlaps, thin_wall))) = rayon::join(
         || flow_path(scene, &seeds),
         || {
-            let rest = || (summary(scene, &seeds), overlap_notes(scene, &seeds));
+            let rest =
+                || (summary(scene, &seeds), overlap_notes(scene, &seeds), thinnest_wall(scene, &seeds));
             rayon::join(|| narrowest_passage(scene, &seeds), rest)
         },
     );
     figures.notes.extend(overlaps);
+    figures.notes.extend(thin_wall.and_then(|wall| thin_wall_note(scene, &wall)));
     for mesh in &scene.mesh_reports {
         figures.notes.extend(mesh.notes.iter().map(|note| format!("the mesh {} {note}", mesh.name)));
     }
@@ -210,6 +214,28 @@ fn overlap_notes(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
         )
     };
     overlapping_parts(scene, seeds).into_iter().map(note).collect()
+}
+
+/// Returns a note on a wall through which its two sides disturb each other.
+fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {
+    let (thickness, at) = (significant(wall.thickness()), point_text(scene, wall.middle()));
+    // Both limits are in proportion to the spacing.
+    let cure = |limit: f64| significant(scene.spacing * wall.thickness() / limit);
+    let (leaking, mixing) = (leaking_thickness(scene), mixing_thickness(scene));
+    if wall.thickness() < leaking {
+        return Some(format!(
+            "the wall at {at} is {thickness} m thin: the fluid of its two sides feels each other through less than              {} m, `spacing` of at most {} m",
+            significant(leaking),
+            cure(leaking)
+        ));
+    }
+    (wall.thickness() < mixing && scene.walls.model.pressure() == WallPressure::Extrapolated).then(|| {
+        format!(
+            "the wall at {at} is {thickness} m thin: its particles mix the pressures of both sides below {} m,              `spacing` of at most {} m or a wall model with `pressure: Mirrored`",
+            significant(mixing),
+            cure(mixing)
+        )
+    })
 }
 
 /// Returns the notes on passage, speed and duration.

@@ -290,6 +290,13 @@ fn placed(roles: &[Option<Role>], point: &(impl Fn(usize) -> DVec3 + Sync)) -> V
     places
 }
 
+/// Returns true if a point lies behind the far end of the zone of an opening.
+pub fn behind_far_end(scene: &Scene, point: DVec3) -> bool {
+    patches(scene).any(|(patch, is_inlet)| {
+        beyond(patch, is_inlet, point) > patch.depth && patch.covers(point, scene.spacing)
+    })
+}
+
 /// Returns inlets, then outlets, with true for inlets.
 pub fn patches(scene: &Scene) -> impl Iterator<Item = (&Patch, bool)> {
     let inlets = scene.inlets.iter().map(|inlet| (&inlet.patch, true));

@@ -25,6 +25,7 @@
 //! * [`motion`]: prescribed motions of walls
 //! * [`movers`], [`mover_places`]: walls that move, and their particles
 //! * [`displaced_flow`]: the flow that they displace
+//! * [`thin_walls`]: solid that is thinner than the kernel reaches
 //! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
 //!   are sought
 //! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run
@@ -76,6 +77,7 @@ pub mod spawn;
 pub mod summary;
 mod synonyms;
 mod text_file;
+pub mod thin_walls;
 pub mod time_value;
 mod units;
 pub mod wall_particles;

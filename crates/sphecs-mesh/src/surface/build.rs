@@ -60,7 +60,10 @@ impl Surface {
                 report.facets
             )));
         }
-        Ok((Self::of(mesh, group_names), report))
+        let is_sound = report.is_closed() && report.non_manifold_edges + report.one_sided_edges == 0;
+        let mut surface = Self::of(mesh, group_names);
+        surface.is_embedded = is_sound && surface.intersections().pairs == 0;
+        Ok((surface, report))
     }
 
     /// Makes a surface of triangles in m, counter-clockwise seen from outside, without repair.
@@ -87,6 +90,7 @@ impl Surface {
             bounds: mesh.bounds(),
             area,
             volume,
+            is_embedded: false,
             mesh,
         }
     }

@@ -23,6 +23,9 @@ use normals::Around;
 /// Winding number above which a point is inside.
 const INSIDE: f64 = 0.5;
 
+/// Least share of the distance along the pseudonormal at which its sign is certain.
+const CERTAIN: f64 = 0.05;
+
 /// Oriented triangles with groups, and a tree for queries. Lengths in m.
 ///
 /// Immutable; queries may run on several threads and give the same result on each.
@@ -35,6 +38,9 @@ pub struct Surface {
     bounds: (DVec3, DVec3),
     area: f64,
     volume: f64,
+    /// True if it is closed, oriented and does not cross itself: the normal of a facet then tells
+    /// the sides of the points next to it.
+    is_embedded: bool,
 }
 
 impl Surface {
@@ -89,9 +95,23 @@ impl Surface {
     }
 
     /// Returns the distance of a point from the surface, m: negative inside.
+    ///
+    /// Of a surface that is closed and does not cross itself the pseudonormal at the nearest point
+    /// decides on the side, Bærentzen & Aanæs (2005), which takes a fifth of the time. Where the
+    /// point is nearly beside the surface, and for all other surfaces, the winding number does.
     pub fn signed_distance(&self, point: DVec3) -> f64 {
-        let distance = self.nearest(point).distance;
-        if distance > 0.0 && self.is_inside(point) { -distance } else { distance }
+        let nearest = self.nearest(point);
+        let distance = nearest.distance;
+        if distance == 0.0 {
+            return distance;
+        }
+        if self.is_embedded {
+            let height = (point - nearest.point).dot(self.pseudonormal(&nearest));
+            if height.abs() > CERTAIN * distance {
+                return distance.copysign(height);
+            }
+        }
+        if self.is_inside(point) { -distance } else { distance }
     }
 
     /// Returns the lower and the upper corner of the bounding box, m.

@@ -83,7 +83,9 @@ impl Surface {
         outward.normalize_or_zero()
     }
 
-    fn pseudonormal(&self, nearest: &Nearest) -> DVec3 {
+    /// Returns the mean of the unit normals at a nearest point, weighted by the angles of the facets
+    /// there: the pseudonormal.
+    pub(super) fn pseudonormal(&self, nearest: &Nearest) -> DVec3 {
         let corners = self.mesh.triangles[nearest.triangle as usize];
         let sum: DVec3 = match nearest.feature {
             Feature::Face => return self.normal(nearest.triangle),

@@ -13,6 +13,10 @@ const FLATNESS: f64 = 1e-6;
 /// inaccurate normals.
 const ALIGNED: f64 = 0.999;
 
+/// Cosine of the largest angle at which two facets are parts of a curved surface, 30°: with twelve
+/// facets a round pipe is one.
+const SMOOTH: f64 = 0.866;
+
 /// Share of the area of the surface below which a flat part is not listed.
 const SMALLEST_SHARE: f64 = 1e-3;
 
@@ -31,7 +35,7 @@ impl Surface {
     /// Returns the planes of adjacent triangles in one plane, the largest area first.
     ///
     /// Parts with the same plane are one. Parts below a thousandth of the area are left out, as
-    /// are the facets of curved parts.
+    /// are the facets of curved parts, most of whose border continues within 30°.
     pub fn planes(&self) -> Vec<Plane> {
         let count = self.mesh.triangles.len();
         let areas: Vec<f64> = (0..count).map(|triangle| self.mesh.area_vector(triangle).length()).collect();
@@ -43,8 +47,8 @@ impl Surface {
             if is_taken[seed as usize] || areas[seed as usize] == 0.0 {
                 continue;
             }
-            let plane = self.grow(seed, &mut is_taken);
-            if plane.area >= SMALLEST_SHARE * self.area {
+            let (plane, is_facet_of_curve) = self.grow(seed, &mut is_taken);
+            if plane.area >= SMALLEST_SHARE * self.area && !is_facet_of_curve {
                 self.add(&mut planes, plane);
             }
         }
@@ -52,8 +56,9 @@ impl Surface {
         planes
     }
 
-    /// Collects the triangles around a first one that are in its plane.
-    fn grow(&self, seed: u32, is_taken: &mut [bool]) -> Plane {
+    /// Collects the triangles around a first one that are in its plane; true beside it if most of its
+    /// border continues smoothly, as that of a facet of a round wall does.
+    fn grow(&self, seed: u32, is_taken: &mut [bool]) -> (Plane, bool) {
         let (low, high) = self.bounds;
         let tolerance = FLATNESS * low.distance(high);
         let normal = self.normal(seed);
@@ -67,6 +72,7 @@ impl Surface {
         let mut queue = VecDeque::from([seed]);
         is_taken[seed as usize] = true;
         let (mut sum, mut moment) = (DVec3::ZERO, 0.0);
+        let (mut border, mut smooth) = (0.0, 0.0);
         while let Some(triangle) = queue.pop_front() {
             let [a, b, c] = self.mesh.corners(triangle as usize);
             let vector = self.mesh.area_vector(triangle as usize);
@@ -76,7 +82,12 @@ impl Surface {
             let vertices = self.mesh.triangles[triangle as usize];
             for corner in 0..3 {
                 let ends = [vertices[corner], vertices[(corner + 1) % 3]];
+                let length = [a, b, c][corner].distance([a, b, c][(corner + 1) % 3]);
                 for next in self.around.edge(&self.mesh, ends) {
+                    if next != triangle && !is_flat(next) {
+                        border += length;
+                        smooth += if self.normal(next).dot(normal) > SMOOTH { length } else { 0.0 };
+                    }
                     if !is_taken[next as usize] && is_flat(next) {
                         is_taken[next as usize] = true;
                         queue.push_back(next);
@@ -86,7 +97,8 @@ impl Surface {
         }
         let area = sum.length();
         let mean = sum / area;
-        Plane { normal: mean, offset: mean.dot(origin) + moment / area, area }
+        let plane = Plane { normal: mean, offset: mean.dot(origin) + moment / area, area };
+        (plane, smooth > 0.5 * border)
     }
 
     /// Adds a plane to the one it equals, or to the list.

@@ -115,7 +115,8 @@ pub fn too_many(
             format!("gives about {count:.2e} particles, that is {needed:.1} GB; {have}"),
         )
         .help(format!(
-            "raise `spacing` to at least `{least:.2e}`{}",
+            "{}raise `spacing` to at least `{least:.2e}`{}",
+            if domain.has_mesh() { "is the `unit` of the mesh right? or " } else { "" },
             // The range of the particle numbers is a hard limit.
             if memory.is_some() { ", or run with `--allow-oversize`" } else { "" }
         )),

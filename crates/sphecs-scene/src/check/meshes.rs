@@ -11,11 +11,12 @@ use crate::schema::Text;
 use sphecs_core::format::{point, significant};
 use sphecs_mesh::{OpenLoop, Part, Report, Surface};
 
-/// Smallest extent of a mesh along an axis, in spacings.
+/// Smallest of the largest extents of a mesh along the axes, in spacings: a thin plate is a shape,
+/// too.
 const SMALLEST: f64 = 3.0;
 
 /// Largest extent of a mesh along an axis, in spacings.
-const LARGEST: f64 = 1e5;
+const LARGEST: f64 = 2e4;
 
 /// A surface with the paths of its files and its unit.
 pub struct ReadSurface {
@@ -109,7 +110,7 @@ fn extent(surface: &Surface, place: Span, check: &mut Checker<'_>) {
     let (low, high) = surface.bounds();
     let size = high - low;
     let spacings = size / check.spacing;
-    if spacings.min_element() >= SMALLEST && spacings.max_element() <= LARGEST {
+    if (SMALLEST..=LARGEST).contains(&spacings.max_element()) {
         return;
     }
     let label = format!(
@@ -122,9 +123,8 @@ fn extent(surface: &Surface, place: Span, check: &mut Checker<'_>) {
         significant(spacings.z)
     );
     check.report(
-        Fault::new("the size of a mesh does not fit the spacing", place, label).help(format!(
-            "must be {SMALLEST} to {LARGEST:.0e} spacings along each axis: is the `unit` right?"
-        )),
+        Fault::new("the size of a mesh does not fit the spacing", place, label)
+            .help(format!("must be {SMALLEST} to {LARGEST:.0e} spacings long: is the `unit` right?")),
     );
 }
 
@@ -161,6 +161,7 @@ fn mesh_report(names: &[String], surface: &Surface, report: &Report) -> MeshRepo
         significant(surface.area()),
         significant(surface.volume())
     ));
-    let notes = surface.intersections().line().into_iter().collect();
+    let small = report.open_loops.iter().find(|opening| !opening.is_seam()).map(OpenLoop::line);
+    let notes = surface.intersections().line().into_iter().chain(small).collect();
     MeshReport { name: names.join(", "), lines, notes }
 }

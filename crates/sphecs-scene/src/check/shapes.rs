@@ -61,7 +61,9 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
                 let place = first.map_or(Span::PLACEHOLDER, |path| path.span);
                 needs(3, "Mesh", "`Polygon`", place, check)?;
             }
-            meshes::mesh((file.as_ref(), files.as_ref()), *unit, check)
+            check.note_placeholder(unit.span);
+            let unit = (!unit.is_placeholder()).then_some(unit.value)?;
+            meshes::mesh((file.as_ref(), files.as_ref()), unit, check)
         }
         ShapeFile::Bend { start, direction, center, angle, section } => {
             bend([start, direction, center], angle, section, check)

@@ -65,7 +65,7 @@ pub enum ShapeFile {
         #[serde(default)]
         files: Option<Vec<Text>>,
         /// Unit of the coordinates in the files.
-        unit: LengthUnit,
+        unit: Spanned<LengthUnit>,
     },
     /// A section swept along an arc, in 3D. Take it for pipe and duct bends.
     Bend {

@@ -1,0 +1,137 @@
+//! Thin walls: solid between two parts of the fluid that is thinner than the kernel reaches.
+//!
+//! ```text
+//! t < κh − Δ    fluid feels fluid through the wall
+//! t < 2κh − Δ   a wall particle has fluid of both sides in its support, and mixes their pressures
+//! ```
+//!
+//! κh is the support, Δ the spacing. From the surface in front of each wall particle a line goes
+//! along the normal into the solid. It counts if it ends at a surface that faces away from it.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::DVec3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use super::fill::{behind_far_end, confined_distance};
+use super::model::{ParticleSeed, Scene};
+use super::wall_particles::surface_at;
+use sphecs_core::particles::zone::Zone;
+
+/// Largest number of lines; more walls than that are sampled evenly.
+const MOST_LINES: usize = 20_000;
+
+/// Least cosine between a line and the normal of the surface at its end, into the fluid there.
+const LEAST_FACING: f64 = -FRAC_1_SQRT_2;
+
+/// Smallest step along a line, in spacings.
+const LEAST_STEP: f64 = 0.02;
+
+/// A wall with fluid on both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinWall {
+    /// Ends of the line through the wall, m.
+    pub ends: [DVec3; 2],
+}
+
+impl ThinWall {
+    /// Returns the thickness, m.
+    pub fn thickness(&self) -> f64 {
+        self.ends[0].distance(self.ends[1])
+    }
+
+    /// Returns the point in the middle of the wall, m.
+    pub fn middle(&self) -> DVec3 {
+        self.ends[0].midpoint(self.ends[1])
+    }
+}
+
+/// Returns the thickness below which fluid feels fluid through a wall, m.
+pub fn leaking_thickness(scene: &Scene) -> f64 {
+    scene.scheme.support(scene.spacing) - scene.spacing
+}
+
+/// Returns the thickness below which wall particles mix the pressures of both sides, m.
+pub fn mixing_thickness(scene: &Scene) -> f64 {
+    2.0 * scene.scheme.support(scene.spacing) - scene.spacing
+}
+
+/// Returns the thinnest wall of a scene below the [mixing thickness](mixing_thickness); None
+/// without one.
+pub fn thinnest_wall(scene: &Scene, seeds: &[ParticleSeed]) -> Option<ThinWall> {
+    let at_surface = |seed: &&ParticleSeed| seed.zone == Zone::Wall && seed.wall_distance < scene.spacing;
+    let first_layer: Vec<&ParticleSeed> = seeds.iter().filter(at_surface).collect();
+    let stride = first_layer.len().div_ceil(MOST_LINES).max(1);
+    (0..first_layer.len().div_ceil(stride))
+        .into_par_iter()
+        .filter_map(|index| through(scene, first_layer[index * stride]))
+        .min_by(|a, b| a.thickness().total_cmp(&b.thickness()))
+}
+
+/// Returns the line through the wall from the surface in front of one of its particles.
+fn through(scene: &Scene, seed: &ParticleSeed) -> Option<ThinWall> {
+    let (start, into) = (seed.position + seed.wall_distance * seed.wall_normal, -seed.wall_normal);
+    let longest = mixing_thickness(scene);
+    let least = LEAST_STEP * scene.spacing;
+    // The distance to the fluid is at least the signed distance.
+    let mut length = 2.0 * least;
+    while length < longest {
+        let distance = confined_distance(scene, start + length * into);
+        if distance <= 0.0 {
+            break;
+        }
+        length += distance.max(least);
+    }
+    let end = start + length * into;
+    if length >= longest || behind_far_end(scene, end) {
+        return None;
+    }
+    let (surface, normal, _) = surface_at(scene, end);
+    let faces_away = normal.dot(into) > -LEAST_FACING && surface.distance(end) < scene.spacing;
+    faces_away.then_some(ThinWall { ends: [start, end] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seeds;
+
+    fn thinnest(domain: &str) -> Option<ThinWall> {
+        let text = format!(
+            r#"Scene(
+    title: "Thin", dimensions: 2, spacing: 0.05,
+    fluid: (density: 1000.0, viscosity: 1e-3, sound_speed: 10.0),
+    domain: {domain},
+    reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 0.5),
+)"#
+        );
+        let scene = Scene::from_text("thin", &text).load().unwrap_or_else(|faults| panic!("{faults:?}"));
+        thinnest_wall(&scene, &seeds(&scene))
+    }
+
+    fn with_plate(thickness: f64) -> Option<ThinWall> {
+        let top = 0.5 + thickness;
+        thinnest(&format!(
+            "Difference([Box(min: (0.0, 0.0), max: (2.0, 1.0)), Box(min: (0.5, 0.5), max: (1.5, {top:?}))])"
+        ))
+    }
+
+    /// The support is 3 Δ = 0.15 m, so walls below 0.25 m mix pressures.
+    #[test]
+    fn plate_has_its_thickness() {
+        for thickness in [0.05, 0.1, 0.2] {
+            let found = with_plate(thickness).expect("a thin wall");
+            assert!((found.thickness() - thickness).abs() < 2e-3, "{found:?} is not {thickness} m");
+            assert!((0.5..0.75).contains(&found.middle().y), "{found:?}");
+        }
+        assert_eq!(with_plate(0.3), None);
+    }
+
+    #[test]
+    fn outer_walls_and_thick_bodies_are_not_thin() {
+        assert_eq!(thinnest("Box(min: (0.0, 0.0), max: (2.0, 1.0))"), None);
+        let disc =
+            "Difference([Box(min: (0.0, 0.0), max: (2.0, 1.0)), Circle(center: (1.0, 0.5), radius: 0.2)])";
+        assert_eq!(thinnest(disc), None);
+    }
+}
