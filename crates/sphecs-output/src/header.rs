@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::frame::Frame;
+use super::meshes::hash_of;
 use sphecs_core::particles::zone::Zone;
 use sphecs_scene::meshes::MeshFile;
 use sphecs_scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
@@ -227,12 +228,8 @@ impl Header {
     }
 }
 
-/// Returns the SHA-256 of a mesh file, hexadecimal.
-pub(crate) fn hash_of(mesh: &MeshFile) -> String {
-    hexadecimal(&Sha256::digest(&mesh.bytes))
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
+/// Returns bytes as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -23,6 +23,7 @@ pub mod info;
 pub mod journal;
 pub mod lock;
 mod mean_interval;
+mod meshes;
 pub mod monitor;
 mod netcdf;
 pub mod pack;

@@ -21,12 +21,6 @@ pub const PLACED: &str = ".sphecs-placed";
 /// Earlier run until the new one has its initial files.
 pub const REPLACED: &str = ".sphecs-replaced";
 
-/// Returns the name of the file of a mesh in a run folder.
-pub fn mesh_name(index: usize, path: &str) -> String {
-    let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
-    format!("{index}-{name}")
-}
-
 /// Folder of one file per frame while the run is not packed.
 pub const JOURNAL: &str = "journal";
 /// Journal after `particles.nc` is complete and before the journal is removed.

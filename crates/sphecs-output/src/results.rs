@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
 use super::frame::Frame;
-use super::header::{Header, hash_of};
+use super::header::Header;
 use super::journal::frame_paths;
+use super::meshes;
 use super::netcdf::particles::ParticleFile;
-use super::paths::{self, JOURNAL, MESHES, PACKED_JOURNAL, PARTICLES, SCENE, SUMMARY, TABLES};
+use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES, SCENE, SUMMARY, TABLES};
 use super::summary::Summary;
 use sphecs_core::format::significant;
-use sphecs_scene::meshes::MeshFile;
 
 /// Returns the header of a run with the text of its scene and tables.
 ///
@@ -26,16 +26,7 @@ pub fn read_header(folder: &Path) -> Result<Header, OutputError> {
         header.tables = serde_json::from_slice(&text)
             .map_err(|error| OutputError::Damaged { path, what: error.to_string() })?;
     }
-    let folder = folder.join(MESHES);
-    for (index, (name, hash)) in header.mesh_hashes.iter().enumerate() {
-        let path = folder.join(paths::mesh_name(index, name));
-        let bytes = std::fs::read(&path).map_err(OutputError::io(&path, "read"))?;
-        let mesh = MeshFile { path: name.clone(), bytes: bytes.into() };
-        if hash_of(&mesh) != *hash {
-            return Err(OutputError::Damaged { path, what: "was changed after the run started".to_owned() });
-        }
-        header.meshes.push(mesh);
-    }
+    header.meshes = meshes::read(folder, &header)?;
     Ok(header)
 }
 

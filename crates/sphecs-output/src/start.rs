@@ -1,9 +1,9 @@
 //! Start of a run in its folder. A folder that exists is used in place and never renamed.
 //!
-//! It may be the working folder, a mount point, the target of a link, or have permissions
-//! of its own. The initial files are written to a folder inside it, an earlier run is moved to
-//! another one, and then the initial files get their places. A start that is cut off leaves one of
-//! these folders; the next one puts the earlier run back before it begins.
+//! It may be the working folder, a mount point, the target of a link, or have permissions of its
+//! own. The initial files are written to a folder inside it, an earlier run is moved to another
+//! one, and then they get their places. A start that is cut off leaves one of these folders; the
+//! next one puts the earlier run back before it begins.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -15,15 +15,15 @@ use super::disk::{self, remove_folder};
 use super::error::OutputError;
 use super::header::Header;
 use super::lock::Lock;
-use super::paths::{self, JOURNAL, LOCK, MESHES, PLACED, REPLACED, SCENE, STAGED, SUMMARY, TABLES};
+use super::meshes;
+use super::paths::{JOURNAL, LOCK, MESHES, PLACED, REPLACED, SCENE, STAGED, SUMMARY, TABLES};
 use super::results::is_run;
 use super::summary::Summary;
 
 /// Files and folders of a run before its first frame.
 const INITIAL: [&str; 5] = [JOURNAL, TABLES, MESHES, SUMMARY, SCENE];
 
-/// Entries that do not count as content: `lost+found` is made with a file system, the others by
-/// a start.
+/// Entries that do not count as content: `lost+found` of a file system, the others by a start.
 const NO_CONTENT: [&str; 4] = ["lost+found", STAGED, PLACED, REPLACED];
 
 /// Content of a folder.
@@ -240,13 +240,7 @@ fn write_initial_files(folder: &Path, header: &Header) -> Result<(), OutputError
             .map_err(|error| OutputError::Damaged { path: path.clone(), what: error.to_string() })?;
         disk::write_whole(&path, &tables)?;
     }
-    if !header.meshes.is_empty() {
-        let meshes = folder.join(MESHES);
-        fs::create_dir_all(&meshes).map_err(OutputError::io(&meshes, "make the folder"))?;
-        for (index, mesh) in header.meshes.iter().enumerate() {
-            disk::write_whole(&meshes.join(paths::mesh_name(index, &mesh.path)), &mesh.bytes)?;
-        }
-    }
+    meshes::write(folder, header)?;
     Summary { run: header.clone(), ..Summary::default() }.write(folder)
 }
 
