@@ -224,14 +224,16 @@ fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {
     let (leaking, mixing) = (leaking_thickness(scene), mixing_thickness(scene));
     if wall.thickness() < leaking {
         return Some(format!(
-            "the wall at {at} is {thickness} m thin: the fluid of its two sides feels each other through less than              {} m, `spacing` of at most {} m",
+            "the wall at {at} is {thickness} m thin: the fluid of its two sides feels each other through less than \
+             {} m, `spacing` of at most {} m",
             significant(leaking),
             cure(leaking)
         ));
     }
     (wall.thickness() < mixing && scene.walls.model.pressure() == WallPressure::Extrapolated).then(|| {
         format!(
-            "the wall at {at} is {thickness} m thin: its particles mix the pressures of both sides below {} m,              `spacing` of at most {} m or a wall model with `pressure: Mirrored`",
+            "the wall at {at} is {thickness} m thin: its particles mix the pressures of both sides below {} m, \
+             `spacing` of at most {} m or a wall model with `pressure: Mirrored`",
             significant(mixing),
             cure(mixing)
         )
