@@ -230,10 +230,12 @@ fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {
             cure(leaking)
         ));
     }
+    // Walls that move cannot mirror the pressure.
+    let other = if scene.has_moving_walls() { "" } else { " or a wall model with `pressure: Mirrored`" };
     (wall.thickness() < mixing && scene.walls.model.pressure() == WallPressure::Extrapolated).then(|| {
         format!(
             "the wall at {at} is {thickness} m thin: its particles mix the pressures of both sides below {} m, \
-             `spacing` of at most {} m or a wall model with `pressure: Mirrored`",
+             `spacing` of at most {} m{other}",
             significant(mixing),
             cure(mixing)
         )
