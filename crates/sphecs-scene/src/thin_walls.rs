@@ -70,7 +70,31 @@ pub fn thinnest_wall(scene: &Scene, seeds: &[ParticleSeed]) -> Option<ThinWall> 
 
 /// Returns the line through the wall from the surface in front of one of its particles.
 fn through(scene: &Scene, seed: &ParticleSeed) -> Option<ThinWall> {
+    if seed.wall_normal == DVec3::ZERO {
+        return across_centre(scene, seed.position);
+    }
     let (start, into) = (seed.position + seed.wall_distance * seed.wall_normal, -seed.wall_normal);
+    let end = start + exit(scene, start, into)? * into;
+    let (surface, normal, _) = surface_at(scene, end);
+    let faces_away = normal.dot(into) > -LEAST_FACING && surface.distance(end) < scene.spacing;
+    faces_away.then_some(ThinWall { ends: [start, end] })
+}
+
+/// Returns the shortest line along an axis through a particle in the middle of a wall, where the
+/// surface has no direction.
+fn across_centre(scene: &Scene, centre: DVec3) -> Option<ThinWall> {
+    let line = |axis: DVec3| {
+        let ends = [exit(scene, centre, -axis)? * -axis, exit(scene, centre, axis)? * axis];
+        Some(ThinWall { ends: ends.map(|end| centre + end) })
+    };
+    let lines = DVec3::AXES.into_iter().take(scene.dimensions).filter_map(line);
+    let thin = lines.filter(|wall| wall.thickness() < mixing_thickness(scene));
+    thin.min_by(|a, b| a.thickness().total_cmp(&b.thickness()))
+}
+
+/// Returns the length of the solid along a line from its surface or inside, m; None if it is not
+/// thin or ends behind an opening.
+fn exit(scene: &Scene, start: DVec3, into: DVec3) -> Option<f64> {
     let longest = mixing_thickness(scene);
     let least = LEAST_STEP * scene.spacing;
     // The distance to the fluid is at least the signed distance.
@@ -78,17 +102,11 @@ fn through(scene: &Scene, seed: &ParticleSeed) -> Option<ThinWall> {
     while length < longest {
         let distance = confined_distance(scene, start + length * into);
         if distance <= 0.0 {
-            break;
+            return (!behind_far_end(scene, start + length * into)).then_some(length);
         }
         length += distance.max(least);
     }
-    let end = start + length * into;
-    if length >= longest || behind_far_end(scene, end) {
-        return None;
-    }
-    let (surface, normal, _) = surface_at(scene, end);
-    let faces_away = normal.dot(into) > -LEAST_FACING && surface.distance(end) < scene.spacing;
-    faces_away.then_some(ThinWall { ends: [start, end] })
+    None
 }
 
 #[cfg(test)]

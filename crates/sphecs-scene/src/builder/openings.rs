@@ -15,6 +15,8 @@ description! {
         name: String,
         /// Sets a point of the plane inside the domain's section, m.
         at: Vector,
+        /// Sets the flat group of facets of a mesh that is the opening, in place of its plane.
+        on: String,
         /// Sets the parts of the domain's end that belong to it, default `Connected`.
         extent: Extent,
         /// Sets whether the other parts of the end are deliberately walls, default false.
@@ -185,6 +187,8 @@ description! {
         name: String,
         /// Sets a point of the plane inside the domain's section, m.
         at: Vector,
+        /// Sets the flat group of facets of a mesh that is the opening, in place of its plane.
+        on: String,
         /// Sets the parts of the domain's end that belong to it, default `Connected`.
         extent: Extent,
         /// Sets whether the other parts of the end are deliberately walls, default false.

@@ -11,7 +11,7 @@ use crate::memory_estimate::bytes_per_particle;
 use crate::model::{BodyForce, InletVelocity, Patch, ProbeKind, Scene, Scheme};
 use crate::notation::tree::Span;
 use crate::sampled_times::sampled_times;
-use crate::schema::{Formula, InletFile, InletVelocityFile as Written, SceneFile};
+use crate::schema::{Formula, InletFile, InletVelocityFile as Written, OutletFile, SceneFile};
 use crate::summary;
 use sphecs_core::format;
 use sphecs_core::particles::zone::Zone;
@@ -125,8 +125,8 @@ pub fn too_many(
 
 /// Returns the spans of `at` in the file: inlets, then outlets.
 fn at_spans(file: &SceneFile) -> Vec<Span> {
-    let inlets = file.inlets.iter().map(|inlet| inlet.at.span);
-    inlets.chain(file.outlets.iter().map(|outlet| outlet.at.span)).collect()
+    let inlets = file.inlets.iter().map(InletFile::place);
+    inlets.chain(file.outlets.iter().map(OutletFile::place)).collect()
 }
 
 /// Reports zones that overlap the domain or each other.
@@ -236,7 +236,7 @@ fn openings(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<
             let title = format!("no particle fits into the zone of `{}`", inlet.patch.name);
             faults.push(Fault::new(
                 title,
-                file.inlets[index].at.span,
+                file.inlets[index].place(),
                 "the opening is narrower than a spacing",
             ));
         }
@@ -246,7 +246,7 @@ fn openings(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec<
             let title = format!("no particle fits into the zone of `{}`", outlet.patch.name);
             faults.push(Fault::new(
                 title,
-                file.outlets[index].at.span,
+                file.outlets[index].place(),
                 "the opening is narrower than a spacing",
             ));
         }

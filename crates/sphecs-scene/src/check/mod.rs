@@ -1,7 +1,7 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`meshes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`cut`], [`driven`], [`section`],
+//! 2. [`shapes`], [`meshes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`mesh_groups`], [`cut`], [`driven`], [`section`],
 //!    [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one
 //!    section each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
@@ -30,6 +30,7 @@ pub mod cut;
 pub mod driven;
 pub mod layout;
 pub mod mass_flow;
+pub mod mesh_groups;
 pub mod meshes;
 pub mod mover_paths;
 pub mod movers;

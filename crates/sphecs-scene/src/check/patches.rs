@@ -3,10 +3,12 @@
 use glam::DVec3;
 
 use super::checker::Checker;
+use super::mesh_groups;
 use super::section::{across, exit, measure};
 use crate::faults::Fault;
 use crate::geometry::Shape;
 use crate::model::{Patch, UnopenedPart};
+use crate::notation::tree::Span;
 use crate::schema::{Number, Text, Vector};
 use sphecs_core::boundary::patch::Extent;
 use sphecs_core::format::{point as point_text, significant};
@@ -38,9 +40,15 @@ pub struct PatchFile<'a> {
     /// Name if none is given.
     pub default_name: String,
     /// A point of the plane.
-    pub at: &'a Vector,
+    pub at: Option<&'a Vector>,
+    /// Group of a mesh that is the opening.
+    pub on: Option<&'a Text>,
     /// Direction of the flow.
-    pub towards: &'a Vector,
+    pub towards: Option<&'a Vector>,
+    /// Place of the plane in the file.
+    pub place: Span,
+    /// True if the opening could not be read, which is reported elsewhere.
+    pub is_unreadable: bool,
     /// Length of the zone.
     pub depth: Option<&'a Number>,
     /// Layers of the zone if no length is given.
@@ -56,9 +64,9 @@ pub struct PatchFile<'a> {
 /// Returns a checked patch with its measured section; None if it has a fault.
 pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> Option<Patch> {
     let before = check.fault_count();
-    let at = check.vector(file.at, "m");
-    let towards = check.direction(file.towards);
+    let plane = plane(file, site, check);
     let depth = depth(file, site, check);
+    let (at, towards) = plane?;
     if check.fault_count() > before || !site.is_valid {
         return None;
     }
@@ -85,6 +93,47 @@ pub fn patch(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> 
     }
     outside_is_free(&patch, file, inwards, site, check)?;
     Some(patch)
+}
+
+impl PatchFile<'_> {
+    /// Returns the place of the direction in the file.
+    fn direction_place(&self) -> Span {
+        self.towards.map_or(self.place, |towards| towards.span)
+    }
+}
+
+/// Returns a point of the plane, m, and the direction of the flow; None if they have a fault.
+fn plane(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> Option<(DVec3, DVec3)> {
+    let kind = if file.is_inlet { "inlet" } else { "outlet" };
+    let Some(on) = file.on else {
+        if file.is_unreadable {
+            return None;
+        }
+        let at = file.at.map(|at| check.vector(at, "m"));
+        let towards = file.towards.map(|towards| check.direction(towards));
+        for (field, is_missing) in [("at", at.is_none()), ("towards", towards.is_none())] {
+            if is_missing {
+                let title = format!("field `{field}` is missing");
+                let label = format!("the {kind} `{}` needs it", file.default_name);
+                let help =
+                    format!("{label}, or a flat group of facets of a mesh in the domain: `on: \"in\"`");
+                let fault = match file.at.or(file.towards).map(|given| given.span) {
+                    Some(place) => Fault::new(title, place, label),
+                    None if !file.place.is_placeholder() => Fault::new(title, file.place, label),
+                    None => Fault::placeless(title),
+                };
+                check.report(fault.help(help));
+            }
+        }
+        return at.zip(towards);
+    };
+    if let Some(given) = file.at.or(file.towards) {
+        let label = "must be left out: `on` names the plane";
+        check.report(Fault::new(format!("the plane of the {kind} is given twice"), given.span, label));
+        return None;
+    }
+    let plane = mesh_groups::plane_of_group(on, site, check)?;
+    Some((plane.at, if file.is_inlet { -plane.outwards } else { plane.outwards }))
 }
 
 /// Returns the depth of the zone in whole layers, at least the support, m.
@@ -132,7 +181,7 @@ fn not_periodic(
     check.report(
         Fault::new(
             format!("the {kind} is at an end of the domain that is periodic"),
-            file.towards.span,
+            file.direction_place(),
             format!("points along {name}, which is in `periodic`: there fluid passes to the other end of the domain"),
         )
         .help(format!("take \"{name}\" out of `periodic`, or leave the inlets and outlets along {name} out")),
@@ -159,7 +208,7 @@ fn on_surface(
         let (is, must) = if file.is_inlet { ("out of", "into") } else { ("into", "out of") };
         Fault::new(
             format!("the {kind} faces the wrong way"),
-            file.towards.span,
+            file.direction_place(),
             format!("points {is} the domain, must point {must} it: the direction of the flow"),
         )
         .help("turn the sign of `towards`")
@@ -170,14 +219,14 @@ fn on_surface(
         });
         Fault::new(
             format!("the {kind} is inside the domain"),
-            file.at.span,
+            file.place,
             format!("must be on the domain's surface; {near}"),
         )
     } else {
         let near = site.domain.nearest_surface(at, 1e-3 * site.spacing, site.dimensions);
         Fault::new(
             format!("the {kind} is not on the domain's surface"),
-            file.at.span,
+            file.place,
             format!("the domain is not behind this point, it begins at {}", printed(near, site)),
         )
         .help("`at` must be a point of the opening, `towards` must be perpendicular to it")
@@ -210,7 +259,7 @@ fn outside_is_free(
             check.report(
                 Fault::new(
                     "the opening is not a plane end of the domain",
-                    file.at.span,
+                    file.place,
                     format!("at {} the domain extends beyond it", printed(point, site)),
                 )
                 .help("an inlet or outlet must be where a straight piece of the domain ends"),

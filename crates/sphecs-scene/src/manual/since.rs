@@ -10,6 +10,8 @@ const NEWER: [(&str, &[&str]); 2] = [
     (
         "0.3.0",
         &[
+            "Inlet.on",
+            "Outlet.on",
             "Inlet.extent",
             "Inlet.closed",
             "Outlet.extent",

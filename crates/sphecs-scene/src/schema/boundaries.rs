@@ -93,16 +93,22 @@ pub struct InletFile {
     /// Name for outputs and messages, default `inlet 0` and so on.
     #[serde(default)]
     pub name: Option<Text>,
-    /// A point of its plane inside the domain's section, m.
-    pub at: Vector,
+    /// A point of its plane inside the domain's section, m, default from `on`.
+    #[serde(default)]
+    pub at: Option<Vector>,
+    /// Flat group of facets of a mesh in the domain that is the opening, in place of `at` and
+    /// `towards`, default none: the name of a solid, a group or a file.
+    #[serde(default)]
+    pub on: Option<Text>,
     /// Parts of the domain's end in this plane that belong to it, default `Connected`.
     #[serde(default)]
     pub extent: Extent,
     /// True if the other parts of the end are deliberately walls, default false: a note names them.
     #[serde(default)]
     pub closed: bool,
-    /// Direction of the flow into the domain, dimensionless.
-    pub towards: Vector,
+    /// Direction of the flow into the domain, dimensionless, default from `on`.
+    #[serde(default)]
+    pub towards: Option<Vector>,
     /// Length of its zone, m, rounded up to whole spacings; default five spacings or the support.
     #[serde(default)]
     pub depth: Option<Number>,
@@ -114,6 +120,25 @@ pub struct InletFile {
     /// Supply of particles behind its zone, default `Fed`; `Once` requires a `depth`.
     #[serde(default)]
     pub feed: Feed,
+}
+
+impl InletFile {
+    /// Returns the place of its plane in the file.
+    pub fn place(&self) -> Span {
+        place(self.at.as_ref(), self.on.as_ref(), self.name.as_ref())
+    }
+}
+
+impl OutletFile {
+    /// Returns the place of its plane in the file.
+    pub fn place(&self) -> Span {
+        place(self.at.as_ref(), self.on.as_ref(), self.name.as_ref())
+    }
+}
+
+fn place(at: Option<&Vector>, on: Option<&Text>, name: Option<&Text>) -> Span {
+    let given = at.map(|at| at.span).or(on.map(|on| on.span)).or(name.map(|name| name.span));
+    given.unwrap_or(Span::PLACEHOLDER)
 }
 
 /// Velocity of the inflow.
@@ -184,16 +209,22 @@ pub struct OutletFile {
     /// Name for outputs and messages, default `outlet 0` and so on.
     #[serde(default)]
     pub name: Option<Text>,
-    /// A point of its plane inside the domain's section, m.
-    pub at: Vector,
+    /// A point of its plane inside the domain's section, m, default from `on`.
+    #[serde(default)]
+    pub at: Option<Vector>,
+    /// Flat group of facets of a mesh in the domain that is the opening, in place of `at` and
+    /// `towards`, default none: the name of a solid, a group or a file.
+    #[serde(default)]
+    pub on: Option<Text>,
     /// Parts of the domain's end in this plane that belong to it, default `Connected`.
     #[serde(default)]
     pub extent: Extent,
     /// True if the other parts of the end are deliberately walls, default false: a note names them.
     #[serde(default)]
     pub closed: bool,
-    /// Direction of the flow out of the domain, dimensionless.
-    pub towards: Vector,
+    /// Direction of the flow out of the domain, dimensionless, default from `on`.
+    #[serde(default)]
+    pub towards: Option<Vector>,
     /// Length of its zone, m, rounded up to whole spacings; default eight spacings or the support.
     #[serde(default)]
     pub depth: Option<Number>,

@@ -149,8 +149,7 @@ fn missing_parts_are_the_faults_of_a_file_without_them() {
     let faults = Scene::builder(2).inlet(Inlet::default()).fluid(Fluid::new()).build().unwrap_err();
     let titles: Vec<String> = faults.faults().iter().map(|fault| fault.title.clone()).collect();
     let missing = |field: &&str| !titles.contains(&format!("field `{field}` is missing"));
-    let required =
-        ["spacing", "domain", "time", "output", "at", "towards", "density", "viscosity", "sound_speed"];
+    let required = ["spacing", "domain", "time", "output", "velocity", "density", "viscosity", "sound_speed"];
     assert_eq!(required.iter().copied().filter(missing).collect::<Vec<_>>(), [""; 0], "{titles:?}");
 }
 
@@ -228,6 +227,7 @@ fn complete() -> SceneBuilder {
         .pressure(InletPressure::default())
         .feed(Feed::Once)
         .extent(Extent::Whole)
+        .on("in")
         .closed(true);
     let scene = quickstart()
         .precision(Precision::F32)
@@ -256,6 +256,7 @@ fn complete() -> SceneBuilder {
                 .name("right")
                 .depth(1.0)
                 .extent(Extent::Connected)
+                .on("out")
                 .closed(false),
         )
         .periodic("y")

@@ -5,6 +5,7 @@ mod faults;
 mod filling;
 #[cfg(feature = "schema")]
 mod manual;
+mod meshes;
 mod mutations;
 mod openings;
 mod potential_flow;
