@@ -196,7 +196,8 @@ impl Header {
         }
     }
 
-    /// Returns the SHA-256 of the scene, its tables and its meshes, hexadecimal, which a checkpoint must match.
+    /// Returns the SHA-256 of the scene, its tables and its meshes, hexadecimal, which a checkpoint
+    /// must match.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
         let parts = self.tables.iter().chain(&self.mesh_hashes).flat_map(|(path, text)| [path, text]);

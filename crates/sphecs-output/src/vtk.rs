@@ -1,8 +1,9 @@
 //! Particles as VTK unstructured grids with a `.pvd` series for ParaView.
 //!
 //! Each frame becomes a file of points without reservoir particles and absent slots; the walls at
-//! rest are written once, to `walls.vtu`. Arrays are inline base64: a third larger than appended raw bytes,
-//! but well-formed XML that every reader accepts. The positions are f64, as in `particles.nc`.
+//! rest are written once, to `walls.vtu`. Arrays are inline base64: a third larger than appended
+//! raw bytes, but well-formed XML that every reader accepts. The positions are f64, as in
+//! `particles.nc`.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Read, Write};

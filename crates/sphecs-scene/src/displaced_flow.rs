@@ -4,11 +4,11 @@
 //! Q = ∮ φ v·n dS = v_o·R A + ω·R M,   A = ∮ φ N dS,   M = ∮ φ X × N dS
 //! ```
 //!
-//! The integrals are over the surface of a mover that wets fluid which can reach an outlet; n points
-//! into the fluid. With φ = 1, Q is the volume flow out of the domain: a piston has one, a body that
-//! fluid surrounds has none. With the potential of an outlet, [`potential_flow`](super::potential_flow),
-//! it is the share of that outlet. A and M are those in reference coordinates, found at some times of
-//! the run and linear between them. On a grid
+//! The integrals are over the surface of a mover that wets fluid which can reach an outlet; n
+//! points into the fluid. With φ = 1, Q is the volume flow out of the domain: a piston has one, a
+//! body that fluid surrounds has none. With the potential of an outlet,
+//! [`potential_flow`](super::potential_flow), it is the share of that outlet. A and M are those in
+//! reference coordinates, found at some times of the run and linear between them. On a grid
 //!
 //! ```text
 //! ∮ g n dS = −∫ g ∇f dV,   f = ½ − d/h between 0 and 1
@@ -238,7 +238,7 @@ mod tests {
         [0.1, 0.777, 1.9].map(|time| flow.rate(&scene, time))
     }
 
-    /// Whether its rear is behind the end of the casing, at it, or leaves it.
+    /// The rear is behind the end of the casing, or at it and leaves it.
     #[test]
     fn piston_displaces_its_area_times_its_speed() {
         for rear in [-0.6, 0.0] {

@@ -45,7 +45,7 @@ pub struct MeshFile {
     pub bytes: Arc<[u8]>,
 }
 
-/// What was read from the files of a mesh, changed and found, for `sphecs check`.
+/// Sentences on what was read from the files of a mesh, changed and found, for `sphecs check`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshReport {
     /// Paths of its files.

@@ -38,7 +38,7 @@ pub struct Scene {
     pub tables: Vec<(String, String)>,
     /// The mesh files that it names.
     pub meshes: Vec<MeshFile>,
-    /// What was read from them.
+    /// Reports on them.
     pub mesh_reports: Vec<MeshReport>,
     /// 2 or 3.
     pub dimensions: usize,
@@ -166,7 +166,7 @@ pub struct Layout {
     /// Domain ∪ zones, each zone extended beyond its far end by more than the support, so that
     /// there is no wall at the far end.
     pub confines: Shape,
-    /// The same regions without the bodies that move.
+    /// Regions without the bodies that move.
     pub casing: Casing,
     /// The extended zones: inlets, then outlets.
     pub zones: Vec<Shape>,

@@ -249,8 +249,8 @@ impl Scene {
         }
     }
 
-    /// Returns the image of a point next to a wall part in the periodic directions in which the pose
-    /// of the part places it, m.
+    /// Returns the image of a point next to a wall part in the periodic directions in which the
+    /// pose of the part places it, m.
     pub fn image_at_wall(&self, poses: &WallPoses, part: u16, point: DVec3) -> DVec3 {
         match Wall::of_part(self, part) {
             Wall::Casing => point,

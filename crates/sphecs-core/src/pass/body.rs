@@ -83,7 +83,7 @@ impl Body {
         Self { part, about, ..Self::default() }
     }
 
-    /// Returns the body with its cells found anew in every step.
+    /// Returns the body with its cells found again in every step.
     #[must_use]
     pub fn moving(self) -> Self {
         Self { moves: true, ..self }

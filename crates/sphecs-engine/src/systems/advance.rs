@@ -46,7 +46,8 @@ impl StepSettings<'_> {
     }
 }
 
-/// Clock, inflow and outflow zones, walls that move: everything that a step advances besides the fluid.
+/// Clock, inflow and outflow zones, walls that move: everything that a step advances besides the
+/// fluid.
 #[derive(SystemParam)]
 pub(crate) struct ZoneMotion<'w, 's, R: PairReal<D>, const D: usize> {
     scene: Res<'w, ActiveScene>,

@@ -83,8 +83,8 @@ impl Surface {
         outward.normalize_or_zero()
     }
 
-    /// Returns the mean of the unit normals at a nearest point, weighted by the angles of the facets
-    /// there: the pseudonormal.
+    /// Returns the mean of the unit normals at a nearest point, weighted by the angles of the
+    /// facets there: the pseudonormal.
     pub(super) fn pseudonormal(&self, nearest: &Nearest) -> DVec3 {
         let corners = self.mesh.triangles[nearest.triangle as usize];
         let sum: DVec3 = match nearest.feature {

@@ -56,8 +56,8 @@ impl Surface {
         planes
     }
 
-    /// Collects the triangles around a first one that are in its plane; true beside it if most of its
-    /// border continues smoothly, as that of a facet of a round wall does.
+    /// Collects the triangles around a first one that are in its plane; true beside it if most of
+    /// its border continues smoothly, as that of a facet of a round wall does.
     fn grow(&self, seed: u32, is_taken: &mut [bool]) -> (Plane, bool) {
         let (low, high) = self.bounds;
         let tolerance = FLATNESS * low.distance(high);

@@ -10,7 +10,7 @@
 //! * [`regions`]: regions of space
 //! * [`openings`]: inlets and outlets
 //! * [`walls`]: walls and bodies
-//! * [`movers`]: bodies that move
+//! * [`moving_bodies`]: bodies that move
 //! * [`scheme`]: fluid and numerical scheme
 //! * [`settings`]: filling, initial fields, reservoir, time, references
 //! * [`measurements`]: output and probes
@@ -25,7 +25,7 @@ use super::model::{Precision, Scene};
 
 mod description;
 pub mod measurements;
-pub mod movers;
+pub mod moving_bodies;
 pub mod numbers;
 pub mod openings;
 pub mod regions;
@@ -34,7 +34,7 @@ pub mod settings;
 pub mod walls;
 
 pub use measurements::{Output, Probe, ProbeKind};
-pub use movers::{Motion, Mover, Translation, Turning};
+pub use moving_bodies::{Motion, Mover, Translation, Turning};
 pub use numbers::{Components, Formula, Interval, Number, Vector, VectorFormula};
 pub use openings::{Inlet, InletVelocity, MassFlow, MassFlux, Outlet, PoiseuilleStartup};
 pub use regions::{BendSection, Rotation, Shape};

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::description::description;
-use super::movers::Motion;
+use super::moving_bodies::Motion;
 use super::numbers::{Interval, Number, Vector, VectorFormula};
 use super::regions::Shape;
 use crate::rings::FirstRing;

@@ -1,11 +1,11 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
-//! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`meshes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`mesh_groups`], [`cut`], [`driven`], [`section`],
-//!    [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one
-//!    section each
-//! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
-//! 4. [`consistency`]: faults that only the complete scene shows, once its parts are valid
+//! 1. [`checker`]: single numbers, vectors and expressions 2. [`shapes`], [`meshes`],
+//! [`boundaries`], [`movers`], [`bodies`], [`patches`], [`mesh_groups`], [`cut`], [`driven`],
+//! [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names):
+//! one section each 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the
+//! rows of the fill 4. [`consistency`]: faults that only the complete scene shows, once its parts
+//! are valid
 
 use std::path::Path;
 
@@ -16,8 +16,10 @@ use super::faults::Fault;
 use super::geometry::Shape;
 use super::meshes::MeshFile;
 use super::model::{
-    BodyForce, Casing, Fill, FluidProperties, Initial, Inlet, Layout, Outlet, Patch, Scene, UnopenedPart,
+    Body, BodyForce, Casing, Fill, FluidProperties, Initial, Inlet, Layout, Mover, Outlet, Patch, Scene,
+    Scheme, UnopenedPart, Walls,
 };
+use super::motion::Motion;
 use super::movers::without_movers;
 use super::schema::SceneFile;
 
@@ -90,31 +92,16 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     let spacing = check.positive(&file.spacing, "m");
     check.spacing = spacing;
     let scheme = scheme::scheme(&file.scheme, dimensions, check);
-    check.note_placeholder(file.domain.span);
-    let domain = shapes::shape(&file.domain.value, check);
-    let mut is_valid = check.fault_count() == before;
-    // A placeholder lets the faults of further sections be found in the same run.
-    let domain = domain.unwrap_or(Shape::Ball { center: DVec3::ZERO, radius: 1.0 });
-    if is_valid
-        && let Some(fault) =
-            consistency::too_many((&domain, dimensions), &scheme, spacing, file, source.memory)
-    {
-        check.report(fault);
-        is_valid = false;
-    }
+    let (domain, is_valid) = domain(file, &scheme, (before, source.memory), check);
     let smoke_spacing = file.smoke.as_ref().map_or(spacing, |smoke| check.positive(smoke, "m"));
     let (fluid, body_force, initial) = fluid(file, check);
     let before_time = check.fault_count();
     let time = settings::time(&file.time, &scheme, check);
     let end = (check.fault_count() == before_time).then_some(time.end);
     let output = settings::output(&file.output, end, check);
-    let (mut walls, mut wall_layout) = walls::walls(file, (&domain, spacing), check);
     let course = movers::Course { folder: source.folder, end: time.end };
-    let movers = movers::movers(file, (&mut walls, &mut wall_layout), (course, spacing), check);
-    let casing_motion = movers::casing_motion(file, course, check);
-    let places =
-        bodies::Places { walls: &walls, regions: &wall_layout.regions, movers: &movers, domain: &domain };
-    let bodies = bodies::bodies(file, &places, time.end, check);
+    let Solids { walls, wall_layout, movers, casing_motion, bodies } =
+        solids(file, (&domain, spacing), course, check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), is_valid, check);
     let site = patches::Site {
         domain: &domain,
@@ -131,9 +118,10 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     if !is_valid {
         return None;
     }
-    let BoundaryZones { zones, container, confines } = boundary_zones(&inlets, &outlets, &site);
+    let regions = boundary_zones(&inlets, &outlets, &site);
     let patches = patches_of(&inlets, &outlets);
-    let fill = layout::fill((file.fill.as_ref(), file.walls.is_some()), &site, &patches, check)?;
+    let walled = file.walls.is_some();
+    let fill = layout::fill((file.fill.as_ref(), walled), &site, &patches, check)?;
     let unopened = unopened(check, &patches, spacing);
     let mut scene = Scene {
         name: source.name.to_owned(),
@@ -150,19 +138,9 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         fluid,
         scheme,
         body_force,
-        container: without_movers(&container, &movers),
-        layout: Layout {
-            fill,
-            confines: without_movers(&confines, &movers),
-            casing: Casing { domain: domain.clone(), container, confines },
-            zones,
-            wall_regions: wall_layout.regions,
-            rings: wall_layout.rings,
-            layered: wall_layout.layered,
-            unopened,
-            walled: file.walls.is_some(),
-        },
+        container: without_movers(&regions.container, &movers),
         domain: without_movers(&domain, &movers),
+        layout: Layout { unopened, ..laid_out(fill, regions, wall_layout, (domain, &movers), walled) },
         movers,
         casing_motion,
         walls,
@@ -182,6 +160,73 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     }
     settings::derive(&mut scene, file);
     Some(scene)
+}
+
+/// Returns the domain, and true if it has no fault and there were none since the number `before`.
+fn domain(
+    file: &SceneFile,
+    scheme: &Scheme,
+    (before, memory): (usize, Option<f64>),
+    check: &mut Checker<'_>,
+) -> (Shape, bool) {
+    check.note_placeholder(file.domain.span);
+    let domain = shapes::shape(&file.domain.value, check);
+    let is_valid = check.fault_count() == before;
+    // A placeholder lets the faults of further sections be found in the same run.
+    let domain = domain.unwrap_or(Shape::Ball { center: DVec3::ZERO, radius: 1.0 });
+    if !is_valid {
+        return (domain, false);
+    }
+    let fault = consistency::too_many((&domain, check.dimensions), scheme, check.spacing, file, memory);
+    let is_small = fault.is_none();
+    fault.into_iter().for_each(|fault| check.report(fault));
+    (domain, is_small)
+}
+
+/// Walls, bodies that move, and bodies whose forces are written.
+struct Solids {
+    walls: Walls,
+    wall_layout: walls::WallLayout,
+    movers: Vec<Mover>,
+    casing_motion: Option<Motion>,
+    bodies: Vec<Body>,
+}
+
+fn solids(
+    file: &SceneFile,
+    (domain, spacing): (&Shape, f64),
+    course: movers::Course<'_>,
+    check: &mut Checker<'_>,
+) -> Solids {
+    let (mut walls, mut wall_layout) = walls::walls(file, (domain, spacing), check);
+    let movers = movers::movers(file, (&mut walls, &mut wall_layout), (course, spacing), check);
+    let casing_motion = movers::casing_motion(file, course, check);
+    let places = bodies::Places { walls: &walls, regions: &wall_layout.regions, movers: &movers, domain };
+    let bodies = bodies::bodies(file, &places, course.end, check);
+    Solids { walls, wall_layout, movers, casing_motion, bodies }
+}
+
+/// Returns the layout of the particles, all ends of the domain open.
+fn laid_out(
+    fill: Fill,
+    regions: BoundaryZones,
+    walls: walls::WallLayout,
+    (domain, movers): (Shape, &[Mover]),
+    walled: bool,
+) -> Layout {
+    let BoundaryZones { zones, container, confines } = regions;
+    let walls::WallLayout { regions: wall_regions, rings, layered } = walls;
+    Layout {
+        fill,
+        confines: without_movers(&confines, movers),
+        casing: Casing { domain, container, confines },
+        zones,
+        wall_regions,
+        rings,
+        layered,
+        unopened: Vec::new(),
+        walled,
+    }
 }
 
 fn patches_of<'a>(inlets: &'a [Inlet], outlets: &'a [Outlet]) -> Vec<&'a Patch> {

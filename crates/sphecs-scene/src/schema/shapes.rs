@@ -56,7 +56,8 @@ pub enum ShapeFile {
         /// Upper end along z, m.
         to: Number,
     },
-    /// Closed surface of triangles from STL, OBJ or PLY files, in 3D. Take it for geometry from CAD.
+    /// Closed surface of triangles from STL, OBJ or PLY files, in 3D. Take it for geometry from
+    /// CAD.
     Mesh {
         /// File in the folder of the scene, default none.
         #[serde(default)]

@@ -22,7 +22,8 @@ pub(super) struct SurfaceShear {
 }
 
 impl SurfaceShear {
-    /// Creates the surface of a wall part; torques are about the point `about`, m, if it is at rest.
+    /// Creates the surface of a wall part; torques are about the point `about`, m, if it is at
+    /// rest.
     pub(super) fn new(scene: &Scene, part: u16, about: DVec3) -> Self {
         let wall = &scene.walls.parts[usize::from(part)];
         if let Some(pose) = scene.pose_of_part(&scene.wall_poses(0.0), part) {

@@ -85,7 +85,8 @@ impl PrescribedInflow {
         }
     }
 
-    /// Returns the volume flow of the present step, m³/s (m²/s in 2D); None without inlets and movers.
+    /// Returns the volume flow of the present step, m³/s (m²/s in 2D); None without inlets and
+    /// movers.
     pub fn rate(&self) -> Option<f64> {
         self.rate
     }

@@ -4,8 +4,9 @@
 //! flat wall. At the tip of a sharp corner the nearest wall particle is 0.7 Δ inside, and particles
 //! cut the corner. With six particles across a throat they do so by up to 0.1 Δ. Such a particle is
 //! moved back to the surface along the normal and loses its velocity into the wall, at both time
-//! levels; at a wall that moves, its velocity relative to the wall. [`WallProjections`] counts these events for the monitor. Where the count grows all the
-//! time, the spacing is too coarse for the corner.
+//! levels; at a wall that moves, its velocity relative to the wall. [`WallProjections`] counts
+//! these events for the monitor. Where the count grows all the time, the spacing is too coarse for
+//! the corner.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
