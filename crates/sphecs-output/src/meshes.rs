@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn meshes_come_back_unchanged_or_not_at_all() {
+    fn meshes_return_unchanged_or_not_at_all() {
         let folder = tempfile::tempdir().expect("a folder");
         let meshes: Vec<MeshFile> = [("cad/pipe.stl", &b"solid"[..]), ("valve/pipe.stl", b"\x00\xff")]
             .map(|(path, bytes)| MeshFile { path: path.to_owned(), bytes: bytes.into() })
