@@ -43,11 +43,14 @@ impl CoveredWalls {
             self.find(scene, arrays);
         }
         let (mover, pose) = (&scene.movers[index], &poses.movers[index]);
-        let centre = pose.place(mover.centre);
+        let (centre, (low, high)) = (pose.place(mover.centre), mover.shape.bounds());
         let is_covered = |point: DVec3| {
             let near = scene.nearest_image(point, centre);
-            near.distance_squared(centre) < mover.radius * mover.radius
-                && mover.shape.signed_distance(pose.reference(near)) < 0.0
+            let reference = pose.reference(near);
+            // Bounds first: a distance to a mesh takes some µs.
+            reference.cmpge(low).all()
+                && reference.cmple(high).all()
+                && mover.shape.signed_distance(reference) < 0.0
         };
         numbers.extend(self.points.iter().filter(|(_, point)| is_covered(*point)).map(|(id, _)| *id));
     }

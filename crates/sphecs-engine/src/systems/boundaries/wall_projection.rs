@@ -33,6 +33,10 @@ pub struct WallProjections(pub u64);
 /// displacement and shift of a step are shorter.
 const NEAR: f64 = 0.5;
 
+/// The same in a scene with meshes, where a distance takes some µs. It is still longer than the
+/// displacement and shift of a step; a particle in a sharp corner may be moved back a step later.
+const NEAR_MESHES: f64 = 0.25;
+
 /// Step of the differences for the normal, over Δ.
 const STEP: f64 = 1e-3;
 
@@ -50,7 +54,8 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     let (scene, poses) = (&*scene.0, &poses.0);
     // Extended beyond the far ends of the zones, which are not walls.
     let confines = &scene.layout.casing.confines;
-    let near = R::from_f64(NEAR * scene.spacing);
+    let has_mesh = confines.has_mesh() || scene.movers.iter().any(|mover| mover.shape.has_mesh());
+    let near = R::from_f64(if has_mesh { NEAR_MESHES } else { NEAR } * scene.spacing);
     let ParticleArrays { zone, position, velocity, previous_velocity, wall_distance, .. } = &mut **arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
     let count = AtomicU64::new(0);
