@@ -28,7 +28,7 @@ use sphecs_engine::resources::state_location::StateLocation;
 use sphecs_engine::resources::stopwatch::Stopwatch;
 use sphecs_engine::saved_state::SavedResources;
 use sphecs_engine::systems::body_forces::Bodies;
-use sphecs_engine::systems::boundaries::movers::PresentPoses;
+use sphecs_engine::systems::boundaries::movers::{MoverParticles, PresentPoses};
 use sphecs_engine::systems::boundaries::outlet_registry::AddedOutlets;
 use sphecs_engine::systems::boundaries::patch_rows::PatchRows;
 use sphecs_engine::systems::divergence::{Failure, check_state};
@@ -251,7 +251,7 @@ const MOVING: &str = r#"Scene(
     reference: (velocity: 2.0, length: 1.0), time: (end: 1.0), output: (every: 1.0),
 )"#;
 
-/// The components are current after every step of the one run, and never in the other.
+/// In the resumed run the components are changed by a caller now and then.
 #[test]
 fn walls_that_move_resume_bitwise_identically_after_frames() {
     for sets in [&[][..], &[("scheme", "EdacTvf()"), ("precision", "F32")]] {
@@ -269,10 +269,13 @@ fn walls_that_move_resume_bitwise_identically_after_frames() {
             if step % 7 == 0 {
                 resumed.world_mut();
             }
-            let different = differences(&run.state(), &resumed.state());
-            assert!(different.is_empty(), "step {step}: {}", different.join(", "));
+            assert_eq!(run.body_forces(), resumed.body_forces(), "step {step}");
         }
-        assert_eq!(run.body_forces(), resumed.body_forces());
+        // A state is in the order of the numbers if a caller may have changed components.
+        run.world_mut();
+        resumed.world_mut();
+        let different = differences(&run.state(), &resumed.state());
+        assert!(different.is_empty(), "{}", different.join(", "));
     }
 }
 
@@ -340,6 +343,7 @@ fn not_saved() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<Failure>(), "a diverged flow is not saved"),
         (TypeId::of::<PatchRows>(), "collected at each sort"),
         (TypeId::of::<PresentPoses>(), "from the scene and the time"),
+        (TypeId::of::<MoverParticles>(), "saved in scenes with walls that move"),
         (TypeId::of::<SortBuffers<f64>>(), "buffer"),
         (TypeId::of::<Sums<f64, 2>>(), "summed in every step"),
         (TypeId::of::<Bodies>(), "summed in every step with settings of the scene"),

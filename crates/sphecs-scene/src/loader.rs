@@ -174,6 +174,7 @@ impl SceneLoader {
             folder: &folder,
             tables: &self.tables,
             meshes: &self.meshes,
+            has_faults: false,
             memory: self.memory,
         };
         read(&shown, source, &self.sets)
@@ -231,7 +232,8 @@ fn read(shown: &str, source: SceneSource<'_>, sets: &[(String, String)]) -> Resu
         sections(text).map_err(|faults| SceneErrors::new(shown, text, faults))?;
     let mut scene = None;
     if let Some(file) = &file {
-        let (checked, value_faults) = check::check(file, &constants, SceneSource { text, ..source });
+        let (checked, value_faults) =
+            check::check(file, &constants, SceneSource { text, has_faults: !faults.is_empty(), ..source });
         faults.extend(value_faults);
         scene = checked;
     }

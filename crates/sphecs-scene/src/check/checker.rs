@@ -31,6 +31,8 @@ pub struct Checker<'a> {
     pub folder: PathBuf,
     /// Particle spacing, m.
     pub spacing: f64,
+    /// True if fields that seem to be left out may only be misspelt, which is reported elsewhere.
+    pub has_reading_faults: bool,
     /// Mesh files given or already read.
     pub meshes: Vec<MeshFile>,
     /// Surfaces of meshes that were already made.
@@ -53,6 +55,7 @@ impl<'a> Checker<'a> {
             unopened: Vec::new(),
             folder: PathBuf::from("."),
             spacing: 1.0,
+            has_reading_faults: false,
             meshes: Vec::new(),
             surfaces: Vec::new(),
             mesh_reports: Vec::new(),

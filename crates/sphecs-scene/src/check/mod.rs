@@ -60,6 +60,8 @@ pub struct SceneSource<'a> {
     pub tables: &'a [(String, String)],
     /// Meshes that replace the files of the folder.
     pub meshes: &'a [MeshFile],
+    /// True if the reading of the text found faults, such as unknown fields.
+    pub has_faults: bool,
     /// Memory limit of a run, B; None for no limit.
     pub memory: Option<f64>,
 }
@@ -75,6 +77,7 @@ pub fn check(
     checker.tables = source.tables.to_vec();
     checker.meshes = source.meshes.to_vec();
     checker.folder = source.folder.to_owned();
+    checker.has_reading_faults = source.has_faults;
     let scene = check_sections(file, &mut checker, source);
     let is_complete = checker.fault_count() == 0;
     let mut faults = checker.faults;

@@ -47,8 +47,6 @@ pub struct PatchFile<'a> {
     pub towards: Option<&'a Vector>,
     /// Place of the plane in the file.
     pub place: Span,
-    /// True if the opening could not be read, which is reported elsewhere.
-    pub is_unreadable: bool,
     /// Length of the zone.
     pub depth: Option<&'a Number>,
     /// Layers of the zone if no length is given.
@@ -106,13 +104,10 @@ impl PatchFile<'_> {
 fn plane(file: &PatchFile<'_>, site: &Site<'_>, check: &mut Checker<'_>) -> Option<(DVec3, DVec3)> {
     let kind = if file.is_inlet { "inlet" } else { "outlet" };
     let Some(on) = file.on else {
-        if file.is_unreadable {
-            return None;
-        }
         let at = file.at.map(|at| check.vector(at, "m"));
         let towards = file.towards.map(|towards| check.direction(towards));
         for (field, is_missing) in [("at", at.is_none()), ("towards", towards.is_none())] {
-            if is_missing {
+            if is_missing && !check.has_reading_faults {
                 let title = format!("field `{field}` is missing");
                 let label = format!("the {kind} `{}` needs it", file.default_name);
                 let help =

@@ -33,7 +33,7 @@ pub struct WallProjections(pub u64);
 /// displacement and shift of a step are shorter.
 const NEAR: f64 = 0.5;
 
-/// The same in a scene with meshes, where a distance takes some µs. It is still longer than the
+/// Distance in a scene with meshes, where a query takes some µs. It is still longer than the
 /// displacement and shift of a step; a particle in a sharp corner may be moved back a step later.
 const NEAR_MESHES: f64 = 0.25;
 
