@@ -159,18 +159,21 @@ fn mover_passes_a_periodic_face() {
     let mut run = flow(text, &[("scheme", "EdacTvf()")]);
     let count = fluid(&mut run).len();
     let mut forces = Vec::new();
-    while run.clock().time < 2.5 {
+    while run.clock().time < 2.55 {
         run.step().expect("a step");
-        if run.clock().time > 1.0 {
-            forces.push(run.body_forces().forces[0].pressure_force.x);
-        }
+        forces.push((run.clock().time, run.body_forces().forces[0].pressure_force.x));
     }
     assert_eq!(fluid(&mut run).len(), count);
     assert_eq!(run.monitor_row().through_walls, 0);
-    // The cylinder is cut by the face from 0.2 to 0.9 s and again from 2.2 s on; the drag must not
-    // show where it is.
-    let mean = forces.iter().sum::<f64>() / forces.len() as f64;
-    assert!(mean < 0.0, "the drag is against the motion, {mean} N/m");
-    let off = forces.iter().map(|force| (force / mean - 1.0).abs()).fold(0.0, f64::max);
-    assert!(off < 0.5, "the drag varies by {off} of its mean");
+    // The face cuts the cylinder from 0.2 to 0.7 s and again from 2.22 s on; the drag must not show
+    // it. It falls by 3 % from the one interval to the other, as the channel begins to move along.
+    let mean = |from: f64, to: f64| {
+        let inside: Vec<f64> =
+            forces.iter().filter(|(time, _)| (from..to).contains(time)).map(|(_, force)| *force).collect();
+        inside.iter().sum::<f64>() / inside.len() as f64
+    };
+    let [before, cut] = [mean(1.9, 2.2), mean(2.25, 2.55)];
+    println!("drag {before:.2} N/m before the face, {cut:.2} N/m in it");
+    assert!(before < 0.0, "the drag is against the motion, {before} N/m");
+    assert!((cut / before - 1.0).abs() < 0.1, "{before} N/m before the face, {cut} N/m in it");
 }

@@ -1,11 +1,12 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
-//! 1. [`checker`]: single numbers, vectors and expressions 2. [`shapes`], [`meshes`],
-//! [`boundaries`], [`movers`], [`bodies`], [`patches`], [`mesh_groups`], [`cut`], [`driven`],
-//! [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names):
-//! one section each 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the
-//! rows of the fill 4. [`consistency`]: faults that only the complete scene shows, once its parts
-//! are valid
+//! 1. [`checker`]: single numbers, vectors and expressions
+//! 2. [`shapes`], [`meshes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`mesh_groups`],
+//!    [`cut`], [`driven`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`],
+//!    [`names`](mod@names): one section each
+//! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
+//! 4. [`consistency`], [`mover_paths`]: faults that only the complete scene shows, once its parts
+//!    are valid
 
 use std::path::Path;
 
