@@ -2,8 +2,8 @@
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
 //! 2. [`shapes`], [`meshes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`mesh_groups`],
-//!    [`cut`], [`driven`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`], [`settings`],
-//!    [`names`](mod@names): one section each
+//!    [`cut`], [`driven`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`],
+//!    [`settings`], [`names`](mod@names): one section each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
 //! 4. [`consistency`], [`mover_paths`]: faults that only the complete scene shows, once its parts
 //!    are valid
