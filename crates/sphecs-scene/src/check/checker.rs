@@ -193,6 +193,19 @@ impl<'a> Checker<'a> {
         snapped.try_normalize().unwrap_or(DVec3::X)
     }
 
+    /// Returns the direction of an axis of rotation, z if it is left out; in 2D it must be.
+    pub fn axis(&mut self, axis: Option<&Vector>) -> DVec3 {
+        match axis {
+            Some(axis) if self.dimensions == 3 => self.direction(axis),
+            Some(axis) => {
+                let label = "must be left out: in 2D rotations are about z";
+                self.report(Fault::new("`axis` has no meaning in 2D", axis.span, label));
+                DVec3::Z
+            }
+            None => DVec3::Z,
+        }
+    }
+
     /// Returns an expression of x, y, z, t.
     pub fn formula(&mut self, formula: &Formula) -> Expression {
         match &formula.value {

@@ -140,7 +140,7 @@ fn built(file: &MotionFile, place: Span, course: Course<'_>, check: &mut Checker
         MotionFile::Rotation { about, axis, radians, rate, file } => {
             let given = [radians.is_some(), rate.is_some(), file.is_some()];
             one_of(given, "`radians`, `rate` or `file`", place, check)?;
-            let axis = axis_of(axis.as_ref(), check);
+            let axis = check.axis(axis.as_ref());
             let about = check.vector(about, "m");
             let angle = match (radians, rate, file) {
                 (Some(angle), ..) => Curve::Formula(check.time_function(angle)?),
@@ -173,18 +173,6 @@ fn one_of(given: [bool; 3], fields: &str, place: Span, check: &mut Checker<'_>) 
     let label = format!("has {count} of {fields}, must have one of them");
     check.report(Fault::new("a motion must be given in one way", place, label));
     None
-}
-
-fn axis_of(axis: Option<&Vector>, check: &mut Checker<'_>) -> DVec3 {
-    match axis {
-        Some(axis) if check.dimensions == 3 => check.direction(axis),
-        Some(axis) => {
-            let label = "must be left out: in 2D rotations are about z";
-            check.report(Fault::new("`axis` has no meaning in 2D", axis.span, label));
-            DVec3::Z
-        }
-        None => DVec3::Z,
-    }
 }
 
 /// Returns what was found; reports a fault of the motion at its place.

@@ -99,15 +99,7 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
 /// Returns a rotation by an angle (°) about an axis, about z in 2D; quarter turns are exact.
 pub fn rotation(angle: &Number, axis: Option<&Vector>, check: &mut Checker<'_>) -> DMat3 {
     let angle = check.finite(angle, "°").to_radians();
-    let axis = match axis {
-        Some(axis) if check.dimensions == 3 => check.direction(axis),
-        Some(axis) => {
-            let label = "must be left out: in 2D rotations are about z";
-            check.report(Fault::new("`axis` has no meaning in 2D", axis.span, label));
-            DVec3::Z
-        }
-        None => DVec3::Z,
-    };
+    let axis = check.axis(axis);
     let clean = |c: f64| {
         if (c - c.round()).abs() < 1e-15 { c.round() } else { c }
     };
