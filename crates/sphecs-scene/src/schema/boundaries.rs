@@ -96,8 +96,8 @@ pub struct InletFile {
     /// A point of its plane inside the domain's section, m, default from `on`.
     #[serde(default)]
     pub at: Option<Vector>,
-    /// Name of the solid, group or file of a mesh in the domain whose flat facets are the opening, in
-    /// place of `at` and `towards`, default none.
+    /// Name of the solid, group or file of a mesh in the domain whose flat facets are the opening,
+    /// in place of `at` and `towards`, default none.
     #[serde(default)]
     pub on: Option<Text>,
     /// Parts of the domain's end in this plane that belong to it, default `Connected`.
@@ -212,8 +212,8 @@ pub struct OutletFile {
     /// A point of its plane inside the domain's section, m, default from `on`.
     #[serde(default)]
     pub at: Option<Vector>,
-    /// Name of the solid, group or file of a mesh in the domain whose flat facets are the opening, in
-    /// place of `at` and `towards`, default none.
+    /// Name of the solid, group or file of a mesh in the domain whose flat facets are the opening,
+    /// in place of `at` and `towards`, default none.
     #[serde(default)]
     pub on: Option<Text>,
     /// Parts of the domain's end in this plane that belong to it, default `Connected`.
