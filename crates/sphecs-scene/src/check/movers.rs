@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use glam::DVec3;
-
 use super::checker::Checker;
 use super::walls::{WallLayout, concentric};
 use super::{shapes, tables};
@@ -14,7 +12,7 @@ use crate::motion::{Curve, Motion, MotionFault};
 use crate::movers::Wall;
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
-use crate::schema::{FillFile, MotionFile, MoverFile, SceneFile, Text, Vector, WallFillFile};
+use crate::schema::{FillFile, MotionFile, MoverFile, SceneFile, Text, WallFillFile};
 use sphecs_core::format::significant;
 use sphecs_core::physics::wall::{Slip, WallPressure};
 
