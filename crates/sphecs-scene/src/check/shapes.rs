@@ -4,6 +4,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::checker::Checker;
 use super::meshes;
+use super::outlines;
 use crate::faults::Fault;
 use crate::geometry::Shape;
 use crate::geometry::bend::{Bend, BendSection};
@@ -59,11 +60,17 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
             if check.dimensions != 3 {
                 let first = file.iter().chain(files.iter().flatten()).next();
                 let place = first.map_or(Span::PLACEHOLDER, |path| path.span);
-                needs(3, "Mesh", "`Polygon`", place, check)?;
+                needs(3, "Mesh", "`Outline` for points in a file, or `Polygon`", place, check)?;
             }
             check.note_placeholder(unit.span);
             let unit = (!unit.is_placeholder()).then_some(unit.value)?;
             meshes::mesh((file.as_ref(), files.as_ref()), unit, check)
+        }
+        ShapeFile::Outline { file, unit } => {
+            needs(2, "Outline", "`Mesh`, or `Extruded`", file.span, check)?;
+            check.note_placeholder(unit.span);
+            let unit = (!unit.is_placeholder()).then_some(unit.value)?;
+            outlines::outline(file, unit, check)
         }
         ShapeFile::Bend { start, direction, center, angle, section } => {
             bend([start, direction, center], angle, section, check)
@@ -91,7 +98,11 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
         }
         ShapeFile::Scaled { factor, shape } => {
             let factor = check.positive(factor, "");
-            placed(shape, DMat3::IDENTITY, factor, DVec3::ZERO, check)
+            let around = check.scale;
+            check.scale *= factor;
+            let shape = placed(shape, DMat3::IDENTITY, factor, DVec3::ZERO, check);
+            check.scale = around;
+            shape
         }
     }
 }
