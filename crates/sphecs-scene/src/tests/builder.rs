@@ -298,8 +298,7 @@ fn complete_scenes() -> Vec<SceneBuilder> {
 fn read_back<T: DeserializeOwned>(text: &str) -> T {
     let reading = reader::read(text);
     let mut constants = Constants::default();
-    constants.define("R", 0.1);
-    for name in ["v0", "t0", "D", "d", "L"] {
+    for name in ["R", "v0", "t0", "D", "d", "L"] {
         constants.define(name, 1.0);
     }
     let (value, faults) = typed::read(&reading.root, &constants);
