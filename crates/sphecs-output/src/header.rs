@@ -22,7 +22,7 @@ pub struct Header {
     /// Tables that the scene names: path as written, and text. Stored as `tables.json`.
     #[serde(skip)]
     pub tables: Vec<(String, String)>,
-    /// Mesh files that the scene names. Stored in `meshes/`.
+    /// Files of meshes and outlines that the scene names. Stored in `meshes/`.
     #[serde(skip)]
     pub meshes: Vec<MeshFile>,
     /// Their paths in the scene and their SHA-256, hexadecimal.

@@ -1,4 +1,4 @@
-//! Mesh files of a scene in the run folder, `meshes/`: each under its number and name.
+//! Files of meshes and outlines in the run folder, `meshes/`: each under its number and name.
 
 use std::fs;
 use std::path::Path;

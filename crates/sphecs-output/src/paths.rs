@@ -8,7 +8,7 @@ use sphecs_scene::result_name::result_name;
 pub const SCENE: &str = "scene.ron";
 /// Tables that the scene names, JSON.
 pub const TABLES: &str = "tables.json";
-/// Folder of the mesh files that it names, by their numbers.
+/// Folder of the files of meshes and outlines that it names, by their numbers.
 pub const MESHES: &str = "meshes";
 /// State of the run and how it ended, JSON.
 pub const SUMMARY: &str = "summary.json";

@@ -21,7 +21,7 @@
 //! * [`summary`], [`oblique_walls`]: figures and notes of `sphecs check`
 //! * [`passage`], [`flow_path`], [`opening_figures`], [`driven_flow`]: its narrowest passage, the
 //!   flow from its inlets, its openings, and the flow that pressures drive
-//! * [`meshes`]: mesh files of its shapes
+//! * [`meshes`]: files of meshes and outlines of its shapes
 //! * [`motion`]: prescribed motions of walls
 //! * [`movers`], [`mover_places`]: walls that move, and their particles
 //! * [`displaced_flow`]: the flow that they displace

@@ -142,7 +142,7 @@ impl SceneLoader {
         self
     }
 
-    /// Takes these mesh files for those of the folder.
+    /// Takes these files of meshes and outlines for those of the folder.
     pub fn meshes(mut self, meshes: impl IntoIterator<Item = MeshFile>) -> Self {
         self.meshes.extend(meshes);
         self

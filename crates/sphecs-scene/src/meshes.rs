@@ -1,10 +1,10 @@
-//! Mesh files of a scene: closed surfaces that become shapes.
+//! Files of meshes and outlines of a scene: closed surfaces and polylines that become shapes.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-/// Unit of the coordinates in a mesh file, which the file does not state.
+/// Unit of the coordinates in the file of a mesh or an outline, which the file does not state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum LengthUnit {
@@ -36,7 +36,7 @@ impl LengthUnit {
     }
 }
 
-/// A mesh file that a scene names.
+/// A file of a mesh or an outline that a scene names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFile {
     /// Path as the scene writes it.
@@ -45,7 +45,8 @@ pub struct MeshFile {
     pub bytes: Arc<[u8]>,
 }
 
-/// Sentences on what was read from the files of a mesh, changed and found, for `sphecs check`.
+/// Sentences on what was read from the files of a mesh or an outline, changed and found, for
+/// `sphecs check`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshReport {
     /// Paths of its files.

@@ -36,7 +36,7 @@ pub struct Scene {
     pub text: String,
     /// The tables that it names: the path as written, and the text.
     pub tables: Vec<(String, String)>,
-    /// The mesh files that it names.
+    /// The files of meshes and outlines that it names.
     pub meshes: Vec<MeshFile>,
     /// Reports on them.
     pub mesh_reports: Vec<MeshReport>,

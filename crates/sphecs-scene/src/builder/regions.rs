@@ -54,6 +54,10 @@ enum Kind {
         files: Option<Vec<String>>,
         unit: LengthUnit,
     },
+    Outline {
+        file: String,
+        unit: LengthUnit,
+    },
     Union(Vec<Shape>),
     Intersection(Vec<Shape>),
     Difference(Vec<Shape>),
@@ -91,6 +95,12 @@ impl Shape {
     pub fn mesh_of<P: Into<String>>(files: impl IntoIterator<Item = P>, unit: LengthUnit) -> Self {
         let files = files.into_iter().map(P::into).collect();
         Self(Kind::Mesh { file: None, files: Some(files), unit })
+    }
+
+    /// Returns the inside of closed polylines, in 2D: path of their file and unit of its
+    /// coordinates.
+    pub fn outline(file: impl Into<String>, unit: LengthUnit) -> Self {
+        Self(Kind::Outline { file: file.into(), unit })
     }
 
     /// Returns a circle, in 2D: centre and radius, m.

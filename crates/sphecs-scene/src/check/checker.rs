@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use super::meshes::ReadSurface;
+use super::outlines::ReadOutline;
 use crate::expression::syntax::SyntaxFault;
 use crate::expression::{Constants, Expression, TimeFunction};
 use crate::faults::Fault;
@@ -27,17 +28,21 @@ pub struct Checker<'a> {
     pub tables: Vec<(String, String)>,
     /// Parts of the domain's ends that no opening covers.
     pub unopened: Vec<UnopenedPart>,
-    /// Folder of tables and meshes.
+    /// Folder of tables, meshes and outlines.
     pub folder: PathBuf,
     /// Particle spacing, m.
     pub spacing: f64,
+    /// Factor by which the shapes around a part scale it.
+    pub scale: f64,
     /// True if fields that seem to be left out may only be misspelt, which is reported elsewhere.
     pub has_reading_faults: bool,
-    /// Mesh files given or already read.
+    /// Files of meshes and outlines given or already read.
     pub meshes: Vec<MeshFile>,
     /// Surfaces of meshes that were already made.
     pub surfaces: Vec<ReadSurface>,
-    /// Reports on the meshes.
+    /// Outlines that were already read.
+    pub outlines: Vec<ReadOutline>,
+    /// Reports on the meshes and outlines.
     pub mesh_reports: Vec<MeshReport>,
     /// Number of placeholders found in place of faulty values.
     placeholders: usize,
@@ -55,9 +60,11 @@ impl<'a> Checker<'a> {
             unopened: Vec::new(),
             folder: PathBuf::from("."),
             spacing: 1.0,
+            scale: 1.0,
             has_reading_faults: false,
             meshes: Vec::new(),
             surfaces: Vec::new(),
+            outlines: Vec::new(),
             mesh_reports: Vec::new(),
             placeholders: 0,
         }

@@ -56,7 +56,8 @@ pub fn mesh(
         }
     };
     let before = check.fault_count();
-    extent(&surface, paths[0].span, check);
+    let (low, high) = surface.bounds();
+    extent("a mesh", &(high - low).to_array(), paths[0].span, check);
     openings(&report, paths[0].span, check);
     if check.fault_count() > before {
         return None;
@@ -67,31 +68,36 @@ pub fn mesh(
     Some(Shape::Mesh(surface))
 }
 
+/// Returns the bytes of a file, as saved with a run or else of the folder; `kind` is `mesh` or
+/// `outline`.
+pub fn file_bytes(path: &Text, kind: &str, check: &mut Checker<'_>) -> Option<Arc<[u8]>> {
+    if let Some(known) = check.meshes.iter().find(|known| known.path == path.value) {
+        return Some(known.bytes.clone());
+    }
+    match std::fs::read(check.folder.join(&path.value)) {
+        Ok(bytes) => {
+            let bytes: Arc<[u8]> = bytes.into();
+            check.meshes.push(MeshFile { path: path.value.clone(), bytes: bytes.clone() });
+            Some(bytes)
+        }
+        Err(error) => {
+            let title = format!("{kind} `{}` cannot be read", path.value);
+            check.report(
+                Fault::new(title, path.span, error.to_string())
+                    .help("the path is relative to the scene's folder"),
+            );
+            None
+        }
+    }
+}
+
 /// Returns the facets of a file.
 fn part(path: &Text, check: &mut Checker<'_>) -> Option<Part> {
     if path.is_placeholder() {
         check.note_placeholder(path.span);
         return None;
     }
-    let known = check.meshes.iter().find(|mesh| mesh.path == path.value);
-    let bytes = match known {
-        Some(mesh) => mesh.bytes.clone(),
-        None => match std::fs::read(check.folder.join(&path.value)) {
-            Ok(bytes) => {
-                let bytes: Arc<[u8]> = bytes.into();
-                check.meshes.push(MeshFile { path: path.value.clone(), bytes: bytes.clone() });
-                bytes
-            }
-            Err(error) => {
-                let title = format!("mesh `{}` cannot be read", path.value);
-                check.report(
-                    Fault::new(title, path.span, error.to_string())
-                        .help("the path is relative to the scene's folder"),
-                );
-                return None;
-            }
-        },
-    };
+    let bytes = file_bytes(path, "mesh", check)?;
     let name = path.value.rsplit(['/', '\\']).next().unwrap_or_default();
     match sphecs_mesh::read(&bytes, name) {
         Ok(facets) => {
@@ -105,27 +111,24 @@ fn part(path: &Text, check: &mut Checker<'_>) -> Option<Part> {
     }
 }
 
-/// Reports a size that tells of a wrong unit.
-fn extent(surface: &Surface, place: Span, check: &mut Checker<'_>) {
-    let (low, high) = surface.bounds();
-    let size = high - low;
-    let spacings = size / check.spacing;
-    if (SMALLEST..=LARGEST).contains(&spacings.max_element()) {
-        return;
+/// Reports a size (m along each axis, before a `Scaled` around it) that tells of a wrong unit;
+/// `kind` is `a mesh` or `an outline`. Returns None for such a size.
+pub fn extent(kind: &str, size: &[f64], place: Span, check: &mut Checker<'_>) -> Option<()> {
+    let size: Vec<f64> = size.iter().map(|length| length * check.scale).collect();
+    let longest = size.iter().copied().fold(0.0, f64::max) / check.spacing;
+    if (SMALLEST..=LARGEST).contains(&longest) {
+        return Some(());
     }
-    let label = format!(
-        "is {} by {} by {} m, or {} by {} by {} spacings",
-        significant(size.x),
-        significant(size.y),
-        significant(size.z),
-        significant(spacings.x),
-        significant(spacings.y),
-        significant(spacings.z)
-    );
+    let by = |unit: f64| {
+        let lengths: Vec<String> = size.iter().map(|length| significant(length / unit)).collect();
+        lengths.join(" by ")
+    };
+    let label = format!("is {} m, or {} spacings", by(1.0), by(check.spacing));
     check.report(
-        Fault::new("the size of a mesh does not fit the spacing", place, label)
+        Fault::new(format!("the size of {kind} does not fit the spacing"), place, label)
             .help(format!("must be {SMALLEST} to {LARGEST:.0e} spacings long: is the `unit` right?")),
     );
+    None
 }
 
 /// Reports openings through which fluid particles would leave.

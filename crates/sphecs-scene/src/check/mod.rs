@@ -1,9 +1,9 @@
 //! Checks of all values of a scene file, which make it a scene; all faults are found in one run.
 //!
 //! 1. [`checker`]: single numbers, vectors and expressions
-//! 2. [`shapes`], [`meshes`], [`boundaries`], [`movers`], [`bodies`], [`patches`], [`mesh_groups`],
-//!    [`cut`], [`driven`], [`section`], [`tables`], [`layout`], [`walls`], [`scheme`],
-//!    [`settings`], [`names`](mod@names): one section each
+//! 2. [`shapes`], [`meshes`], [`outlines`], [`outline_points`], [`boundaries`], [`movers`],
+//!    [`bodies`], [`patches`], [`mesh_groups`], [`cut`], [`driven`], [`section`], [`tables`],
+//!    [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one section each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
 //! 4. [`consistency`], [`mover_paths`]: faults that only the complete scene shows, once its parts
 //!    are valid
@@ -38,6 +38,8 @@ pub mod meshes;
 pub mod mover_paths;
 pub mod movers;
 pub mod names;
+pub mod outline_points;
+pub mod outlines;
 pub mod patches;
 pub mod scheme;
 pub mod section;
@@ -59,7 +61,7 @@ pub struct SceneSource<'a> {
     pub folder: &'a Path,
     /// Tables that replace the files of the folder: the path as the scene writes it, and the text.
     pub tables: &'a [(String, String)],
-    /// Meshes that replace the files of the folder.
+    /// Files of meshes and outlines that replace those of the folder.
     pub meshes: &'a [MeshFile],
     /// True if the reading of the text found faults, such as unknown fields.
     pub has_faults: bool,

@@ -4,10 +4,12 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::checker::Checker;
 use super::meshes;
+use super::outlines;
 use crate::faults::Fault;
 use crate::geometry::Shape;
 use crate::geometry::bend::{Bend, BendSection};
 use crate::geometry::polygon;
+use crate::meshes::LengthUnit;
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
 use crate::schema::{BendSectionFile, Number, ShapeFile, Vector};
@@ -56,14 +58,14 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
             prism(points, low, high, check)
         }
         ShapeFile::Mesh { file, files, unit } => {
-            if check.dimensions != 3 {
-                let first = file.iter().chain(files.iter().flatten()).next();
-                let place = first.map_or(Span::PLACEHOLDER, |path| path.span);
-                needs(3, "Mesh", "`Polygon`", place, check)?;
-            }
-            check.note_placeholder(unit.span);
-            let unit = (!unit.is_placeholder()).then_some(unit.value)?;
-            meshes::mesh((file.as_ref(), files.as_ref()), unit, check)
+            let first = file.iter().chain(files.iter().flatten()).next();
+            let place = first.map_or(Span::PLACEHOLDER, |path| path.span);
+            needs(3, "Mesh", "`Outline` for points in a file, or `Polygon`", place, check)?;
+            meshes::mesh((file.as_ref(), files.as_ref()), length_unit(unit, check)?, check)
+        }
+        ShapeFile::Outline { file, unit } => {
+            needs(2, "Outline", "`Mesh`, or `Extruded`", file.span, check)?;
+            outlines::outline(file, length_unit(unit, check)?, check)
         }
         ShapeFile::Bend { start, direction, center, angle, section } => {
             bend([start, direction, center], angle, section, check)
@@ -91,7 +93,11 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
         }
         ShapeFile::Scaled { factor, shape } => {
             let factor = check.positive(factor, "");
-            placed(shape, DMat3::IDENTITY, factor, DVec3::ZERO, check)
+            let around = check.scale;
+            check.scale *= factor;
+            let shape = placed(shape, DMat3::IDENTITY, factor, DVec3::ZERO, check);
+            check.scale = around;
+            shape
         }
     }
 }
@@ -104,6 +110,12 @@ pub fn rotation(angle: &Number, axis: Option<&Vector>, check: &mut Checker<'_>) 
         if (c - c.round()).abs() < 1e-15 { c.round() } else { c }
     };
     DMat3::from_cols_array(&DMat3::from_axis_angle(axis, angle).to_cols_array().map(clean))
+}
+
+/// Returns the unit of the coordinates in a file; None if it is missing.
+fn length_unit(unit: &Spanned<LengthUnit>, check: &mut Checker<'_>) -> Option<LengthUnit> {
+    check.note_placeholder(unit.span);
+    (!unit.is_placeholder()).then_some(unit.value)
 }
 
 fn needs(dimensions: usize, name: &str, other: &str, place: Span, check: &mut Checker<'_>) -> Option<()> {

@@ -43,13 +43,11 @@ impl Shape {
                 found.push(Direction::Side { axis, area });
             }
             Shape::Prism { points, from, to } => {
-                for (index, a) in points.iter().enumerate() {
-                    let edge = points[(index + 1) % points.len()] - *a;
-                    let normal = DVec2::new(edge.y, -edge.x).normalize_or_zero().extend(0.0);
-                    found.push(plane(normal, a.extend(0.0)));
-                }
+                let edge = |(index, a): (usize, &DVec2)| edge(*a, points[(index + 1) % points.len()]);
+                found.extend(points.iter().enumerate().map(edge));
                 found.extend([from, to].map(|z| Direction::Plane { normal: DVec3::Z, offset: *z }));
             }
+            Shape::Outline(outline) => found.extend(outline.straight().iter().map(|(a, b)| edge(*a, *b))),
             Shape::Bend(bend) => {
                 let axis = bend.outwards.cross(bend.direction);
                 let half = bend.section.half_height() * axis;
@@ -113,6 +111,12 @@ impl Shape {
             },
         }
     }
+}
+
+/// Returns the plane of the edge from a to b.
+fn edge(a: DVec2, b: DVec2) -> Direction {
+    let edge = b - a;
+    plane(DVec2::new(edge.y, -edge.x).normalize_or_zero().extend(0.0), a.extend(0.0))
 }
 
 fn plane(normal: DVec3, point: DVec3) -> Direction {

@@ -1,6 +1,6 @@
 //! Measures of any shape: bounds, gradient, nearest surface point.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::Shape;
 
@@ -48,6 +48,10 @@ impl Shape {
                     max = max.max(point.extend(*to));
                 }
                 (min, max)
+            }
+            Shape::Outline(outline) => {
+                let (low, high) = outline.bounds();
+                (low.extend(f64::NEG_INFINITY), high.extend(f64::INFINITY))
             }
             Shape::Bend(bend) => bend.bounds(),
             Shape::Mesh(surface) => surface.bounds(),
@@ -99,7 +103,7 @@ impl Shape {
             Shape::Difference(shape, hole) => shape.has_mesh() || hole.has_mesh(),
             Shape::Placed { shape, .. } | Shape::Extension { shape, .. } => shape.has_mesh(),
             Shape::Box { .. } | Shape::Ball { .. } | Shape::Cylinder { .. } => false,
-            Shape::Prism { .. } | Shape::Bend(_) => false,
+            Shape::Prism { .. } | Shape::Outline(_) | Shape::Bend(_) => false,
         }
     }
 
@@ -176,14 +180,12 @@ impl Shape {
             }
             Shape::Prism { points, from, to } => {
                 for (index, a) in points.iter().enumerate() {
-                    let edge = points[(index + 1) % points.len()] - *a;
-                    for axis in 0..2 {
-                        if edge[axis].abs() < 1e-9 * edge.length() {
-                            found.push((axis, a[axis]));
-                        }
-                    }
+                    edge_planes(*a, points[(index + 1) % points.len()], found);
                 }
                 found.extend([(2, *from), (2, *to)]);
+            }
+            Shape::Outline(outline) => {
+                outline.straight().iter().for_each(|(a, b)| edge_planes(*a, *b, found));
             }
             Shape::Bend(bend) => {
                 let axis = bend.outwards.cross(bend.direction);
@@ -223,6 +225,16 @@ impl Shape {
                 }
             }
             Shape::Extension { .. } => {}
+        }
+    }
+}
+
+/// Collects the plane across an axis on which the edge from a to b lies, if it does.
+fn edge_planes(a: DVec2, b: DVec2, found: &mut Vec<(usize, f64)>) {
+    let edge = b - a;
+    for axis in 0..2 {
+        if edge[axis].abs() < 1e-9 * edge.length() {
+            found.push((axis, a[axis]));
         }
     }
 }

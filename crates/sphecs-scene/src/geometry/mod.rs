@@ -2,6 +2,7 @@
 //!
 //! * [`primitives`]: box, ball, cylinder
 //! * [`polygon`]: polygon and its extrusion
+//! * [`outline`], [`edge_tree`]: closed polylines of many edges
 //! * [`bend`]: a section swept along an arc
 //! * [`measure`]: bounds, gradient, nearest surface point
 //! * [`directions`]: directions of plane and straight surfaces, rotation
@@ -20,11 +21,14 @@ use sphecs_mesh::Surface;
 
 pub mod bend;
 pub mod directions;
+pub mod edge_tree;
 pub mod measure;
+pub mod outline;
 pub mod polygon;
 pub mod primitives;
 
 use bend::Bend;
+use outline::Outline;
 
 /// A region of space: negative inside, positive outside, m.
 #[derive(Clone, Debug)]
@@ -61,6 +65,8 @@ pub enum Shape {
         /// Upper end, z in m.
         to: f64,
     },
+    /// The inside of closed polylines in x and y; in 2D its z reaches from −∞ to ∞.
+    Outline(Arc<Outline>),
     /// A section swept along an arc.
     Bend(Bend),
     /// The inside of a surface of triangles.
@@ -127,6 +133,7 @@ impl Shape {
             Shape::Ball { center, radius } => point.distance(*center) - radius,
             Shape::Cylinder { from, to, radius } => primitives::cylinder(point, *from, *to, *radius),
             Shape::Prism { points, from, to } => polygon::prism(point, points, *from, *to),
+            Shape::Outline(outline) => outline.signed_distance(point.truncate()),
             Shape::Bend(bend) => bend.signed_distance(point),
             Shape::Mesh(surface) => surface.signed_distance(point),
             Shape::Union(shapes) => union(shapes, point),

@@ -31,6 +31,7 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Motion",
             "Walls.motion",
             "Shape.Mesh",
+            "Shape.Outline",
             "LengthUnit",
             "Walls.fill",
             "WallFill.Layers",

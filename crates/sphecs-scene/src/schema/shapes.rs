@@ -68,6 +68,14 @@ pub enum ShapeFile {
         /// Unit of the coordinates in the files.
         unit: Spanned<LengthUnit>,
     },
+    /// Closed polylines from a text file of two columns x and y, in 2D: the inside of an odd number
+    /// of them. Take it for wing sections and other curves of many points.
+    Outline {
+        /// File in the folder of the scene.
+        file: Text,
+        /// Unit of the coordinates in the file.
+        unit: Spanned<LengthUnit>,
+    },
     /// A section swept along an arc, in 3D. Take it for pipe and duct bends.
     Bend {
         /// Centre of the section at the beginning, m.

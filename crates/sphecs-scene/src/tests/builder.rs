@@ -164,7 +164,7 @@ fn tables_and_changed_values_reach_the_loader() {
 }
 
 /// Regions of every kind.
-fn regions() -> [Shape; 14] {
+fn regions() -> [Shape; 15] {
     let unit = || Shape::cuboid((0.0, 0.0), (1.0, 1.0));
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let bend = |section| Shape::bend((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0), 90, section);
@@ -183,6 +183,7 @@ fn regions() -> [Shape; 14] {
         unit().scaled(2.0),
         Shape::mesh("pipe.stl", LengthUnit::Millimetre),
         Shape::mesh_of(["wall.stl", "ends.stl"], LengthUnit::Inch),
+        Shape::outline("naca0012.csv", LengthUnit::Metre),
     ]
 }
 
@@ -297,8 +298,7 @@ fn complete_scenes() -> Vec<SceneBuilder> {
 fn read_back<T: DeserializeOwned>(text: &str) -> T {
     let reading = reader::read(text);
     let mut constants = Constants::default();
-    constants.define("R", 0.1);
-    for name in ["v0", "t0", "D", "d", "L"] {
+    for name in ["R", "v0", "t0", "D", "d", "L"] {
         constants.define(name, 1.0);
     }
     let (value, faults) = typed::read(&reading.root, &constants);

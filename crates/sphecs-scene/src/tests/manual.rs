@@ -216,6 +216,12 @@ fn cube(path: &str) -> MeshFile {
     MeshFile { path: path.to_owned(), bytes: text.into_bytes().into() }
 }
 
+/// Returns the file of an outline, the section of a wing.
+fn wing(path: &str) -> MeshFile {
+    let text = "x, y\n1.0, 0.0\n0.7, 0.04\n0.3, 0.06\n0.0, 0.0\n0.3, -0.06\n0.7, -0.04\n";
+    MeshFile { path: path.to_owned(), bytes: text.as_bytes().into() }
+}
+
 /// Fields of scenes into which a passage is put: a channel, and boxes in 2D and 3D.
 const BASES: [&[(&str, &str)]; 3] = [
     &[
@@ -247,7 +253,8 @@ fn faults_within(base: &[(&str, &str)], passage: &str) -> Option<String> {
         .collect();
     let text =
         if passage.starts_with("Scene(") { passage.to_owned() } else { format!("Scene({fields}{passage})") };
-    let faults = Scene::from_text("passage", &text).meshes([cube("pipe.stl")]).load().err()?;
+    let faults =
+        Scene::from_text("passage", &text).meshes([cube("pipe.stl"), wing("naca0012.csv")]).load().err()?;
     Some(faults.faults().iter().map(|fault| format!("{}: {}; ", fault.title, fault.label)).collect())
 }
 

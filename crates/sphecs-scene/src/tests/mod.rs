@@ -8,6 +8,7 @@ mod manual;
 mod meshes;
 mod mutations;
 mod openings;
+mod outlines;
 mod potential_flow;
 mod schema_fields;
 mod sets;

@@ -1,10 +1,13 @@
 //! Properties of the signed distances of all shapes.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec2, DVec3};
 use proptest::prelude::{ProptestConfig, Strategy, proptest};
 
 use crate::geometry::Shape;
 use crate::geometry::bend::{Bend, BendSection};
+use crate::geometry::outline::Outline;
 
 fn cuboid(min: [f64; 3], max: [f64; 3]) -> Shape {
     Shape::Box { min: DVec3::from(min), max: DVec3::from(max) }
@@ -24,6 +27,7 @@ fn elbow(section: BendSection, angle: f64) -> Shape {
 /// Returns the shapes whose distance is exact on both sides.
 fn exact() -> Vec<(&'static str, Shape)> {
     let dart = [[0.0, 0.0], [1.0, -0.5], [0.4, 0.1], [0.9, 0.9]].map(DVec2::from);
+    let hole = [[0.3, -0.05], [0.5, -0.15], [0.4, 0.0]].map(DVec2::from);
     vec![
         ("box", cuboid([-0.5, -0.3, -0.2], [0.6, 0.2, 0.9])),
         ("ball", Shape::Ball { center: DVec3::new(0.1, 0.2, -0.1), radius: 0.7 }),
@@ -31,6 +35,7 @@ fn exact() -> Vec<(&'static str, Shape)> {
             "cylinder",
             Shape::Cylinder { from: DVec3::new(-0.5, -0.4, 0.0), to: DVec3::new(0.4, 0.6, 0.5), radius: 0.3 },
         ),
+        ("outline", Shape::Outline(Arc::new(Outline::new(vec![dart.to_vec(), hole.to_vec()])))),
         ("prism", Shape::Prism { points: dart.to_vec(), from: -0.4, to: 0.3 }),
         (
             "placed",
