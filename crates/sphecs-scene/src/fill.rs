@@ -15,7 +15,7 @@ use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
 use super::movers::Wall;
-use super::{layers, mover_places, rings, wall_particles};
+use super::{emitters, layers, mover_places, rings, wall_particles};
 use sphecs_core::particles::zone::Zone;
 
 /// Tolerance of comparisons with planes and surfaces, in spacings: lattice points on a plane count
@@ -37,7 +37,7 @@ pub struct Place {
 /// Returns all places, in the order of the lattice.
 pub fn places(scene: &Scene) -> Vec<Place> {
     let filler = Filler::new(scene);
-    match &scene.layout.fill {
+    let mut places = match &scene.layout.fill {
         Fill::Lattice(lattice) => {
             let mut places = filler.lattice(lattice);
             if !scene.movers.is_empty() {
@@ -63,7 +63,9 @@ pub fn places(scene: &Scene) -> Vec<Place> {
                 .filter_map(|point| filler.classify(point))
                 .collect()
         }
-    }
+    };
+    emitters::place(scene, &mut places);
+    places
 }
 
 /// Thickness of the walls: the kernel's support and half a spacing, m.

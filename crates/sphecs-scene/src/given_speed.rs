@@ -7,14 +7,17 @@ use glam::DVec3;
 
 use super::driven_flow::driven_speed;
 use super::expression::Expression;
-use super::model::{BodyForce, Inlet, InletVelocity, Scene};
+use super::model::{BodyForce, Emitter, Inlet, InletVelocity, Scene};
 use super::sampled_times::largest_in_time;
 use sphecs_core::physics::wall::Slip;
 
 /// Returns the largest speed that inlets, walls, initial fields and driving forces prescribe, m/s.
 pub fn largest_given_speed(scene: &Scene) -> f64 {
     let inlets = scene.inlets.iter().map(|inlet| inlet_speed(inlet, scene)).fold(0.0, f64::max);
+    let emitters = scene.emitters.iter().map(|emitter| emitter_speed(emitter, scene)).fold(0.0, f64::max);
     let moved = initial_speed(scene).max(wall_speed(scene)).max(scene.largest_wall_speed());
+    // In the lab the fluid of an emitter that moves has the speed of its wall, too.
+    let inlets = inlets.max(emitters + if emitters > 0.0 { scene.largest_wall_speed() } else { 0.0 });
     inlets.max(moved).max(forced_speed(scene)).max(driven_speed(scene))
 }
 
@@ -42,6 +45,15 @@ pub fn inlet_speed(inlet: &Inlet, scene: &Scene) -> f64 {
             flow * scale.abs() * largest(&places, std::slice::from_ref(profile), 0.0)
         }
     }
+}
+
+/// Returns the largest speed relative to its surface that an emitter prescribes during a run, m/s.
+pub fn emitter_speed(emitter: &Emitter, scene: &Scene) -> f64 {
+    let at = |time: f64| {
+        let speeds = emitter.columns.iter().map(|column| emitter.speed(column, time).abs());
+        speeds.fold(0.0, f64::max)
+    };
+    if emitter.velocity.is_unsteady() { largest_in_time(scene.time.end, at) } else { at(0.0) }
 }
 
 /// Returns the largest length of a vector of expressions at some places (m) during a run to `end`,

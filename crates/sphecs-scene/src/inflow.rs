@@ -7,6 +7,35 @@ use super::model::{Inlet, InletVelocity, Scene};
 use super::time_value::interpolated;
 use sphecs_core::boundary::inlet::poiseuille::startup_velocity;
 
+impl InletVelocity {
+    /// Returns the speed along the normal at a point (m) and time (s), m/s; None if it is given
+    /// by components or over a section.
+    pub fn speed(&self, point: DVec3, time: f64) -> Option<f64> {
+        match self {
+            Self::Normal(speed) => Some(speed.value(point.x, point.y, point.z, time)),
+            Self::TimeTable(rows) => {
+                Some(interpolated(rows.len(), |row| rows[row].0, time, |row| rows[row].1))
+            }
+            Self::MassFlow { rate, profile, scale } => {
+                let shape = profile.value(point.x, point.y, point.z, 0.0);
+                Some(rate.value(0.0, 0.0, 0.0, time) * shape * scale)
+            }
+            Self::Components(_) | Self::ProfileTable { .. } | Self::PoiseuilleStartup { .. } => None,
+        }
+    }
+
+    /// Returns true if it varies in time.
+    pub fn is_unsteady(&self) -> bool {
+        let varies = |expression: &Expression| expression.depends_on(&[3]);
+        match self {
+            Self::Normal(speed) => varies(speed),
+            Self::Components(components) => components.iter().any(varies),
+            Self::MassFlow { rate, profile, .. } => varies(rate) || varies(profile),
+            Self::TimeTable(_) | Self::ProfileTable { .. } | Self::PoiseuilleStartup { .. } => true,
+        }
+    }
+}
+
 impl Inlet {
     /// Returns the points of a grid over the inlet that lie in its section, m, a spacing apart or
     /// closer if there are fewer than `least` along a side.
@@ -40,15 +69,7 @@ impl Inlet {
 
     /// Returns true if the prescribed velocity varies in time.
     pub fn is_unsteady(&self) -> bool {
-        let varies = |expression: &Expression| expression.depends_on(&[3]);
-        match &self.velocity {
-            InletVelocity::Normal(speed) => varies(speed),
-            InletVelocity::Components(components) => components.iter().any(varies),
-            InletVelocity::MassFlow { rate, profile, .. } => varies(rate) || varies(profile),
-            InletVelocity::TimeTable(_)
-            | InletVelocity::ProfileTable { .. }
-            | InletVelocity::PoiseuilleStartup { .. } => true,
-        }
+        self.velocity.is_unsteady()
     }
 
     /// Velocity at a point (m) and time (s), m/s, for a kinematic viscosity in m²/s.
@@ -59,13 +80,12 @@ impl Inlet {
         let towards = self.patch.towards;
         let point = point - towards * (point - self.patch.at).dot(towards);
         let across = (point - self.patch.at).dot(self.patch.across[0]);
+        if let Some(speed) = self.velocity.speed(point, time) {
+            return towards * speed;
+        }
         match &self.velocity {
-            InletVelocity::Normal(speed) => towards * speed.value(point.x, point.y, point.z, time),
             InletVelocity::Components(components) => {
                 DVec3::from(components.each_ref().map(|c| c.value(point.x, point.y, point.z, time)))
-            }
-            InletVelocity::TimeTable(rows) => {
-                towards * interpolated(rows.len(), |row| rows[row].0, time, |row| rows[row].1)
             }
             InletVelocity::ProfileTable { times, positions, speeds } => {
                 let profile = |row: usize| {
@@ -73,12 +93,12 @@ impl Inlet {
                 };
                 towards * interpolated(times.len(), |row| times[row], time, profile)
             }
-            InletVelocity::MassFlow { rate, profile, scale } => {
-                let shape = profile.value(point.x, point.y, point.z, 0.0);
-                towards * (rate.value(0.0, 0.0, 0.0, time) * shape * scale)
-            }
             InletVelocity::PoiseuilleStartup { half_width, body_force } => {
                 towards * startup_velocity(across, time, *half_width, *body_force, viscosity)
+            }
+            // Those have a speed.
+            InletVelocity::Normal(_) | InletVelocity::TimeTable(_) | InletVelocity::MassFlow { .. } => {
+                DVec3::ZERO
             }
         }
     }

@@ -64,6 +64,15 @@ pub fn replace(scene: &Scene, wall: Wall, places: &mut Vec<Place>, is_wall: impl
     }
 }
 
+/// Returns the curves of the surface of a wall at the start in 2D, m; a closed curve ends at its
+/// first point.
+pub fn surface_curves(scene: &Scene, wall: Wall) -> Vec<Vec<DVec3>> {
+    let curves = DistanceGrid::new(scene, wall).curves(0.0).into_iter();
+    let moved =
+        |curve: Vec<DVec3>| curve.into_iter().map(|point| moved_to(scene, wall, point, 0.0)).collect();
+    curves.map(moved).collect()
+}
+
 /// Returns the particles of the curves of a layer, m.
 fn curves(scene: &Scene, wall: Wall, grid: &DistanceGrid, depth: f64) -> Vec<Vec<DVec3>> {
     let on_it = |curve: &Vec<DVec3>| {

@@ -14,6 +14,7 @@
 //! * [`lattice`], [`lattice_rotation`], [`fill`], [`rows`], [`rings`], [`layers`],
 //!   [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
+//! * [`emitters`]: surfaces through which fluid enters along the normal, and their particles
 //! * [`time_value`], [`potential_flow`]: quantities of its openings in time, and weights that give
 //!   the flow through them
 //! * [`body`], [`probe`]: bodies and probes, which are measured
@@ -40,6 +41,7 @@ pub mod constants;
 pub mod disk_estimate;
 pub mod displaced_flow;
 pub mod driven_flow;
+pub mod emitters;
 pub mod expression;
 pub mod faults;
 pub mod fill;

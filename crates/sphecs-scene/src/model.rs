@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 pub use super::body::{Body, BodyReference, ForcesEvery};
+pub use super::emitters::Emitter;
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
@@ -72,6 +73,8 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Inlets; a particle's `patch` is an index into this.
     pub inlets: Vec<Inlet>,
+    /// Emitters; a particle's `patch` is the number of inlets plus an index into this.
+    pub emitters: Vec<Emitter>,
     /// Outlets; a particle's `patch` is an index into this.
     pub outlets: Vec<Outlet>,
     /// For each axis, lower and upper bound of the periodic direction, m.

@@ -21,6 +21,7 @@ pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
     let poses = scene.wall_poses(0.0);
     let mut seeds = Vec::with_capacity(places.len() + scene.reservoir.initial);
     seeds.par_extend(places.into_par_iter().map(|place| seed(scene, &poses, place)));
+    set_emitter_velocities(scene, &mut seeds);
     let parked = scene.inlets.first().map_or(DVec3::ZERO, |inlet| inlet.patch.at);
     let reservoir = ParticleSeed {
         position: parked,
@@ -63,10 +64,25 @@ fn seed(scene: &Scene, poses: &WallPoses, place: Place) -> ParticleSeed {
             seed.wall_normal = surface.normal;
         }
         Zone::Inflow => {
-            let inlet = &scene.inlets[usize::from(place.patch)];
-            seed.velocity = inlet.velocity_at(scene.fluid.viscosity, position, 0.0);
+            if let Some(inlet) = scene.inlets.get(usize::from(place.patch)) {
+                seed.velocity = inlet.velocity_at(scene.fluid.viscosity, position, 0.0);
+            }
         }
         Zone::Fluid | Zone::Outflow | Zone::Reservoir => {}
     }
     seed
+}
+
+/// Sets the velocities of the inflow particles of the emitters, which are in the order of
+/// [`Emitter::particles`](super::emitters::Emitter::particles).
+fn set_emitter_velocities(scene: &Scene, seeds: &mut [ParticleSeed]) {
+    let is_of_emitter =
+        |seed: &&mut ParticleSeed| seed.zone == Zone::Inflow && scene.emitter(seed.patch).is_some();
+    let particles = scene.emitters.iter().flat_map(|emitter| {
+        emitter.particles(scene).map(move |particle| (emitter, particle))
+    });
+    for (seed, (emitter, particle)) in seeds.iter_mut().filter(is_of_emitter).zip(particles) {
+        let (column, pose) = (&emitter.columns[particle.column], scene.start_pose(emitter.wall));
+        seed.velocity = emitter.velocity_in(column, particle.depth, pose, 0.0);
+    }
 }

@@ -104,11 +104,11 @@ fn notes(scene: &Scene, seeds: &[ParticleSeed], worst_fit: Option<(char, f64, f6
             significant(scene.reference_velocity)
         ));
     }
-    if !scene.inlets.is_empty() && scene.outlets.is_empty() {
+    if scene.source_count() > 0 && scene.outlets.is_empty() {
         notes.push("there is no outlet: the inflow accumulates and the pressure rises".to_owned());
     }
     let is_driven = pressure_difference(scene) > 0.0;
-    if scene.inlets.is_empty() && !scene.outlets.is_empty() && !is_driven {
+    if scene.source_count() == 0 && !scene.outlets.is_empty() && !is_driven {
         notes.push("there is no inlet: the outlets alone determine the inflow and the outflow".to_owned());
     }
     let compression = largest_pressure(scene) / (scene.fluid.density * scene.fluid.sound_speed.powi(2));

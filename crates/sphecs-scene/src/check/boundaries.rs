@@ -10,25 +10,28 @@ use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::model::{Inlet, InletVelocity, Outlet};
 use crate::notation::typed::Spanned;
-use crate::schema::{Formula, FormulaText, InletFile, InletVelocityFile, Number, OutletFile, Text};
+use crate::schema::{EmitterFile, Formula, FormulaText, InletFile, InletVelocityFile, Number, OutletFile, Text};
 use crate::time_value::TimeValue;
 use sphecs_core::boundary::outlet::OutletCondition;
 use sphecs_core::boundary::outlet::pressure_driven::time_function::{Given, TimeFunction};
 
 /// Layers of the zone of an inlet, as in Alvarado-Rodríguez et al. (2017).
-const INLET_LAYERS: f64 = 5.0;
+pub const INLET_LAYERS: f64 = 5.0;
 /// Layers of the zone of an outlet, more than their five, so that neither end affects its middle.
 const OUTLET_LAYERS: f64 = 8.0;
 
-/// Returns all inlets; None if one has a fault.
+/// Returns all inlets; None if one has a fault. `emitters` share the names of the results with
+/// them.
 pub fn inlets(
-    files: &[InletFile],
+    (files, emitters): (&[InletFile], &[EmitterFile]),
     site: &Site<'_>,
     folder: &Path,
     check: &mut Checker<'_>,
 ) -> Option<Vec<Inlet>> {
-    let given = files.iter().map(|file| file.name.as_ref());
-    names(&with_defaults(given, "inlet"), "inlets", check);
+    let mut given = with_defaults(files.iter().map(|file| file.name.as_ref()), "inlet");
+    let kind = if emitters.is_empty() { "inlets" } else { "inlets and emitters" };
+    given.extend(with_defaults(emitters.iter().map(|file| file.name.as_ref()), "emitter"));
+    names(&given, kind, check);
     let inlets: Vec<Option<Inlet>> =
         files.iter().enumerate().map(|(index, file)| inlet(file, index, site, folder, check)).collect();
     inlets.into_iter().collect()
@@ -66,7 +69,8 @@ fn inlet(
     Some(Inlet { patch: patch?, velocity: velocity?, pressure: file.pressure, feed: file.feed })
 }
 
-fn default_name(kind: &str, index: usize) -> String {
+/// Returns the name of an opening that has none in the file.
+pub fn default_name(kind: &str, index: usize) -> String {
     format!("{kind} {index}")
 }
 
@@ -77,7 +81,9 @@ fn with_defaults<'a>(given: impl Iterator<Item = Option<&'a Text>>, kind: &str) 
     given.enumerate().map(named).collect()
 }
 
-fn velocity(
+/// Returns the velocity of an inlet or emitter; None if it has a fault. `half_width` is half the
+/// width of the section, m.
+pub fn velocity(
     file: &Spanned<InletVelocityFile>,
     half_width: f64,
     folder: &Path,

@@ -8,6 +8,8 @@ use super::checker::Checker;
 use super::patches::Site;
 use crate::faults::{Fault, advice};
 use crate::geometry::Shape;
+use crate::model::Scene;
+use crate::movers::Wall;
 use crate::schema::Text;
 use sphecs_core::format::{point, significant};
 use sphecs_mesh::Surface;
@@ -15,8 +17,10 @@ use sphecs_mesh::Surface;
 /// Largest distance of a group from its plane, in spacings.
 const FLAT: f64 = 0.05;
 
-/// A mesh in the domain, and its place: x = R X s + o.
-struct PlacedMesh<'a> {
+/// A mesh in the domain or in a mover, and its place at the start: x = R X s + o.
+pub struct PlacedMesh<'a> {
+    /// Wall that its surface is of.
+    pub wall: Wall,
     surface: &'a Arc<Surface>,
     rotation: DMat3,
     scale: f64,
@@ -42,7 +46,7 @@ pub fn plane_of_group(name: &Text, site: &Site<'_>, check: &mut Checker<'_>) -> 
         return None;
     }
     let mut meshes = Vec::new();
-    collect(site.domain, (DMat3::IDENTITY, 1.0, DVec3::ZERO), &mut meshes);
+    collect(site.domain, (Wall::Casing, Holes::Omitted), Place::IDENTITY, &mut meshes);
     let found = meshes.iter().find_map(|mesh| Some((mesh, mesh.surface.group(&name.value)?)));
     let Some((mesh, group)) = found else {
         let known = meshes.iter().flat_map(|mesh| mesh.surface.group_names());
@@ -69,28 +73,84 @@ pub fn plane_of_group(name: &Text, site: &Site<'_>, check: &mut Checker<'_>) -> 
     plane
 }
 
+/// Returns the meshes of the casing and of the movers of a scene, in their places at the start.
+pub fn meshes_of(scene: &Scene) -> Vec<PlacedMesh<'_>> {
+    let mut found = Vec::new();
+    collect(&scene.layout.casing.domain, (Wall::Casing, Holes::Taken), Place::IDENTITY, &mut found);
+    for (index, mover) in scene.movers.iter().enumerate() {
+        let place = Place { rotation: mover.start.rotation, scale: 1.0, origin: mover.start.origin };
+        collect(&mover.shape, (Wall::Mover(index), Holes::Taken), place, &mut found);
+    }
+    found
+}
+
+/// Whether the meshes that a shape takes out count.
+#[derive(Clone, Copy, PartialEq)]
+enum Holes {
+    /// Openings are ends of what is filled.
+    Omitted,
+    Taken,
+}
+
+/// A place x = R X s + o.
+#[derive(Clone, Copy)]
+struct Place {
+    rotation: DMat3,
+    scale: f64,
+    origin: DVec3,
+}
+
+impl Place {
+    const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, scale: 1.0, origin: DVec3::ZERO };
+}
+
 /// Collects the meshes of a shape with their places.
 fn collect<'a>(
     shape: &'a Shape,
-    (rotation, scale, origin): (DMat3, f64, DVec3),
+    (wall, holes): (Wall, Holes),
+    place: Place,
     found: &mut Vec<PlacedMesh<'a>>,
 ) {
+    let Place { rotation, scale, origin } = place;
     match shape {
-        Shape::Mesh(surface) => found.push(PlacedMesh { surface, rotation, scale, origin }),
+        Shape::Mesh(surface) => found.push(PlacedMesh { wall, surface, rotation, scale, origin }),
         Shape::Union(shapes) | Shape::Intersection(shapes) => {
-            shapes.iter().for_each(|shape| collect(shape, (rotation, scale, origin), found));
+            shapes.iter().for_each(|shape| collect(shape, (wall, holes), place, found));
         }
-        // Openings are ends of what is filled, not of what is taken out.
-        Shape::Difference(shape, _) => collect(shape, (rotation, scale, origin), found),
+        Shape::Difference(shape, hole) => {
+            collect(shape, (wall, holes), place, found);
+            if holes == Holes::Taken {
+                collect(hole, (wall, holes), place, found);
+            }
+        }
         Shape::Placed { shape, rotation: inner, scale: by, origin: at } => {
-            let place = (rotation * *inner, scale * by, rotation * *at * scale + origin);
-            collect(shape, place, found);
+            let place = Place {
+                rotation: rotation * *inner,
+                scale: scale * by,
+                origin: rotation * *at * scale + origin,
+            };
+            collect(shape, (wall, holes), place, found);
         }
         _ => {}
     }
 }
 
 impl PlacedMesh<'_> {
+    /// Returns the index of the group of a name.
+    pub fn group(&self, name: &str) -> Option<u16> {
+        self.surface.group(name)
+    }
+
+    /// Returns the names of its groups.
+    pub fn group_names(&self) -> impl Iterator<Item = &str> {
+        self.surface.group_names().iter().map(String::as_str)
+    }
+
+    /// Returns the triangles of a group whose middles are in a region, m.
+    pub fn triangles_in(&self, group: u16, region: impl Fn(DVec3) -> bool) -> Vec<[DVec3; 3]> {
+        self.triangles(group).filter(|[a, b, c]| region((*a + *b + *c) / 3.0)).collect()
+    }
+
     /// Returns the triangles of a group, m.
     fn triangles(&self, group: u16) -> impl Iterator<Item = [DVec3; 3]> + '_ {
         let all = self.surface.triangles().iter().zip(self.surface.groups());

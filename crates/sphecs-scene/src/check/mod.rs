@@ -4,7 +4,8 @@
 //! 2. [`shapes`], [`meshes`], [`outlines`], [`outline_points`], [`boundaries`], [`movers`],
 //!    [`bodies`], [`patches`], [`mesh_groups`], [`cut`], [`driven`], [`section`], [`tables`],
 //!    [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one section each
-//! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill
+//! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill;
+//!    [`emitters`], on the walls of the scene
 //! 4. [`consistency`], [`mover_paths`]: faults that only the complete scene shows, once its parts
 //!    are valid
 
@@ -31,6 +32,7 @@ pub mod compressibility;
 pub mod consistency;
 pub mod cut;
 pub mod driven;
+pub mod emitters;
 pub mod layout;
 pub mod mass_flow;
 pub mod mesh_groups;
@@ -117,10 +119,11 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         dimensions,
         is_valid,
     };
-    let inlets = boundaries::inlets(&file.inlets, &site, source.folder, check);
+    let inlets = boundaries::inlets((&file.inlets, &file.emitters), &site, source.folder, check);
+    let emitters = emitters::written(file, (spacing, site.support), source.folder, check);
     let outlets = boundaries::outlets(&file.outlets, &site, source.folder, check);
     settings::references(file, check);
-    let (inlets, outlets) = (inlets?, outlets?);
+    let (inlets, emitters, outlets) = (inlets?, emitters?, outlets?);
     if !is_valid {
         return None;
     }
@@ -152,6 +155,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
         walls,
         bodies,
         inlets,
+        emitters: Vec::new(),
         outlets,
         periodic,
         initial,
@@ -163,6 +167,7 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     };
     if check.fault_count() == before {
         mass_flow::set_scales(&mut scene, file, check);
+        scene.emitters = emitters::emitters(file, emitters, &scene, check);
     }
     settings::derive(&mut scene, file);
     Some(scene)

@@ -81,7 +81,7 @@ fn arrange(
 pub fn casing_motion(file: &SceneFile, course: Course<'_>, check: &mut Checker<'_>) -> Option<Motion> {
     let walls = &file.walls.as_ref()?.value;
     let written = walls.motion.as_ref()?;
-    let openings = file.inlets.len() + file.outlets.len();
+    let openings = file.inlets.len() + file.outlets.len() + file.emitters.len();
     if openings > 0 || !file.periodic.is_empty() {
         let label = "must be left out in a scene with openings or periodic directions";
         check.report(

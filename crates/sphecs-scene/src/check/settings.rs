@@ -146,8 +146,9 @@ pub fn derive(scene: &mut Scene, file: &SceneFile) {
     // An inlet that is filled once takes no particles from the reservoir.
     let fed = scene.inlets.iter().filter(|inlet| inlet.feed == Feed::Fed);
     let inflow: f64 = fed.map(|inlet| inlet.patch.area / cell * (inlet.patch.depth / scene.spacing)).sum();
+    let emitted: usize = scene.emitters.iter().map(|emitter| emitter.particles(scene).count()).sum();
     let particles = file.reservoir.particles.as_ref().map(|p| p.value as usize);
-    let usual = if scene.reservoir.recycle { (inflow - 1e-6).ceil() as usize } else { 0 };
+    let usual = if scene.reservoir.recycle { (inflow - 1e-6).ceil() as usize + emitted } else { 0 };
     scene.reservoir.initial = particles.unwrap_or(usual);
     let length = file.reference.length.as_ref().map(|n| n.value);
     scene.reference_length = length.unwrap_or_else(|| narrowest(scene));

@@ -16,12 +16,14 @@ use sphecs_core::physics::viscosity::reconstructed::NoiseDamping;
 
 mod bodies;
 mod boundaries;
+mod emitter;
 mod movers;
 mod output;
 mod shapes;
 
 pub use bodies::BodyFile;
 pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile};
+pub use emitter::EmitterFile;
 pub use movers::{MotionFile, MoverFile};
 pub use output::{OutputFile, ProbeFile, ProbeKindFile};
 pub use shapes::{BendSectionFile, ShapeFile};
@@ -131,6 +133,9 @@ pub struct SceneFile {
     /// Openings through which fluid enters, default none.
     #[serde(default)]
     pub inlets: Vec<InletFile>,
+    /// Surfaces of walls or movers through which fluid enters along the normal, default none.
+    #[serde(default)]
+    pub emitters: Vec<EmitterFile>,
     /// Openings through which fluid leaves, default none.
     #[serde(default)]
     pub outlets: Vec<OutletFile>,

@@ -31,12 +31,12 @@ impl InletMethod for Extrapolated {
         let lag = LAG * zone.spacing / zone.sound_speed;
         let share = zone.time_step / (zone.time_step + lag);
         zone.fit_mirrored_pressure();
-        let (patch, density, motion) = (zone.patch, zone.density, zone.motion);
-        zone.set(share, |fitted, position, own| match fitted {
+        let (density, motion) = (zone.density, zone.motion);
+        zone.set(share, |fitted, particle, own| match fitted {
             Some(flow) => {
                 // Rise of the pressure from the particle to its mirror image.
-                let gradient = motion.pressure_force(position) * density;
-                flow.pressure - gradient.dot(patch.mirrored(position) - position)
+                let gradient = motion.pressure_force(particle) * density;
+                flow.pressure - gradient.dot(motion.mirrored(particle) - particle.position)
             }
             None => own,
         });

@@ -3,7 +3,6 @@
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use crate::boundary::patch::Patch;
 use crate::math::grid::CellGrid;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
@@ -16,26 +15,42 @@ use crate::pass::sums::PairSums;
 /// Smallest number of inflow particles per thread, as a profile may be an expression.
 const CHUNK: usize = 32;
 
-/// Motion that a scene prescribes for the particles of an inlet.
+/// Surface and motion that a scene prescribes for the inflow particles of an inlet or an emitter.
 pub trait InflowMotion: Sync {
-    /// Returns the velocity at a point (m) at the present time, m/s.
-    fn velocity(&self, point: DVec3) -> DVec3;
+    /// Returns the velocity of a particle at the present time, m/s.
+    fn velocity(&self, particle: InflowParticle) -> DVec3;
+
+    /// Returns the point of the surface in front of a particle, m.
+    fn foot(&self, particle: InflowParticle) -> DVec3;
+
+    /// Returns the mirror image of a particle in the surface, m.
+    fn mirrored(&self, particle: InflowParticle) -> DVec3;
+
+    /// Returns the centre of the section, m.
+    fn centre(&self) -> DVec3;
 
     /// Returns the body force at a point (m) at the present time, m/s².
     fn body_force(&self, point: DVec3) -> DVec3;
 
-    /// Returns g − dv/dt + ν ∇²v at a point (m) at the present time, m/s²: ∇p/ρ0 of the prescribed
+    /// Returns g − dv/dt + ν ∇²v of a particle at the present time, m/s²: ∇p/ρ0 of the prescribed
     /// motion.
-    fn pressure_force(&self, point: DVec3) -> DVec3;
+    fn pressure_force(&self, particle: InflowParticle) -> DVec3;
 }
 
-/// Inflow particles of one inlet, with the data that a condition may read and write.
+/// Number and place of an inflow particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InflowParticle {
+    /// Number.
+    pub id: u32,
+    /// Position, m.
+    pub position: DVec3,
+}
+
+/// Inflow particles of one inlet or emitter, with the data that a condition may read and write.
 pub struct InflowZone<'a, R: PairReal<D>, const D: usize> {
-    /// Opening of the inlet.
-    pub patch: &'a Patch,
     /// Rows of the inflow particles in the arrays.
     pub rows: &'a [u32],
-    /// Prescribed motion of the particles.
+    /// Surface and prescribed motion of the particles.
     pub motion: &'a dyn InflowMotion,
     /// Initial particle spacing Δ, m.
     pub spacing: f64,
@@ -77,12 +92,12 @@ struct InflowState {
 }
 
 impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
-    /// Fits the pressure of the fluid at the mirror images of the inflow particles in the plane.
+    /// Fits the pressure of the fluid at the mirror images of the inflow particles in the surface.
     pub fn fit_mirrored_pressure(&mut self) {
         let InflowBuffers { fits, .. } = &mut *self.buffers;
         fits.points.clear();
         fits.points.extend(self.rows.iter().map(|&row| {
-            let mirrored = self.patch.mirrored(self.arrays.position_of(row as usize));
+            let mirrored = self.motion.mirrored(particle(self.arrays, row as usize));
             std::array::from_fn(|axis| mirrored[axis])
         }));
         fits.find(PointFit::Pressure, self.pair, self.grid, self.arrays, self.sums);
@@ -90,20 +105,20 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
 
     /// Sets velocity, pressure and density of all rows.
     ///
-    /// `pressure` gives the pressure (Pa) from the fit of a row, its position (m) and its own
-    /// pressure (Pa). The pressure of the particle follows it by `share`, and equals it in the
+    /// `pressure` gives the pressure (Pa) from the fit of a row, its particle and its own pressure
+    /// (Pa). The pressure of the particle follows it by `share`, and equals it in the
     /// first step and after the particle entered the zone.
-    pub fn set(&mut self, share: f64, pressure: impl Fn(Option<PointFlow>, DVec3, f64) -> f64 + Sync) {
+    pub fn set(&mut self, share: f64, pressure: impl Fn(Option<PointFlow>, InflowParticle, f64) -> f64 + Sync) {
         let InflowBuffers { fits, states } = &mut *self.buffers;
         let (arrays, fitted, pair, motion) = (&*self.arrays, &fits.found, self.pair, self.motion);
         let is_first_step = self.is_first_step;
         let found = self.rows.par_iter().enumerate().with_min_len(CHUNK).map(|(index, &row)| {
             let row = row as usize;
-            let (position, own) = (arrays.position_of(row), arrays.pressure[row].to_f64());
-            let pressure = pressure(fitted.get(index).copied().flatten(), position, own);
+            let (particle, own) = (particle(arrays, row), arrays.pressure[row].to_f64());
+            let pressure = pressure(fitted.get(index).copied().flatten(), particle, own);
             let at_once = arrays.needs_restart[row] || is_first_step;
             let pressure = if at_once { pressure } else { own + share * (pressure - own) };
-            InflowState { velocity: motion.velocity(position), pressure, density: pair.density_at(pressure) }
+            InflowState { velocity: motion.velocity(particle), pressure, density: pair.density_at(pressure) }
         });
         found.collect_into_vec(states);
         for (&row, &InflowState { velocity, pressure, density }) in self.rows.iter().zip(&*states) {
@@ -115,4 +130,9 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
             }
         }
     }
+}
+
+/// Returns number and position of a row.
+fn particle<R: PairReal<D>, const D: usize>(arrays: &ParticleArrays<R, D>, row: usize) -> InflowParticle {
+    InflowParticle { id: arrays.id[row], position: arrays.position_of(row) }
 }

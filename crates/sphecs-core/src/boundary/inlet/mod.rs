@@ -1,5 +1,6 @@
 //! Inlet conditions.
 //!
+//! - [`emitter_column`]: column of inflow particles behind a point of an emitter
 //! - [`extrapolated`]: pressure extrapolated from the fluid
 //! - [`injection`]: positions at which particles enter an inflow zone
 //! - [`poiseuille`]: exact start-up profile between parallel plates
@@ -10,6 +11,7 @@
 //! pressure, add a file, a variant of [`InletPressure`], its arms below, and the source in
 //! docs/REFERENCES.md.
 
+pub mod emitter_column;
 pub mod extrapolated;
 pub mod inflow_zone;
 pub mod injection;

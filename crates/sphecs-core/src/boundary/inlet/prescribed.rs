@@ -20,13 +20,13 @@ pub struct Prescribed(pub f64);
 
 impl InletMethod for Prescribed {
     fn apply<R: PairReal<D>, const D: usize>(&self, zone: &mut InflowZone<'_, R, D>) {
-        let (pressure, density, motion, patch) = (self.0, zone.density, zone.motion, zone.patch);
-        let weight = |point: DVec3| {
-            let foot = point - patch.towards * patch.along(point);
+        let (pressure, density, motion) = (self.0, zone.density, zone.motion);
+        let centre = motion.centre();
+        let weight = |foot: DVec3| {
             // The force at the middle is exact for a linear one.
-            motion.body_force(0.5 * (patch.at + foot)).dot(foot - patch.at) * density
+            motion.body_force(0.5 * (centre + foot)).dot(foot - centre) * density
         };
-        zone.set(1.0, |_, point, _| pressure + weight(point));
+        zone.set(1.0, |_, particle, _| pressure + weight(motion.foot(particle)));
     }
 
     fn faults(&self) -> Vec<ParameterFault> {
