@@ -21,12 +21,12 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
     let tait = scene.fluid.tait();
     let mut index = EntityIndex(Vec::with_capacity(seeds.len()));
     let mut free = FreeParticles::default();
-    let mut capacity = InflowCapacity(vec![0; scene.inlets.len()]);
+    let mut capacity = InflowCapacity(vec![0; scene.source_count()]);
     let mut outflow = vec![0; scene.outlets.len()];
     let mut ledger = Ledger {
         initial: seeds.len() as u64,
-        entered: vec![0; scene.inlets.len()],
-        entered_back: vec![0; scene.inlets.len()],
+        entered: vec![0; scene.source_count()],
+        entered_back: vec![0; scene.source_count()],
         left: vec![0; scene.outlets.len()],
         left_back: vec![0; scene.outlets.len()],
         ..Ledger::default()

@@ -179,7 +179,7 @@ impl Header {
             bounds: first.bounds().unwrap_or_default(),
             particles: first.len() as u64,
             walls: first.slots_of(Zone::Wall).count() as u64,
-            inlets: scene.inlets.iter().map(|inlet| inlet.patch.name.clone()).collect(),
+            inlets: scene.source_names().map(str::to_owned).collect(),
             outlets: scene.outlets.iter().map(|outlet| outlet.patch.name.clone()).collect(),
             wall_parts: scene.walls.parts.iter().map(|part| part.name.clone()).collect(),
             probes: scene

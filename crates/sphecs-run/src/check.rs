@@ -136,15 +136,17 @@ fn fastest_text(scene: &Scene, path: &FlowPath) -> String {
 /// same.
 fn opening_text(scene: &Scene, figures: &OpeningFigures) -> String {
     let is_flat = scene.dimensions == 2;
-    let size = if is_flat {
-        format!("{} m wide", significant(figures.area))
-    } else {
-        format!(
-            "{} m², perimeter {} m, hydraulic diameter {} m",
-            significant(figures.area),
-            significant(figures.perimeter),
-            significant(figures.hydraulic_diameter)
-        )
+    let area = significant(figures.area);
+    let size = match (figures.section, figures.columns) {
+        (_, Some((count, depth))) => {
+            let unit = if is_flat { "m wide" } else { "m²" };
+            format!("{area} {unit}, {count} columns of particles {} m deep", significant(depth))
+        }
+        (Some([perimeter, diameter]), None) if !is_flat => {
+            let [perimeter, diameter] = [perimeter, diameter].map(significant);
+            format!("{area} m², perimeter {perimeter} m, hydraulic diameter {diameter} m")
+        }
+        _ => format!("{area} m wide"),
     };
     let unit = if is_flat { "kg/(s m)" } else { "kg/s" };
     let flow = |velocity: f64| {
@@ -160,8 +162,8 @@ fn opening_text(scene: &Scene, figures: &OpeningFigures) -> String {
         let at = |(time, velocity): &(f64, f64)| format!("{} at {} s", flow(*velocity), significant(*time));
         figures.velocities.iter().map(at).collect::<Vec<_>>().join("; ")
     };
-    let reynolds = largest * figures.hydraulic_diameter / scene.fluid.viscosity;
-    let reynolds = if reynolds.is_finite() {
+    let reynolds = figures.section.map(|[_, diameter]| largest * diameter / scene.fluid.viscosity);
+    let reynolds = if let Some(reynolds) = reynolds.filter(|reynolds| reynolds.is_finite()) {
         format!(", Re = {} by the hydraulic diameter", significant(reynolds))
     } else {
         String::new()

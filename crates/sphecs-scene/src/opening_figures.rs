@@ -12,10 +12,11 @@ pub struct OpeningFigures {
     pub name: String,
     /// Area, m² (width, m, in 2D).
     pub area: f64,
-    /// Wetted perimeter, m (number of edges at walls in 2D).
-    pub perimeter: f64,
-    /// Hydraulic diameter, m.
-    pub hydraulic_diameter: f64,
+    /// Wetted perimeter, m (number of edges at walls in 2D), and hydraulic diameter, m; None of an
+    /// emitter.
+    pub section: Option<[f64; 2]>,
+    /// Number of columns of an emitter and their depth, m; None of inlets and outlets.
+    pub columns: Option<(usize, f64)>,
     /// Times, s, and mean velocities along the flow, m/s; none at one of several outlets, whose
     /// shares of the flow are not known.
     pub velocities: Vec<(f64, f64)>,
@@ -24,21 +25,25 @@ pub struct OpeningFigures {
 /// Least number of points along each side of an opening at which its velocity is evaluated.
 const POINTS: usize = 40;
 
-/// Returns the figures of the inlets, then of the outlets, at the beginning of a run to `until`, s,
-/// and when all inlets together bring in least and most.
+/// Returns the figures of the inlets, of the emitters, then of the outlets, at the beginning of a
+/// run to `until`, s, and when all inlets and emitters together bring in least and most.
 ///
-/// What all inlets bring in leaves by a single outlet, as the fluid is nearly incompressible.
+/// What they bring in leaves by a single outlet, as the fluid is nearly incompressible.
 pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
     let points: Vec<_> = scene.inlets.iter().map(|inlet| inlet.section_points(scene, POINTS)).collect();
     let inflow = |number: usize, time: f64| {
         scene.inlets[number].volume_flow(scene.fluid.viscosity, &points[number], time)
     };
-    let times = extreme_times(until, |time| (0..points.len()).map(|number| inflow(number, time)).sum());
+    let total = |time: f64| -> f64 {
+        let inlets: f64 = (0..points.len()).map(|number| inflow(number, time)).sum();
+        inlets + scene.emitters.iter().map(|emitter| emitter.volume_flow(time)).sum::<f64>()
+    };
+    let times = extreme_times(until, total);
     let figures = |patch: &Patch, flow: &dyn Fn(f64) -> Option<f64>| OpeningFigures {
         name: patch.name.clone(),
         area: patch.area,
-        perimeter: patch.perimeter,
-        hydraulic_diameter: patch.hydraulic_diameter(),
+        section: Some([patch.perimeter, patch.hydraulic_diameter()]),
+        columns: None,
         velocities: times.iter().filter_map(|&time| Some((time, flow(time)? / patch.area))).collect(),
     };
     let inlets = scene
@@ -46,10 +51,17 @@ pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
         .iter()
         .enumerate()
         .map(|(number, inlet)| figures(&inlet.patch, &|time| Some(inflow(number, time))));
-    let is_only = scene.outlets.len() == 1 && !scene.inlets.is_empty();
-    let total = |time: f64| is_only.then(|| (0..scene.inlets.len()).map(|number| inflow(number, time)).sum());
-    let outlets = scene.outlets.iter().map(|outlet| figures(&outlet.patch, &total));
-    inlets.chain(outlets).collect()
+    let emitters = scene.emitters.iter().map(|emitter| OpeningFigures {
+        name: emitter.name.clone(),
+        area: emitter.area(),
+        section: None,
+        columns: Some((emitter.columns.len(), emitter.depth)),
+        velocities: times.iter().map(|&time| (time, emitter.volume_flow(time) / emitter.area())).collect(),
+    });
+    let is_only = scene.outlets.len() == 1 && scene.source_count() > 0;
+    let through = |time: f64| is_only.then(|| total(time));
+    let outlets = scene.outlets.iter().map(|outlet| figures(&outlet.patch, &through));
+    inlets.chain(emitters).chain(outlets).collect()
 }
 
 /// Returns the times, s, of the beginning, of the smallest and of the largest value.

@@ -78,9 +78,10 @@ fn seed(scene: &Scene, poses: &WallPoses, place: Place) -> ParticleSeed {
 fn set_emitter_velocities(scene: &Scene, seeds: &mut [ParticleSeed]) {
     let is_of_emitter =
         |seed: &&mut ParticleSeed| seed.zone == Zone::Inflow && scene.emitter(seed.patch).is_some();
-    let particles = scene.emitters.iter().flat_map(|emitter| {
-        emitter.particles(scene).map(move |particle| (emitter, particle))
-    });
+    let particles = scene
+        .emitters
+        .iter()
+        .flat_map(|emitter| emitter.particles(scene).map(move |particle| (emitter, particle)));
     for (seed, (emitter, particle)) in seeds.iter_mut().filter(is_of_emitter).zip(particles) {
         let (column, pose) = (&emitter.columns[particle.column], scene.start_pose(emitter.wall));
         seed.velocity = emitter.velocity_in(column, particle.depth, pose, 0.0);

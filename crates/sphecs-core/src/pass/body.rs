@@ -66,7 +66,8 @@ pub struct Body {
     pub part: u16,
     /// Point that torques are about, m.
     pub about: DVec3,
-    /// Numbers of particles of other wall parts that count for the body, ascending.
+    /// Numbers of particles of other wall parts, and of inflow particles, that count for the body,
+    /// ascending.
     pub others: Vec<u32>,
     /// True if the body moves, so that its cells are found in every step.
     moves: bool,
@@ -135,8 +136,9 @@ impl Body {
 
     /// Returns true if a row counts for the body.
     fn has<R: Real, const D: usize>(&self, particles: &ParticleArrays<R, D>, row: usize) -> bool {
-        particles.zone[row] == Zone::Wall
-            && (particles.patch[row] == self.part || self.others.binary_search(&particles.id[row]).is_ok())
+        (particles.zone[row] == Zone::Wall && particles.patch[row] == self.part)
+            || (matches!(particles.zone[row], Zone::Wall | Zone::Inflow)
+                && self.others.binary_search(&particles.id[row]).is_ok())
     }
 }
 

@@ -13,6 +13,7 @@ use crate::resources::state_location::{StateLocation, gather};
 use crate::resources::stopwatch::Stopwatch;
 use crate::schedule::{Stage, StageSet, StepSet};
 use crate::systems::body_forces::{Bodies, sum_body_forces, sum_edac_body_forces};
+use crate::systems::boundaries::emitters::{EmitterStates, apply_emitters};
 use crate::systems::boundaries::inflow_columns::InflowColumns;
 use crate::systems::boundaries::inlets::apply_inlets;
 use crate::systems::boundaries::movers::{MoverParticles, PresentPoses};
@@ -129,12 +130,20 @@ fn add_boundaries<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_
     if context.world.resource::<ActiveScene>().0.has_moving_walls() {
         context.save_resource::<MoverParticles>("mover_particles");
     }
+    let has_emitters = !context.world.resource::<ActiveScene>().0.emitters.is_empty();
+    if has_emitters {
+        context.save_resource::<EmitterStates>("emitters");
+    }
     context.world.init_resource::<AddedOutlets>();
     context.world.init_resource::<TransitionLists>();
     // Walls need the pressure of inflow and outflow particles, so they come last.
     context.stage.add_systems(
         (apply_inlets::<R, D>, apply_outlets::<R, D>, apply_walls::<R, D>).chain().in_set(StageSet::Boundary),
     );
+    if has_emitters {
+        let order = apply_emitters::<R, D>.after(apply_inlets::<R, D>).before(apply_outlets::<R, D>);
+        context.stage.add_systems(order.in_set(StageSet::Boundary));
+    }
     // Only the systems of one scheme are in the schedule; an order relative to the other has no
     // effect.
     context.stage.add_systems(

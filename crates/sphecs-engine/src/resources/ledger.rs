@@ -19,9 +19,9 @@ pub struct Ledger {
     pub deleted: u64,
     /// Present count by zone, in the order of [`Zone::ALL`].
     pub by_zone: [u64; 5],
-    /// Inflow → Fluid crossings through each inlet.
+    /// Inflow → Fluid crossings through each inlet, then each emitter.
     pub entered: Vec<u64>,
-    /// Fluid → Inflow crossings through each inlet (backflow).
+    /// Fluid → Inflow crossings through each inlet (backflow), then 0 for each emitter.
     pub entered_back: Vec<u64>,
     /// Fluid → Outflow crossings through each outlet.
     pub left: Vec<u64>,

@@ -247,7 +247,7 @@ fn saved_particle(
 
 fn check_patch(scene: &Scene, zone: Zone, patch: u16) -> Result<(), ColumnMismatch> {
     let patches = match zone {
-        Zone::Inflow => scene.inlets.len(),
+        Zone::Inflow => scene.source_count(),
         Zone::Outflow => scene.outlets.len(),
         Zone::Wall => scene.walls.parts.len(),
         Zone::Fluid | Zone::Reservoir => 1,
@@ -331,11 +331,11 @@ pub(crate) fn check_ledger(world: &mut World) -> Result<(), ColumnMismatch> {
     let counted = count_roles(world);
     let (ledger, scene) = (world.resource::<Ledger>(), &world.resource::<ActiveScene>().0);
     let through = [&ledger.entered, &ledger.entered_back, &ledger.left, &ledger.left_back].map(Vec::len);
-    let (inlets, outlets) = (scene.inlets.len(), scene.outlets.len());
+    let (inlets, outlets) = (scene.source_count(), scene.outlets.len());
     let capacity = world.resource::<InflowCapacity>().0.len();
     if through != [inlets, inlets, outlets, outlets] || capacity != inlets {
         return Err(ColumnMismatch(format!(
-            "the particle counts are not those of {inlets} inlets and {outlets} outlets"
+            "the particle counts are not those of {inlets} inlets and emitters and {outlets} outlets"
         )));
     }
     let index = &world.resource::<EntityIndex>().0;

@@ -16,6 +16,7 @@ use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, particles};
 use crate::schedule::{stage_schedule, step_schedule};
 use crate::spawn::spawn_particles;
+use crate::systems::boundaries::emitters::EmitterStates;
 use crate::systems::boundaries::movers::{MoverParticles, find_poses};
 use crate::systems::boundaries::outlet_registry::OutletFaults;
 use crate::systems::boundaries::outlets::insert_outlets;
@@ -133,6 +134,9 @@ impl SimulationBuilder {
             Contents::Particles(particles) => {
                 if scene.has_moving_walls() {
                     world.insert_resource(MoverParticles::new(&scene, &particles));
+                }
+                if !scene.emitters.is_empty() {
+                    world.insert_resource(EmitterStates::new(&scene, &particles));
                 }
                 spawn_particles(&mut world, &scene, &particles);
             }

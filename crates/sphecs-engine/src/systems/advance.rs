@@ -7,6 +7,7 @@ use bevy_ecs::system::{Local, Res, ResMut, SystemParam};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
+use super::boundaries::emitters::{EmitterStates, move_emitters};
 use super::boundaries::inflow_columns::InflowColumns;
 use super::boundaries::inlets::move_inflow;
 use super::boundaries::movers::WallMotion;
@@ -54,6 +55,7 @@ pub(crate) struct ZoneMotion<'w, 's, R: PairReal<D>, const D: usize> {
     rows: Res<'w, PatchRows>,
     outlets: Res<'w, Outlets<R, D>>,
     columns: ResMut<'w, InflowColumns>,
+    emitters: Option<ResMut<'w, EmitterStates>>,
     walls: WallMotion<'w>,
     /// Time at the beginning of the step, and size of the previous step.
     pub clock: ResMut<'w, Clock>,
@@ -81,6 +83,10 @@ impl<R: PairReal<D>, const D: usize> ZoneMotion<'_, '_, R, D> {
         clock.time_step = time_step;
         clock.step += 1;
         self.walls.finish_step(scene, clock.time, arrays);
+        if let Some(emitters) = &mut self.emitters {
+            let walls = (scene, self.walls.poses());
+            move_emitters(walls, emitters, &mut self.columns, &self.rows, (time, time_step), arrays);
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use std::ops::Range;
 use bevy_ecs::system::{Res, ResMut};
 
 use super::advance::{StepSettings, ZoneMotion, are_regular_fluid, largest_acceleration};
+use super::boundaries::emitters::{EmitterStates, set_end_densities};
 use super::boundaries::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
@@ -40,7 +41,7 @@ pub(crate) fn sum_volumes<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     pair: Res<Pair>,
     grid: Res<Grid<D>>,
-    rows: Res<PatchRows>,
+    (rows, emitters): (Res<PatchRows>, Option<ResMut<EmitterStates>>),
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
@@ -55,6 +56,9 @@ pub(crate) fn sum_volumes<R: PairReal<D>, const D: usize>(
                 arrays.density[row as usize] = R::from_f64(scene.fluid.density);
             }
         }
+    }
+    if let Some(mut emitters) = emitters {
+        set_end_densities(scene, &mut emitters, &rows, &mut arrays);
     }
 }
 

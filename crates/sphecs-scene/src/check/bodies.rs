@@ -122,7 +122,8 @@ pub fn have_particles(scene: &Scene, file: &SceneFile, places: &[Place], faults:
     let has_particles = |part: u16| {
         let walls = places.iter().filter(|place| place.zone == Zone::Wall);
         let part_of = |place: &Place| surface(scene, Wall::numbered(place.patch), place.position).part;
-        walls.map(part_of).any(|found| found == part)
+        scene.emitters.iter().any(|emitter| emitter.part == part)
+            || walls.map(part_of).any(|found| found == part)
     };
     let parts = file.walls.iter().flat_map(|walls| &walls.value.parts);
     for (part, written) in (1..).zip(parts) {

@@ -10,7 +10,9 @@ use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::model::{Inlet, InletVelocity, Outlet};
 use crate::notation::typed::Spanned;
-use crate::schema::{EmitterFile, Formula, FormulaText, InletFile, InletVelocityFile, Number, OutletFile, Text};
+use crate::schema::{
+    EmitterFile, Formula, FormulaText, InletFile, InletVelocityFile, Number, OutletFile, Text,
+};
 use crate::time_value::TimeValue;
 use sphecs_core::boundary::outlet::OutletCondition;
 use sphecs_core::boundary::outlet::pressure_driven::time_function::{Given, TimeFunction};

@@ -16,6 +16,7 @@ use crate::model::{InletVelocity, Scene};
 use crate::movers::Wall;
 use crate::sampled_times::sampled_times;
 use crate::schema::{EmitterFile, InletVelocityFile, SceneFile};
+use crate::wall_particles::surface_of;
 use sphecs_core::boundary::inlet::emitter_column::{EmitterColumn, NARROWEST};
 use sphecs_core::format::{point, significant};
 
@@ -122,7 +123,14 @@ fn emitter(
         curvature_product: piece.curvature_product,
     });
     let name = file.name.as_ref().map_or_else(|| default_name("emitter", index), |name| name.value.clone());
-    let mut emitter = Emitter { name, wall, velocity: written.velocity, columns: columns.collect(), depth };
+    let mut emitter = Emitter {
+        name,
+        wall,
+        part: surface_of(scene, wall, pieces[0].foot).2,
+        velocity: written.velocity,
+        columns: columns.collect(),
+        depth,
+    };
     smooth(file, &pieces, scene, check);
     room(file, &emitter, &pieces, scene, check);
     scale(file, &mut emitter, scene, check);
@@ -193,7 +201,8 @@ fn on_wall(scene: &Scene, wall: Wall, part: Option<&Shape>, region: Option<&Shap
         (low, high) = (low.max(lower), high.min(upper));
     }
     let surface = |place: DVec3| wall.distance(scene, place);
-    let contour = Contour { surface: &surface, region: &distance, low: low - margin, cell: CELL * scene.spacing };
+    let contour =
+        Contour { surface: &surface, region: &distance, low: low - margin, cell: CELL * scene.spacing };
     over_surfaces::pieces(scene, wall, &contour.triangles(high + margin))
 }
 
@@ -210,13 +219,7 @@ fn smooth(file: &EmitterFile, pieces: &[Piece], scene: &Scene, check: &mut Check
 }
 
 /// Reports columns that do not fit into the solid behind the surface.
-fn room(
-    file: &EmitterFile,
-    emitter: &Emitter,
-    pieces: &[Piece],
-    scene: &Scene,
-    check: &mut Checker<'_>,
-) {
+fn room(file: &EmitterFile, emitter: &Emitter, pieces: &[Piece], scene: &Scene, check: &mut Checker<'_>) {
     let before = check.fault_count();
     let mut report = |title: &str, foot: DVec3, what: String, help: &str| {
         let place = point(&foot.to_array()[..scene.dimensions], scene.spacing);

@@ -49,6 +49,8 @@ pub struct Emitter {
     pub name: String,
     /// Wall whose surface it is part of.
     pub wall: Wall,
+    /// Index of the wall part that it is on.
+    pub part: u16,
     /// Speed along the normal, relative to the surface: one of the variants without components.
     pub velocity: InletVelocity,
     /// Columns in the reference coordinates of its wall.

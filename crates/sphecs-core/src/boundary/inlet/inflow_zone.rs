@@ -108,7 +108,11 @@ impl<R: PairReal<D>, const D: usize> InflowZone<'_, R, D> {
     /// `pressure` gives the pressure (Pa) from the fit of a row, its particle and its own pressure
     /// (Pa). The pressure of the particle follows it by `share`, and equals it in the
     /// first step and after the particle entered the zone.
-    pub fn set(&mut self, share: f64, pressure: impl Fn(Option<PointFlow>, InflowParticle, f64) -> f64 + Sync) {
+    pub fn set(
+        &mut self,
+        share: f64,
+        pressure: impl Fn(Option<PointFlow>, InflowParticle, f64) -> f64 + Sync,
+    ) {
         let InflowBuffers { fits, states } = &mut *self.buffers;
         let (arrays, fitted, pair, motion) = (&*self.arrays, &fits.found, self.pair, self.motion);
         let is_first_step = self.is_first_step;

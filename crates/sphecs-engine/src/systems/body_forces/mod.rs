@@ -17,6 +17,7 @@ use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
+use crate::systems::boundaries::emitters::EmitterStates;
 use crate::systems::boundaries::movers::PresentPoses;
 use covered_walls::CoveredWalls;
 use sphecs_core::pass::body::{Body, BodySum};
@@ -103,6 +104,7 @@ fn new_body(scene: &Scene, body: &SceneBody) -> Body {
 /// Sums the forces on all bodies by the terms of `Wcsph`.
 pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
+    emitters: Option<Res<EmitterStates>>,
     grid: Res<Grid<D>>,
     since_correction: Res<StepsSinceCorrection>,
     arrays: Res<Arrays<R, D>>,
@@ -115,6 +117,7 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
+        add_emitters(&scene.0, emitters.as_deref(), body);
         let mut sum =
             R::sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
@@ -126,6 +129,7 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
 pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
+    emitters: Option<Res<EmitterStates>>,
     grid: Res<Grid<D>>,
     arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
@@ -137,11 +141,20 @@ pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
+        add_emitters(&scene.0, emitters.as_deref(), body);
         let mut sum = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
         sum
     }));
+}
+
+/// Adds the inflow particles of the emitters on a body to those that count for it.
+fn add_emitters(scene: &Scene, emitters: Option<&EmitterStates>, body: &mut Body) {
+    if let Some(emitters) = emitters {
+        emitters.add_numbers(scene, body.part, &mut body.others);
+        body.others.sort_unstable();
+    }
 }
 
 /// Finds the motions of the bodies, and moves the points that torques are about with them.

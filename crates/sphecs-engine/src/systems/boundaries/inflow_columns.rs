@@ -23,7 +23,7 @@ use sphecs_core::boundary::patch::Patch;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::pass::pair_real::PairReal;
 
-/// Columns of the inlets, in the order of the scene.
+/// Columns of the inlets, then of the emitters, in the order of the scene.
 #[derive(Resource, Serialize, Deserialize, Default)]
 #[serde(transparent)]
 pub struct InflowColumns(Vec<InflowColumn>);
@@ -73,6 +73,12 @@ impl InflowColumn {
             let sum: f64 = rows.iter().map(|&row| arrays.density[row as usize].to_f64()).sum();
             self.next = reference * rows.len() as f64 / sum;
         }
+    }
+
+    /// Takes the stretch that belongs to the present pressures, and returns it.
+    pub fn update(&mut self) -> f64 {
+        self.stretch = self.next;
+        self.stretch
     }
 
     /// Moves the rows of the zone to the distances from the plane that belong to the present

@@ -13,7 +13,7 @@ use crate::resources::pair::Pair;
 use crate::resources::pair_sums::Sums;
 use crate::resources::scene::ActiveScene;
 use crate::systems::forces::body_force;
-use sphecs_core::boundary::inlet::inflow_zone::{InflowBuffers, InflowMotion, InflowZone};
+use sphecs_core::boundary::inlet::inflow_zone::{InflowBuffers, InflowMotion, InflowParticle, InflowZone};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
 use sphecs_core::pass::pair_real::PairReal;
@@ -37,16 +37,29 @@ struct SceneMotion<'a> {
 }
 
 impl InflowMotion for SceneMotion<'_> {
-    fn velocity(&self, point: DVec3) -> DVec3 {
-        self.inlet.velocity_at(self.scene.fluid.viscosity, point, self.time)
+    fn velocity(&self, particle: InflowParticle) -> DVec3 {
+        self.inlet.velocity_at(self.scene.fluid.viscosity, particle.position, self.time)
+    }
+
+    fn foot(&self, particle: InflowParticle) -> DVec3 {
+        let patch = &self.inlet.patch;
+        particle.position - patch.towards * patch.along(particle.position)
+    }
+
+    fn mirrored(&self, particle: InflowParticle) -> DVec3 {
+        self.inlet.patch.mirrored(particle.position)
+    }
+
+    fn centre(&self) -> DVec3 {
+        self.inlet.patch.at
     }
 
     fn body_force(&self, point: DVec3) -> DVec3 {
         body_force(&self.scene.body_force, point, self.time)
     }
 
-    fn pressure_force(&self, point: DVec3) -> DVec3 {
-        let scene = self.scene;
+    fn pressure_force(&self, particle: InflowParticle) -> DVec3 {
+        let (scene, point) = (self.scene, particle.position);
         let moment = TIME_DIFFERENCE * scene.spacing / scene.fluid.sound_speed;
         let step = SPACE_DIFFERENCE * scene.spacing;
         let viscosity = if scene.scheme.is_viscous() { scene.fluid.viscosity } else { 0.0 };
@@ -68,7 +81,6 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
     let scene = &*scene.0;
     for (index, (inlet, rows)) in scene.inlets.iter().zip(&rows.inflow).enumerate() {
         let mut zone = InflowZone {
-            patch: &inlet.patch,
             rows,
             motion: &SceneMotion { scene, inlet, time: clock.time },
             spacing: scene.spacing,

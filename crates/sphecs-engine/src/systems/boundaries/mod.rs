@@ -1,5 +1,6 @@
 //! Boundary particles: inflow, outflow and wall.
 //!
+//! - [`emitters`]: inflow particles of emitters
 //! - [`inflow_columns`]: compression of inflow zones
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
 //! - [`movers`]: positions, velocities and normals of walls that move
@@ -17,6 +18,7 @@
 //!
 //! The conditions are in `sphecs_core::boundary`; the systems here call them.
 
+pub mod emitters;
 pub mod inflow_columns;
 pub mod inlets;
 pub mod movers;

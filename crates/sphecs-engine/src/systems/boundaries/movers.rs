@@ -82,6 +82,11 @@ pub(crate) struct WallMotion<'w> {
 }
 
 impl WallMotion<'_> {
+    /// Returns the poses at the time of the particles.
+    pub(crate) fn poses(&self) -> &WallPoses {
+        &self.poses.0
+    }
+
     /// Moves the walls to their pose at a time, s.
     pub(crate) fn finish_step<R: PairReal<D>, const D: usize>(
         &mut self,

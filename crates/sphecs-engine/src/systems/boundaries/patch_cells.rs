@@ -1,4 +1,4 @@
-//! Grid cells near inlets and outlets.
+//! Grid cells near inlets, emitters and outlets.
 //!
 //! Particles of other cells neither belong to a zone nor can cross a plane within a step.
 
@@ -9,7 +9,8 @@ use glam::DVec3;
 use super::patch_rows::ADJACENT_LAYERS;
 use sphecs_core::boundary::outlet::method::Needs;
 use sphecs_core::math::grid::CellGrid;
-use sphecs_scene::model::{Patch, Scene};
+use sphecs_scene::model::{Emitter, Patch, Scene};
+use sphecs_scene::movers::Wall;
 
 /// Cells near a patch, with their rows, which are valid until the next sort.
 #[derive(Clone, Debug, Default)]
@@ -56,6 +57,15 @@ impl PatchCells {
     }
 }
 
+/// Returns centre and radius of a ball that the columns of an emitter do not leave, m; infinite on a
+/// wall that moves.
+fn ball(emitter: &Emitter) -> (DVec3, f64) {
+    match emitter.wall {
+        Wall::Casing => emitter.ball(),
+        Wall::Mover(_) => (DVec3::ZERO, f64::INFINITY),
+    }
+}
+
 /// Finds the runs of consecutive cells that may hold particles of a zone, particles that cross a
 /// plane before the next sort, or particles that an outlet follows. Each patch has a slab along its
 /// plane over the whole domain, since particles of a zone may drift sideways.
@@ -69,6 +79,7 @@ fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>
         slab(&outlet.patch, reach, outlet.patch.depth)
     });
     let slabs: Vec<_> = inlets.chain(outlets).collect();
+    let balls: Vec<(DVec3, f64)> = scene.emitters.iter().map(ball).collect();
     let mut runs: Vec<Range<usize>> = Vec::new();
     for cell in 0..grid.len() {
         let corner = grid.corner(grid.index_of(cell));
@@ -77,10 +88,14 @@ fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>
             half[d] = 0.5 * grid.cell_size()[d];
             centre[d] = corner[d] + half[d];
         }
-        let near = slabs.iter().any(|(patch, from, to)| {
+        let is_in_slab = slabs.iter().any(|(patch, from, to)| {
             let (along, extent) = (patch.along(centre), half.dot(patch.towards.abs()));
             along + extent > *from && along - extent < *to
         });
+        let near = is_in_slab
+            || balls.iter().any(|(middle, radius)| {
+                centre.distance(scene.nearest_image(*middle, centre)) < radius + support + half.length()
+            });
         match runs.last_mut() {
             _ if !near => {}
             Some(last) if last.end == cell => last.end += 1,

@@ -18,7 +18,7 @@ pub(super) const ADJACENT_LAYERS: f64 = 3.0;
 /// Rows by inlet and outlet, valid until the next sort.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PatchRows {
-    /// Inflow rows of each inlet.
+    /// Inflow rows of each inlet, then of each emitter.
     pub inflow: Vec<Vec<u32>>,
     /// Outflow rows of each outlet.
     pub outflow: Vec<Vec<u32>>,
@@ -46,7 +46,7 @@ impl PatchRows {
 
     /// Empties the lists of every patch of a scene.
     fn clear(&mut self, scene: &Scene) {
-        self.inflow.resize_with(scene.inlets.len(), Vec::new);
+        self.inflow.resize_with(scene.source_count(), Vec::new);
         self.outflow.resize_with(scene.outlets.len(), Vec::new);
         self.before_outlet.resize_with(scene.outlets.len(), Vec::new);
         self.upstream.resize_with(scene.outlets.len(), Vec::new);
@@ -68,7 +68,7 @@ impl PatchRows {
         arrays: &ParticleArrays<R, D>,
     ) {
         self.clear(scene);
-        if scene.inlets.is_empty() && scene.outlets.is_empty() {
+        if scene.source_count() == 0 && scene.outlets.is_empty() {
             return;
         }
         self.near.find(scene, needs, grid);

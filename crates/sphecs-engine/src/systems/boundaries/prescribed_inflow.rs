@@ -1,4 +1,4 @@
-//! Volume flow that inlets and movers of a scene prescribe, as its outlets see it.
+//! Volume flow that inlets, emitters and movers of a scene prescribe, as its outlets see it.
 
 use glam::DVec3;
 
@@ -37,7 +37,7 @@ impl PrescribedInflow {
     pub fn new(scene: &Scene) -> Self {
         let points = scene.inlets.iter().map(|inlet| inlet.section_points(scene, 1)).collect();
         let displaced = DisplacedFlow::new(scene, |_| 1.0);
-        let prescribes = !scene.inlets.is_empty() || displaced.is_some();
+        let prescribes = scene.source_count() > 0 || displaced.is_some();
         let outlets = scene.outlets.iter().filter(|_| prescribes);
         let passage = |towards: DVec3| scene.extent_along(towards) / scene.fluid.sound_speed;
         let filters: Vec<SlowPart> =
@@ -64,7 +64,8 @@ impl PrescribedInflow {
                 inlet.volume_flow(scene.fluid.viscosity, points, time)
             };
             let inlets: f64 = scene.inlets.iter().zip(&*points).map(of_inlet).sum();
-            inlets + moved(time)
+            let emitters: f64 = scene.emitters.iter().map(|emitter| emitter.volume_flow(time)).sum();
+            inlets + emitters + moved(time)
         };
         // Short against any start.
         let moment = 1e-3 * scene.spacing / scene.fluid.sound_speed;

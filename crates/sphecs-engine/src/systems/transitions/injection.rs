@@ -30,9 +30,9 @@ pub(crate) struct Injection {
     pub place: DVec3,
     /// Zone.
     pub zone: Zone,
-    /// Index of the inlet or outlet.
+    /// Index of the inlet, emitter or outlet.
     pub patch: u16,
-    /// Velocity of the particle that crossed the plane, m/s.
+    /// Velocity of the particle that crossed the plane, or the prescribed one of an emitter, m/s.
     pub velocity: DVec3,
     /// Pressure of the particle that crossed the plane, Pa.
     pub pressure: f64,
@@ -56,21 +56,22 @@ pub(super) fn inject<R: PairReal<D>, const D: usize>(
     true
 }
 
-/// Injects a particle if the reservoir has one.
+/// Injects a particle if the reservoir has one, and returns its number.
 pub(super) fn place<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
     arrays: &mut ParticleArrays<R, D>,
     injection: &Injection,
-) {
-    let Some(id) = take_particle(world, scene) else { return };
+) -> Option<u32> {
+    let id = take_particle(world, scene)?;
     let &Injection { place, zone, patch, pressure, .. } = injection;
     let time = world.resource::<Clock>().time;
-    let velocity = match zone {
-        Zone::Inflow => scene.inlets[usize::from(patch)].velocity_at(scene.fluid.viscosity, place, time),
-        // The injected particle has the velocity of the one at the plane, as have the particles
-        // between.
-        _ => injection.velocity,
+    let inlet = scene.inlets.get(usize::from(patch)).filter(|_| zone == Zone::Inflow);
+    let velocity = match inlet {
+        Some(inlet) => inlet.velocity_at(scene.fluid.viscosity, place, time),
+        // In an outflow zone the injected particle has the velocity of the one at the plane, as have
+        // the particles between.
+        None => injection.velocity,
     };
     arrays.push(&ParticleRow {
         id,
@@ -100,6 +101,7 @@ pub(super) fn place<R: PairReal<D>, const D: usize>(
     } else {
         entity.insert(Outflow { outlet: patch });
     }
+    Some(id)
 }
 
 /// Returns true if the position of an injection is free and, at an inlet, the zone has lost

@@ -1,5 +1,6 @@
 //! Changes of zone; no other system changes the role of a particle.
 //!
+//! - `emission`: particles that cross the surfaces of emitters
 //! - `injection`: injection of a particle into a zone
 //! - `refill`: injections that wait for a free position
 //! - `reservoir`: storage and creation of particles
@@ -23,6 +24,7 @@
 //! as long as its zone. An inlet that is filled once injects nothing, and the run stops when it is
 //! drained.
 
+mod emission;
 pub(crate) mod injection;
 pub(crate) mod refill;
 pub(crate) mod reservoir;
@@ -41,6 +43,7 @@ use crate::components::{Fluid, Inflow, Outflow, Returned};
 use crate::resources::entity_index::EntityIndex;
 use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
+use emission::emit;
 use injection::{Injection, inject};
 use refill::{defer, refill};
 use reservoir::store;
@@ -72,7 +75,7 @@ pub struct TransitionLists {
 /// Finds the rows that crossed a plane, and changes their roles in components and arrays.
 pub(crate) fn transition<R: PairReal<D>, const D: usize>(world: &mut World) {
     let scene = world.resource::<ActiveScene>().0.clone();
-    if scene.inlets.is_empty() && scene.outlets.is_empty() {
+    if scene.source_count() == 0 && scene.outlets.is_empty() {
         wrap_periodic::<R, D>(world, &scene);
         return;
     }
@@ -93,6 +96,7 @@ pub(crate) fn transition<R: PairReal<D>, const D: usize>(world: &mut World) {
                 }
             }
             refill(world, &scene, &mut arrays);
+            emit(world, &scene, &mut arrays);
         });
     });
     wrap_periodic::<R, D>(world, &scene);
@@ -171,7 +175,8 @@ fn due_change<R: PairReal<D>, const D: usize>(
             }
         }
         Zone::Inflow => {
-            let inlet = &scene.inlets[usize::from(patch)].patch;
+            // Those of an emitter cross in the order of their columns: see `emission`.
+            let inlet = &scene.inlets.get(usize::from(patch))?.patch;
             let along = inlet.along(point);
             if along >= 0.0 {
                 Some((Zone::Fluid, patch))
