@@ -28,6 +28,7 @@ use sphecs_engine::resources::state_location::StateLocation;
 use sphecs_engine::resources::stopwatch::Stopwatch;
 use sphecs_engine::saved_state::SavedResources;
 use sphecs_engine::systems::body_forces::Bodies;
+use sphecs_engine::systems::boundaries::emitters::EmitterStates;
 use sphecs_engine::systems::boundaries::movers::{MoverParticles, PresentPoses};
 use sphecs_engine::systems::boundaries::outlet_registry::AddedOutlets;
 use sphecs_engine::systems::boundaries::patch_rows::PatchRows;
@@ -344,6 +345,7 @@ fn not_saved() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<PatchRows>(), "collected at each sort"),
         (TypeId::of::<PresentPoses>(), "from the scene and the time"),
         (TypeId::of::<MoverParticles>(), "saved in scenes with walls that move"),
+        (TypeId::of::<EmitterStates>(), "saved in scenes with emitters"),
         (TypeId::of::<SortBuffers<f64>>(), "buffer"),
         (TypeId::of::<Sums<f64, 2>>(), "summed in every step"),
         (TypeId::of::<Bodies>(), "summed in every step with settings of the scene"),

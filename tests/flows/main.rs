@@ -8,6 +8,7 @@
 //! * [`bodies`]: force and torque on bodies
 //! * [`channel`]: flows along plane walls and their exact solutions
 //! * [`edac`]: the scheme `EdacTvf`
+//! * [`emitters`]: surfaces through which fluid enters
 //! * [`movers`]: walls that move
 //! * [`walls`]: every wall model, plane and curved
 //! * [`slip`]: free-slip walls of every model
@@ -19,6 +20,7 @@ mod common;
 mod bodies;
 mod channel;
 mod edac;
+mod emitters;
 mod inlets;
 mod junction;
 mod metered;

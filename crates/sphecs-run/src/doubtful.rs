@@ -1,14 +1,15 @@
 //! Notes of `sphecs check` on choices of a scene that are valid and seldom meant: kernels far from
-//! the usual size, walls that move into the fluid, and inflows that leave or pulsate faster than
-//! sound can follow.
+//! the usual size, walls that move into the fluid, emitters at the side of their solid, and inflows
+//! that leave or pulsate faster than sound can follow.
 
 use std::f64::consts::TAU;
 
-use sphecs_core::format::{significant, with_digits};
+use sphecs_core::format::{point, significant, with_digits};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::wall::Slip;
+use sphecs_scene::emitters::bare_side;
 use sphecs_scene::flow_path::FlowPath;
-use sphecs_scene::model::{Inlet, ParticleSeed, Scene};
+use sphecs_scene::model::{Emitter, Inlet, ParticleSeed, Scene};
 
 /// Usual range of h/Δ.
 const USUAL_RATIO: [f64; 2] = [1.2, 2.2];
@@ -37,12 +38,24 @@ pub(crate) fn notes(
     let mut notes: Vec<String> = kernel_note(scene).into_iter().collect();
     notes.extend(wall_function_note(scene));
     notes.extend(wall_velocity_notes(scene, seeds, until));
+    notes.extend(scene.emitters.iter().filter_map(|emitter| emitter_note(scene, emitter)));
     for inlet in &scene.inlets {
         let flow = Inflow::sampled(scene, inlet, until);
         notes.extend(flow.outward_note(inlet));
         notes.extend(path.and_then(|path| flow.pulsation_note(scene, inlet, path.length)));
     }
     notes
+}
+
+fn emitter_note(scene: &Scene, emitter: &Emitter) -> Option<String> {
+    bare_side(scene, emitter).map(|place| {
+        format!(
+            "the emitter `{}` has fluid beside its inflow zone near {} m, which feels the inflow through the side of the \
+             solid: keep the emitter two spacings from its edges",
+            emitter.name,
+            point(&place.to_array()[..scene.dimensions], scene.spacing)
+        )
+    })
 }
 
 fn kernel_note(scene: &Scene) -> Option<String> {

@@ -8,7 +8,7 @@
 //!
 //! * [`numbers`]: numbers, formulas, vectors
 //! * [`regions`]: regions of space
-//! * [`openings`]: inlets and outlets
+//! * [`openings`]: inlets, emitters and outlets
 //! * [`walls`]: walls and bodies
 //! * [`moving_bodies`]: bodies that move
 //! * [`scheme`]: fluid and numerical scheme
@@ -36,7 +36,7 @@ pub mod walls;
 pub use measurements::{Output, Probe, ProbeKind};
 pub use moving_bodies::{Motion, Mover, Translation, Turning};
 pub use numbers::{Components, Formula, Interval, Number, Vector, VectorFormula};
-pub use openings::{Inlet, InletVelocity, MassFlow, MassFlux, Outlet, PoiseuilleStartup};
+pub use openings::{Emitter, Inlet, InletVelocity, MassFlow, MassFlux, Outlet, PoiseuilleStartup};
 pub use regions::{BendSection, Rotation, Shape};
 pub use scheme::{EdacTvf, Fluid, Scheme, Wcsph};
 pub use settings::{Fill, Initial, Lattice, Reference, Reservoir, Time, WallFitted};
@@ -81,6 +81,8 @@ pub struct SceneBuilder {
     initial: Option<Initial>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     inlets: Vec<Inlet>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    emitters: Vec<Emitter>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     outlets: Vec<Outlet>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -194,6 +196,7 @@ impl Scene {
             bodies: Vec::new(),
             initial: None,
             inlets: Vec::new(),
+            emitters: Vec::new(),
             outlets: Vec::new(),
             periodic: Vec::new(),
             body_force: None,
@@ -299,6 +302,12 @@ impl SceneBuilder {
     /// Adds an inlet.
     pub fn inlet(mut self, inlet: Inlet) -> Self {
         self.inlets.push(inlet);
+        self
+    }
+
+    /// Adds a surface through which fluid enters along the normal.
+    pub fn emitter(mut self, emitter: Emitter) -> Self {
+        self.emitters.push(emitter);
         self
     }
 

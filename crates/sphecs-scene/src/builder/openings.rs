@@ -1,9 +1,10 @@
-//! Inlets and outlets of a scene description.
+//! Inlets, emitters and outlets of a scene description.
 
 use serde::Serialize;
 
 use super::description::description;
 use super::numbers::{Formula, Number, Vector, VectorFormula};
+use super::regions::Shape;
 use sphecs_core::boundary::inlet::{Feed, InletPressure};
 use sphecs_core::boundary::outlet::OutletCondition;
 use sphecs_core::boundary::patch::Extent;
@@ -44,6 +45,31 @@ impl Inlet {
         velocity: impl Into<InletVelocity>,
     ) -> Self {
         Self::default().at(at).towards(towards).velocity(velocity)
+    }
+}
+
+description! {
+    /// A surface of a wall or mover through which fluid enters along the normal.
+    pub struct Emitter {
+        /// Sets the name, default `emitter 0` and so on.
+        name: String,
+        /// Sets the mover, wall part or group of a mesh whose surface emits, default the walls.
+        on: String,
+        /// Sets the region in which the surface emits, of a mover in its place without
+        /// displacement; default all of `on`.
+        region: Shape,
+        /// Sets the velocity of the fluid relative to the surface, along the normal.
+        velocity: InletVelocity,
+        /// Sets the depth of the inflow zone inside the solid, m, rounded up to whole spacings;
+        /// default a little more than the support.
+        depth: Number,
+    }
+}
+
+impl Emitter {
+    /// Returns an emitter on the whole surface of a mover, a wall part or a group of a mesh.
+    pub fn on_surface(on: impl Into<String>, velocity: impl Into<InletVelocity>) -> Self {
+        Self::default().on(on).velocity(velocity)
     }
 }
 

@@ -18,7 +18,7 @@ use sphecs_core::boundary::outlet::OutletCondition;
 use sphecs_core::boundary::outlet::pressure_driven::time_function::{Given, TimeFunction};
 
 /// Layers of the zone of an inlet, as in Alvarado-Rodríguez et al. (2017).
-pub const INLET_LAYERS: f64 = 5.0;
+const INLET_LAYERS: f64 = 5.0;
 /// Layers of the zone of an outlet, more than their five, so that neither end affects its middle.
 const OUTLET_LAYERS: f64 = 8.0;
 

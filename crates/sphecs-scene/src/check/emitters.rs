@@ -1,10 +1,11 @@
 //! Checks of the emitters of a scene file, and their columns on the walls of the scene.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::boundaries::{INLET_LAYERS, default_name, velocity};
+use super::boundaries::{default_name, velocity};
 use super::checker::Checker;
 use super::mesh_groups::{PlacedMesh, meshes_of};
 use super::shapes;
@@ -16,15 +17,24 @@ use crate::model::{InletVelocity, Scene};
 use crate::movers::Wall;
 use crate::sampled_times::sampled_times;
 use crate::schema::{EmitterFile, InletVelocityFile, SceneFile};
+use crate::sheets::around;
 use crate::wall_particles::surface_of;
 use sphecs_core::boundary::inlet::emitter_column::{EmitterColumn, NARROWEST};
 use sphecs_core::format::{point, significant};
 
+/// Length by which a column is longer than the support, in spacings. Its end comes nearer by a
+/// spacing before a particle enters; there the kernel is nearly 0.
+const TRUNCATED: f64 = 0.4;
+
 /// Size of the cubes in which a surface is found in 3D, in spacings.
 const CELL: f64 = 0.25;
 
-/// Cosine of the largest angle between the normals of a piece of a spacing.
-const SHARPEST: f64 = 0.7;
+/// Least distance of particles of different columns, in spacings. Behind a convex surface that is
+/// just not too tight they have 0.3 at its end in 2D.
+const NEAREST: f64 = 0.2;
+
+/// Distance of the points of a column at which it is compared with others, in spacings.
+const STEP: f64 = 0.25;
 
 /// Solid behind the end of a column, in spacings, at least.
 const BEHIND: f64 = 0.5;
@@ -68,7 +78,7 @@ pub fn written(
             let label = "must have `on`, `region` or both";
             check.report(Fault::new("an emitter has no surface", file.place(), label));
         }
-        let layers = depth.map_or((INLET_LAYERS * spacing).max(support), |(_, depth)| depth) / spacing;
+        let layers = depth.map_or(support + TRUNCATED * spacing, |(_, depth)| depth) / spacing;
         (check.fault_count() == before).then_some(())?;
         let region = match region {
             Some(region) => Some(region?),
@@ -131,8 +141,10 @@ fn emitter(
         columns: columns.collect(),
         depth,
     };
-    smooth(file, &pieces, scene, check);
     room(file, &emitter, &pieces, scene, check);
+    if check.fault_count() == before {
+        apart(file, &emitter, &pieces, scene, check);
+    }
     scale(file, &mut emitter, scene, check);
     one_way(file, &emitter, scene, check);
     (check.fault_count() == before).then_some(emitter)
@@ -206,14 +218,31 @@ fn on_wall(scene: &Scene, wall: Wall, part: Option<&Shape>, region: Option<&Shap
     over_surfaces::pieces(scene, wall, &contour.triangles(high + margin))
 }
 
-/// Reports an edge in the surface of an emitter.
-fn smooth(file: &EmitterFile, pieces: &[Piece], scene: &Scene, check: &mut Checker<'_>) {
-    let Some(sharpest) = pieces.iter().min_by(|a, b| a.turn.total_cmp(&b.turn)) else { return };
-    if sharpest.turn < SHARPEST {
-        let title = "the surface of an emitter has an edge";
-        let place = point(&sharpest.foot.to_array()[..scene.dimensions], scene.spacing);
-        let label = format!("turns within a spacing near {place} m, must be smooth");
-        let help = "give each face an emitter of its own, or round the edge";
+/// Reports columns that meet behind an edge.
+fn apart(file: &EmitterFile, emitter: &Emitter, pieces: &[Piece], scene: &Scene, check: &mut Checker<'_>) {
+    let nearest = NEAREST * scene.spacing;
+    let cell = |point: DVec3| (point / nearest).floor().as_i64vec3().to_array();
+    let step = STEP * scene.spacing;
+    let steps = (emitter.depth / step).round() as u32;
+    let points = || {
+        let depths = (1..=steps).map(|at| f64::from(at) * step);
+        let of_column = move |(index, column): (usize, &EmitterColumn)| {
+            let column = *column;
+            depths.clone().map(move |depth| (index, column.point(depth)))
+        };
+        emitter.columns.iter().enumerate().flat_map(of_column)
+    };
+    let mut cells: BTreeMap<[i64; 3], Vec<(usize, DVec3)>> = BTreeMap::new();
+    points().for_each(|(index, point)| cells.entry(cell(point)).or_default().push((index, point)));
+    let meets = |(index, point): &(usize, DVec3)| {
+        let near = around(cell(*point)).filter_map(|cell| cells.get(&cell)).flatten();
+        near.into_iter().any(|(other, at)| other != index && at.distance(*point) < nearest)
+    };
+    if let Some((index, _)) = points().find(meets) {
+        let title = "the columns behind an emitter meet";
+        let place = point(&pieces[index].foot.to_array()[..scene.dimensions], scene.spacing);
+        let label = format!("has an edge near {place} m, or parts that face each other across the solid");
+        let help = "give each face an emitter of its own, and leave room behind both";
         check.report(Fault::new(title, file.place(), label).help(help));
     }
 }
@@ -239,7 +268,7 @@ fn room(file: &EmitterFile, emitter: &Emitter, pieces: &[Piece], scene: &Scene, 
     let least = BEHIND * scene.spacing;
     let thin = pieces.iter().find(|piece| {
         let end = piece.foot - (emitter.depth + least) * piece.normal;
-        emitter.wall.distance(scene, end) < least
+        emitter.wall.distance(scene, end) < 0.0
     });
     if let Some(piece) = thin {
         let needed = significant(emitter.depth + 2.0 * least);

@@ -1,4 +1,8 @@
-//! Columns of an emitter in 2D: equal parts of the curves of its surface.
+//! Pieces of the surface of an emitter in 2D: equal parts of its smooth curves.
+//!
+//! The curves end at the corners of the wall, which are found where the tangents on both sides meet.
+//! What lies on the border of the region is not in it: of a box whose region ends at its corners
+//! only the face inside emits.
 
 use glam::DVec3;
 
@@ -8,14 +12,68 @@ use crate::model::Scene;
 use crate::movers::Wall;
 use crate::wall_particles::surface_of;
 
+/// Cosine of the largest angle between the normals of neighbouring points of a smooth curve.
+const SMOOTH: f64 = 0.9;
+
+/// Depth in the region that a part of the surface must reach, in spacings.
+const INSIDE: f64 = 1e-3;
+
+/// Length of the shortest part of a curve, in spacings.
+const SHORTEST: f64 = 0.25;
+
 /// Distance of the points between which the curvature is found from the ends of a piece, as a share
-/// of its length: a corner of the wall may be at its end.
+/// of its length: a corner may be at its end.
 const INSET: f64 = 0.1;
 
 /// Returns the pieces of the surface of a wall in a region, whose signed distance is given, m.
 pub fn pieces(scene: &Scene, wall: Wall, region: &dyn Fn(DVec3) -> f64) -> Vec<Piece> {
     let curves = surface_curves(scene, wall);
-    curves.iter().flat_map(|curve| clipped(curve, region)).flat_map(|part| cut(scene, wall, &part)).collect()
+    let smooth = curves.iter().flat_map(|curve| smooth_parts(scene, wall, curve));
+    let is_inside = |part: &Vec<DVec3>| {
+        let middles = part.windows(2).map(|pair| region(pair[0].midpoint(pair[1])));
+        middles.fold(f64::INFINITY, f64::min) < -INSIDE * scene.spacing
+    };
+    let parts = smooth.flat_map(|curve| clipped(&curve, region)).filter(is_inside);
+    parts.flat_map(|part| cut(scene, wall, &part)).collect()
+}
+
+/// Divides a curve at its corners, m.
+fn smooth_parts(scene: &Scene, wall: Wall, curve: &[DVec3]) -> Vec<Vec<DVec3>> {
+    let normals: Vec<DVec3> = curve.iter().map(|point| wall.gradient(scene, *point)).collect();
+    let mut parts = vec![vec![curve[0]]];
+    for at in 1..curve.len() {
+        if normals[at].dot(normals[at - 1]) < SMOOTH {
+            let corner = meeting((curve[at - 1], normals[at - 1]), (curve[at], normals[at]));
+            if let Some(part) = parts.last_mut() {
+                part.push(corner);
+            }
+            parts.push(vec![corner]);
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push(curve[at]);
+        }
+    }
+    let is_closed = curve.len() > 2 && curve[0] == curve[curve.len() - 1];
+    if is_closed && parts.len() > 1 {
+        // The last part continues in the first.
+        let first = parts.remove(0);
+        if let Some(last) = parts.last_mut() {
+            last.extend(first.into_iter().skip(1));
+        }
+    }
+    parts
+}
+
+/// Returns the point where the tangents of two points with their normals meet, m.
+fn meeting((a, of_a): (DVec3, DVec3), (b, of_b): (DVec3, DVec3)) -> DVec3 {
+    let along = DVec3::new(-of_a.y, of_a.x, 0.0);
+    let slope = along.dot(of_b);
+    let reach = a.distance(b);
+    if slope.abs() < 1e-3 {
+        a.midpoint(b)
+    } else {
+        a + along * ((b - a).dot(of_b) / slope).clamp(-reach, reach)
+    }
 }
 
 /// Returns the parts of a curve in a region, m.
@@ -72,7 +130,7 @@ fn cut(scene: &Scene, wall: Wall, part: &[DVec3]) -> Vec<Piece> {
         ends.push(ends[ends.len() - 1] + pair[0].distance(pair[1]));
     }
     let total = ends[ends.len() - 1];
-    if total <= 0.0 {
+    if total < SHORTEST * scene.spacing {
         return Vec::new();
     }
     let count = (total / scene.spacing).round().max(1.0);
@@ -93,7 +151,6 @@ fn cut(scene: &Scene, wall: Wall, part: &[DVec3]) -> Vec<Piece> {
             area: length,
             curvature_sum: (last.1 - first.1).dot(way) / way.length_squared().max(f64::MIN_POSITIVE),
             curvature_product: 0.0,
-            turn: first.1.dot(last.1),
         }
     };
     (0..count as usize).map(piece).collect()

@@ -38,8 +38,6 @@ pub struct Piece {
     pub curvature_sum: f64,
     /// Product of the principal curvatures, 1/m²; 0 in 2D.
     pub curvature_product: f64,
-    /// Cosine of the angles between its normals: 1 if it is flat.
-    pub turn: f64,
 }
 
 /// A surface through which fluid enters.
@@ -108,12 +106,12 @@ impl Emitter {
     }
 
     /// Returns the velocity of a particle at a depth (m) of a column in a pose of its wall and at a
-    /// time (s), m/s: that of the wall and, along the normal, the speed by which the column fills.
+    /// time (s), m/s: that of the surface in front of it and, along the normal, the speed by which
+    /// the column fills.
     pub fn velocity_in(&self, column: &EmitterColumn, depth: f64, pose: Option<&Pose>, time: f64) -> DVec3 {
         let speed = self.speed(column, time) / column.narrowing(depth);
-        let point = column.point(depth);
         match pose {
-            Some(pose) => pose.velocity_at(pose.place(point)) + speed * pose.direction(column.normal),
+            Some(pose) => pose.velocity_at(pose.place(column.foot)) + speed * pose.direction(column.normal),
             None => speed * column.normal,
         }
     }
@@ -146,13 +144,49 @@ impl Scene {
         self.inlets.len() + self.emitters.len()
     }
 
-    /// Returns the pose of a wall; None if it is at rest.
+    /// Returns the volume flow of all emitters at a time (s) with a weight at the places of their
+    /// surfaces, m³/s (m²/s in 2D).
+    pub fn emitted_flow(&self, time: f64, weight: impl Fn(DVec3) -> f64) -> f64 {
+        let of_emitter = |emitter: &Emitter| -> f64 {
+            let pose = match emitter.wall {
+                Wall::Casing => None,
+                Wall::Mover(index) => Some(self.movers[index].motion.pose(time)),
+            };
+            let of_column = |column: &EmitterColumn| {
+                let place = pose.as_ref().map_or(column.foot, |pose| pose.place(column.foot));
+                weight(self.wrapped(place)) * column.area * emitter.speed(column, time)
+            };
+            emitter.columns.iter().map(of_column).sum()
+        };
+        self.emitters.iter().map(of_emitter).sum()
+    }
+
+    /// Returns the pose of a wall at the start; None if it is at rest.
     pub fn start_pose(&self, wall: Wall) -> Option<&Pose> {
         match wall {
             Wall::Casing => None,
             Wall::Mover(index) => Some(&self.movers[index].start),
         }
     }
+}
+
+/// Distance from the side of its solid from which a column is hidden from the fluid beside it, in
+/// spacings.
+const HIDDEN: f64 = 2.0;
+
+/// Returns a point of an emitter whose column has fluid beside it, m: that fluid feels the inflow
+/// through the side of the solid. None if there is no such point.
+pub fn bare_side(scene: &Scene, emitter: &Emitter) -> Option<DVec3> {
+    let pose = scene.start_pose(emitter.wall);
+    let placed = |point: DVec3| pose.map_or(point, |pose| pose.place(point));
+    let is_bare = |column: &&EmitterColumn| {
+        let point = placed(column.point(0.5 * emitter.depth));
+        let distance = emitter.wall.distance(scene, point);
+        let beside = point - (distance + 0.5 * scene.spacing) * emitter.wall.gradient(scene, point);
+        // Half the depth is as far from the surface of the emitter itself.
+        distance < (HIDDEN * scene.spacing).min(0.4 * emitter.depth) && scene.domain.contains(beside, 0.0)
+    };
+    emitter.columns.iter().find(is_bare).map(|column| placed(column.foot))
 }
 
 /// Smallest distance of wall particles from the columns, in spacings.

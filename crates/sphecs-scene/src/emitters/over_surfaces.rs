@@ -25,6 +25,9 @@ const SAMPLES: f64 = 64.0;
 /// Turns in which the centres move to the means of their samples. A random start is even after 20.
 const TURNS: usize = 30;
 
+/// Largest relative difference of the areas of cells of the lattice that are taken as they are.
+const EVEN: f64 = 0.12;
+
 /// Radius within which the normals of other pieces tell the curvature, in spacings.
 const NEIGHBOURS: f64 = 2.5;
 
@@ -55,14 +58,19 @@ pub fn pieces(scene: &Scene, wall: Wall, triangles: &[[DVec3; 3]]) -> Vec<Piece>
     if samples.is_empty() {
         return Vec::new();
     }
-    let mut centres = of_lattice(&samples, scene.spacing);
-    let mut nearest = vec![0; samples.len()];
-    for _ in 0..TURNS {
-        adjust(&mut centres, count, scene.spacing);
-        assign(&samples, &centres, scene.spacing, &mut nearest);
-        centres = gathered(&samples, &nearest, centres.len());
+    let mut centres = of_lattice(triangles, &samples, scene.spacing);
+    let mean = total / count as f64;
+    if centres.len() == count && centres.iter().all(|centre| (centre.area / mean - 1.0).abs() < EVEN) {
+        // Cells of one size, which the samples measure only roughly.
+        centres.iter_mut().for_each(|centre| centre.set_area(mean));
+    } else {
+        let mut nearest = vec![0; samples.len()];
+        for _ in 0..TURNS {
+            adjust(&mut centres, count, scene.spacing);
+            assign(&samples, &centres, scene.spacing, &mut nearest);
+            centres = gathered(&samples, &nearest, centres.len());
+        }
     }
-    centres.retain(|centre| centre.area > 0.0);
     let places: Vec<(DVec3, DVec3)> = centres
         .iter()
         .map(|centre| {
@@ -73,14 +81,7 @@ pub fn pieces(scene: &Scene, wall: Wall, triangles: &[[DVec3; 3]]) -> Vec<Piece>
     let piece = |index: usize| {
         let (foot, normal) = places[index];
         let [curvature_sum, curvature_product] = curvature(index, &places, scene.spacing);
-        Piece {
-            foot,
-            normal,
-            area: centres[index].area,
-            curvature_sum,
-            curvature_product,
-            turn: centres[index].normal.length() / centres[index].area,
-        }
+        Piece { foot, normal, area: centres[index].area, curvature_sum, curvature_product }
     };
     (0..places.len()).map(piece).collect()
 }
@@ -120,7 +121,7 @@ fn samples(scene: &Scene, wall: Wall, triangles: &[[DVec3; 3]]) -> Vec<Sample> {
 
 /// Returns the cells of a lattice on the surface as first centres. It is on the plane across the
 /// axis to which a sample's normal is nearest, in the frame of the mean normal.
-fn of_lattice(samples: &[Sample], spacing: f64) -> Vec<Centre> {
+fn of_lattice(triangles: &[[DVec3; 3]], samples: &[Sample], spacing: f64) -> Vec<Centre> {
     let mean: DVec3 = samples.iter().map(|sample| sample.normal * sample.area).sum();
     let third = mean.try_normalize().unwrap_or(DVec3::Z);
     // Along the axes of the scene where the normal allows it.
@@ -129,16 +130,13 @@ fn of_lattice(samples: &[Sample], spacing: f64) -> Vec<Centre> {
     let first = (axis - third * axis.dot(third)).normalize();
     let frame = [first, third.cross(first), third];
     let local = |vector: DVec3| DVec3::from(frame.map(|axis| axis.dot(vector)));
-    let places: Vec<DVec3> = samples.iter().map(|sample| local(sample.place)).collect();
-    let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let extent = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) - low;
-    // Samples are middles, the surface ends half a sample beyond them.
-    let widths = extent.map(|extent| {
-        let width = extent + spacing / SAMPLES.sqrt();
-        width / (width / spacing).round().max(1.0)
-    });
+    let corners = || triangles.iter().flatten().map(|corner| local(*corner));
+    let low = corners().fold(DVec3::INFINITY, DVec3::min);
+    let extent = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - low;
+    let widths = extent.map(|extent| (extent / (extent / spacing).round().max(1.0)).max(1e-9 * spacing));
     let mut cells: BTreeMap<(usize, bool, [i64; 2]), Centre> = BTreeMap::new();
-    for (sample, place) in samples.iter().zip(&places) {
+    for sample in samples {
+        let place = local(sample.place);
         let normal = local(sample.normal);
         let across = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
         let index = |axis: usize| ((place[axis] - low[axis]) / widths[axis]).floor() as i64;
@@ -153,6 +151,12 @@ impl Centre {
         self.place += sample.place * sample.area;
         self.normal += sample.normal * sample.area;
         self.area += sample.area;
+    }
+
+    /// Sets the area, and scales the sum of normals with it.
+    fn set_area(&mut self, area: f64) {
+        self.normal *= area / self.area;
+        self.area = area;
     }
 
     /// Divides the sum of places by the area.

@@ -27,6 +27,8 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Fill.Lattice.angle",
             "Fill.Lattice.axis",
             "Scene.movers",
+            "Scene.emitters",
+            "Emitter",
             "Mover",
             "Motion",
             "Walls.motion",

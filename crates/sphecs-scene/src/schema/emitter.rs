@@ -25,8 +25,8 @@ pub struct EmitterFile {
     /// Velocity of the fluid relative to the surface, along the normal: `Normal`, `TimeTable`,
     /// `MassFlow` or `MassFlux`. Profiles are functions of the place without displacement.
     pub velocity: Spanned<InletVelocityFile>,
-    /// Depth of its inflow zone inside the solid, m, rounded up to whole spacings; default five
-    /// spacings or the support.
+    /// Depth of its inflow zone inside the solid, m, rounded up to whole spacings; default a little
+    /// more than the support.
     #[serde(default)]
     pub depth: Option<Number>,
 }

@@ -9,10 +9,10 @@ use serde::de::DeserializeOwned;
 use super::schema_fields::{self, Names};
 use super::shipped::scene;
 use crate::builder::{
-    BendSection, Body, Concentric, EdacTvf, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice, MassFlow,
-    MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference, Reservoir,
-    Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted, WallPart, Walls,
-    Wcsph, ron_text,
+    BendSection, Body, Concentric, EdacTvf, Emitter, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice,
+    MassFlow, MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference,
+    Reservoir, Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted,
+    WallPart, Walls, Wcsph, ron_text,
 };
 use crate::expression::Constants;
 use crate::faults::SceneErrors;
@@ -259,6 +259,12 @@ fn complete() -> SceneBuilder {
                 .extent(Extent::Connected)
                 .on("out")
                 .closed(false),
+        )
+        .emitter(
+            Emitter::on_surface("piston", MassFlow::new(1.0))
+                .name("jet")
+                .region(Shape::circle((0.0, 0.0), "R"))
+                .depth("5*R"),
         )
         .periodic("y")
         .body_force((0.0, "-9.81"))

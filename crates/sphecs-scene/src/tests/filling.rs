@@ -60,9 +60,12 @@ fn check_uniform(scene: &Scene) {
     let sees_rings = |place: DVec3| {
         scene.layout.rings.iter().any(|rings| place.distance(rings.centre) < rings.radius + support)
     };
-    // So are those near walls in layers.
-    let layered =
-        |seed: &&ParticleSeed| seed.zone == Zone::Wall && scene.layout.layered.contains(&seed.patch);
+    // So are those near walls in layers and near columns of emitters.
+    let layered = |seed: &&ParticleSeed| match seed.zone {
+        Zone::Wall => scene.layout.layered.contains(&seed.patch),
+        Zone::Inflow => scene.emitter(seed.patch).is_some(),
+        _ => false,
+    };
     let layers: Vec<DVec3> = seeds.iter().filter(layered).map(|seed| seed.position).collect();
     let sees_layers = |place: DVec3| layers.iter().any(|wall| wall.distance(place) < support + scene.spacing);
     let fluid: Vec<usize> = (0..seeds.len())

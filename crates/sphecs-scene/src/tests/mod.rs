@@ -1,6 +1,7 @@
 //! Tests of whole scenes.
 
 mod builder;
+mod emitters;
 mod faults;
 mod filling;
 #[cfg(feature = "schema")]

@@ -19,8 +19,9 @@ pub struct PrescribedInflow {
     /// Filter of each outlet, for the passage of sound along its normal; none without inlets and
     /// movers.
     filters: Vec<SlowPart>,
-    /// Filters of the flow that movers displace, of each outlet; none without movers.
-    displaced_filters: Vec<SlowPart>,
+    /// Filters of the flow of emitters and that which movers displace, of each outlet; none without
+    /// both.
+    other_filters: Vec<SlowPart>,
     /// Results of the present step.
     found: Vec<Inflow>,
     /// Slow part of the flow of the inlets alone for each outlet, m³/s (m²/s in 2D).
@@ -42,30 +43,25 @@ impl PrescribedInflow {
         let passage = |towards: DVec3| scene.extent_along(towards) / scene.fluid.sound_speed;
         let filters: Vec<SlowPart> =
             outlets.map(|outlet| SlowPart::new(passage(outlet.patch.towards))).collect();
-        let displaced_filters = if displaced.is_some() { filters.clone() } else { Vec::new() };
-        Self { points, displaced, filters, displaced_filters, ..Self::default() }
+        let has_others = displaced.is_some() || !scene.emitters.is_empty();
+        let other_filters = if has_others { filters.clone() } else { Vec::new() };
+        Self { points, displaced, filters, other_filters, ..Self::default() }
     }
 
     /// Finds the inflow at a time, s.
     pub fn find(&mut self, scene: &Scene, time: f64) {
-        let Self {
-            points,
-            displaced,
-            filters,
-            displaced_filters,
-            found,
-            of_inlets,
-            rate: present,
-            acceleration,
-        } = self;
-        let moved = |time: f64| displaced.as_ref().map_or(0.0, |displaced| displaced.rate(scene, time));
+        let Self { points, displaced, filters, other_filters, found, of_inlets, rate: present, acceleration } =
+            self;
+        let others = |time: f64| {
+            let moved = displaced.as_ref().map_or(0.0, |displaced| displaced.rate(scene, time));
+            moved + scene.emitted_flow(time, |_| 1.0)
+        };
         let flow = |time: f64| -> f64 {
             let of_inlet = |(inlet, points): (&Inlet, &Vec<DVec3>)| {
                 inlet.volume_flow(scene.fluid.viscosity, points, time)
             };
             let inlets: f64 = scene.inlets.iter().zip(&*points).map(of_inlet).sum();
-            let emitters: f64 = scene.emitters.iter().map(|emitter| emitter.volume_flow(time)).sum();
-            inlets + emitters + moved(time)
+            inlets + others(time)
         };
         // Short against any start.
         let moment = 1e-3 * scene.spacing / scene.fluid.sound_speed;
@@ -81,8 +77,8 @@ impl PrescribedInflow {
         }));
         of_inlets.clear();
         of_inlets.extend(found.iter().map(|inflow| inflow.rate));
-        for (rate, filter) in of_inlets.iter_mut().zip(displaced_filters) {
-            *rate -= filter.at(time, moved).0;
+        for (rate, filter) in of_inlets.iter_mut().zip(other_filters) {
+            *rate -= filter.at(time, others).0;
         }
     }
 

@@ -7,8 +7,8 @@
 //!
 //! The sums are over the fluid particles, with the weights of
 //! [`potential_flow`](sphecs_scene::potential_flow), in which sound does not count. Q̃_in is the
-//! slow part of the prescribed inflow, Q̃_i that of the flow that movers displace, with the weight
-//! φ_i. V is the mean volume of a particle: with m/ρ0 a flow would
+//! slow part of the flow of the inlets, Q̃_i that of the flow of emitters and that which movers
+//! displace, with the weight φ_i at their surfaces. V is the mean volume of a particle: with m/ρ0 a flow would
 //! seem to vary with the number of particles in the domain, by a per cent or two. The last term is
 //! the fluid that is stored as the pressures p_j of the openings rise, since between them the
 //! pressure is Σ_j φ_j p_j: the divergence is −dp/dt/(ρ0 c0²). Without it a pressure that
@@ -46,7 +46,7 @@ const SOUND_FADES: f64 = 5.0;
 #[derive(Debug, Default)]
 pub struct ThroughFlow {
     weights: Vec<Option<PotentialFlow>>,
-    /// Flow that movers displace towards each outlet; None without movers or weights.
+    /// Flow of emitters and movers towards each outlet; None without both or without weights.
     displaced: Vec<Option<Displaced>>,
     /// Velocity S that sound adds for each outlet, m/s, which a checkpoint saves.
     pub sound_velocity: Vec<f64>,
@@ -63,7 +63,10 @@ impl ThroughFlow {
         let sound_velocity = vec![0.0; scene.outlets.len()];
         let displaced = |(outlet, weights): (&Outlet, &Option<PotentialFlow>)| {
             let weights = weights.as_ref()?;
-            let flow = DisplacedFlow::new(scene, |point| weights.potential(point))?;
+            let flow = DisplacedFlow::new(scene, |point| weights.potential(point));
+            if flow.is_none() && scene.emitters.is_empty() {
+                return None;
+            }
             let passage = scene.extent_along(outlet.patch.towards) / scene.fluid.sound_speed;
             Some(Displaced { flow, slow: SlowPart::new(passage) })
         };
@@ -92,12 +95,15 @@ impl ThroughFlow {
                 };
                 (0..arrays.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect_into_vec(sums);
                 let [flow, square] = sums.iter().copied().fold([0.0; 2], joined);
-                let displaced = displaced[index].as_mut().map(|displaced| displaced.rate(scene, time));
-                let volume = match displaced {
+                let displaced =
+                    displaced[index].as_mut().map(|displaced| displaced.rate(scene, weights, time));
+                let volume = if !scene.movers.is_empty() {
                     // The weights are those of the casing, the fluid does not fill it.
-                    Some(_) => scene.discretisation.cell_volume(),
-                    None if square > 0.0 => weights.square / square,
-                    None => 0.0,
+                    scene.discretisation.cell_volume()
+                } else if square > 0.0 {
+                    weights.square / square
+                } else {
+                    0.0
                 };
                 let prescribed = inflow.of_inlets(index);
                 let sum = |factors: &[f64], value: &dyn Fn(PlanePressure) -> f64| -> f64 {
@@ -127,17 +133,23 @@ impl ThroughFlow {
     }
 }
 
-/// Flow that movers displace towards an outlet.
+/// Flow of emitters and movers towards an outlet.
 #[derive(Debug)]
 struct Displaced {
-    flow: DisplacedFlow,
+    /// Flow that movers displace; None without them.
+    flow: Option<DisplacedFlow>,
     slow: SlowPart,
 }
 
 impl Displaced {
     /// Returns the slow part of the volume flow at a time (s), m³/s (m²/s in 2D).
-    fn rate(&mut self, scene: &Scene, time: f64) -> f64 {
-        self.slow.at(time, |time| self.flow.rate(scene, time)).0
+    fn rate(&mut self, scene: &Scene, weights: &PotentialFlow, time: f64) -> f64 {
+        let Self { flow, slow } = self;
+        let at = |time: f64| {
+            let moved = flow.as_ref().map_or(0.0, |flow| flow.rate(scene, time));
+            moved + scene.emitted_flow(time, |place| weights.potential(place))
+        };
+        slow.at(time, at).0
     }
 }
 
