@@ -210,11 +210,12 @@ impl<'a> Filler<'a> {
                     })))
     }
 
-    /// Returns true if the surface next to a point has layers of wall particles.
+    /// Returns true if the surface next to a point has layers of wall particles or emits.
     fn is_before_layers(&self, point: DVec3) -> bool {
         let layered = &self.scene.layout.layered;
-        !layered.is_empty()
-            && layered.contains(&wall_particles::surface_of(self.scene, Wall::Casing, point).2)
+        (!layered.is_empty()
+            && layered.contains(&wall_particles::surface_of(self.scene, Wall::Casing, point).2))
+            || emitters::is_before_emitter(self.scene, Wall::Casing, point)
     }
 
     /// Returns true if a point lies behind the far end of a zone, where no wall must stand.

@@ -8,6 +8,7 @@
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use super::emitters::is_before_emitter;
 use super::fill::{Place, TOLERANCE, lattice_ranges, surroundings, wall_thickness};
 use super::lattice::Lattice;
 use super::model::Scene;
@@ -70,6 +71,7 @@ impl<'a> Bodies<'a> {
         behind < -0.25 * self.scene.spacing
             || (behind <= self.tolerance
                 && (is_before_layers
+                    || is_before_emitter(self.scene, wall, point)
                     || self
                         .probes
                         .iter()

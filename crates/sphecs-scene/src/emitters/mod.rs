@@ -189,6 +189,16 @@ pub fn bare_side(scene: &Scene, emitter: &Emitter) -> Option<DVec3> {
     emitter.columns.iter().find(is_bare).map(|column| placed(column.foot))
 }
 
+/// Returns true if the surface of a wall next to a point in the fluid emits: the fluid reaches up to
+/// its columns, as up to layers of wall particles.
+pub fn is_before_emitter(scene: &Scene, wall: Wall, point: DVec3) -> bool {
+    scene.emitters.iter().filter(|emitter| emitter.wall == wall).any(|emitter| {
+        let pose = scene.start_pose(wall);
+        let reference = pose.map_or(point, |pose| pose.reference(point));
+        emitter.columns.iter().any(|column| column.foot.distance(reference) < 0.75 * scene.spacing)
+    })
+}
+
 /// Smallest distance of wall particles from the columns, in spacings.
 const APART: f64 = 0.7;
 

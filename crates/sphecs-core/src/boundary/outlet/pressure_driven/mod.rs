@@ -166,7 +166,8 @@ impl<L: PressureLaw> OutletMethod for L {
         let mean = memory.wave.non_reflecting.mean(zone);
         let Plane { pressure, dynamic, waves } = plane_pressure(self, zone, mean, memory);
         // The zone takes the dynamic pressure of inflow away again, at each point by itself.
-        memory.wave.non_reflecting.spread(zone, pressure + dynamic, waves);
+        let base = zone.through_velocity.unwrap_or(0.0);
+        memory.wave.non_reflecting.spread(zone, pressure + dynamic, base, waves);
         let compliance = zone.flow.impedance() * settling_time(zone.extent, zone.flow.sound_speed);
         memory.excess_speed += (mean.pressure - pressure) * zone.time_step / compliance;
         let rule = ZoneRule { excess_speed: memory.excess_speed, enters_from_rest: self.enters_from_rest() };
