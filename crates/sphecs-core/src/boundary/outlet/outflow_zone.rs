@@ -35,6 +35,9 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     pub extent: f64,
     /// Slow part of the volume flow that all inlets prescribe; None without inlets.
     pub prescribed: Option<Inflow>,
+    /// True if pressures are less what balances a body force or carries the flow, so that they do
+    /// not fall towards the plane by friction.
+    pub is_balanced: bool,
     /// Area of the outlet over that of all outlets.
     pub area_share: f64,
     /// Volume flow that all inlets prescribe at the present time, m³/s (m²/s in 2D); None without

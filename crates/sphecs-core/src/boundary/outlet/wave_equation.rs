@@ -248,9 +248,12 @@ impl WaveCondition {
             viscosity: zone.flow.viscosity,
         };
         R::sum_waves(&setting, zone.pair, zone.grid, zone.arrays, zone.sums, zone.rows, &mut memory.sums);
+        let mut friction = 0.0;
         for (&row, wave) in zone.rows.iter().zip(&memory.sums) {
             let row = row as usize;
-            set_real_vector(&mut zone.arrays.acceleration, row, wave.sums.rate(&setting));
+            let rate = wave.sums.rate(&setting);
+            friction += rate.dot(setting.normal);
+            set_real_vector(&mut zone.arrays.acceleration, row, rate);
             let mut concentration = wave.concentration;
             // The support is empty beyond the far end, so the normal part would empty the zone.
             if zone.patch.along(zone.arrays.position_of(row))
@@ -260,6 +263,7 @@ impl WaveCondition {
             }
             zone.sums.set_outflow_shift(row, concentration);
         }
+        memory.non_reflecting.friction = friction / zone.rows.len().max(1) as f64;
     }
 
     /// Advances an outflow particle: in the moving frame at its convective velocity, in the fixed

@@ -260,6 +260,7 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             patch: &outlet.patch,
             extent: scene.extent_along(outlet.patch.towards),
             prescribed: outlets.inflow.at_outlet(index),
+            is_balanced: false,
             area_share: outlet.patch.area / area,
             total_inflow: outlets.inflow.rate(),
             through_velocity: outlets.through.velocity(index),
@@ -329,6 +330,7 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
         if let Some(force) = &force {
             reduced.reduce(force, zone.rows, zone.arrays);
         }
+        zone.is_balanced = force.is_some();
         find_adjacent(outlet.adjacent, zone.patch.towards, outlet.before, zone.arrays);
         zone.adjacent = *outlet.adjacent;
         zone.speeds.clear();

@@ -50,6 +50,8 @@ pub struct NonReflecting {
     pub oblique: ObliqueWaves,
     /// Waves that entered the zone before.
     pub propagation: Propagation,
+    /// Mean acceleration of the zone along the normal by viscosity in the last step, m/s².
+    pub friction: f64,
     /// Points of the section, from the scene.
     #[serde(skip)]
     section: Option<SectionPoints>,
@@ -104,8 +106,9 @@ impl NonReflecting {
             None => Prescribed::default(),
         };
         // The mean is that of the fluid inside the plane; the pressure falls towards the plane
-        // while the flow accelerates.
-        let fall = density * prescribed.acceleration * SAMPLED_LAYERS * flow.spacing;
+        // while the flow accelerates or overcomes friction.
+        let friction = if zone.is_balanced { 0.0 } else { self.friction };
+        let fall = density * (prescribed.acceleration - friction) * SAMPLED_LAYERS * flow.spacing;
         let velocity = mean.velocity - prescribed.velocity;
         let plane = self.plane.advance(&setting, mean.pressure - fall, velocity, time_step);
         self.spread(zone, plane, prescribed.velocity, waves);
