@@ -133,46 +133,44 @@ def to_casing(outline):
 
 
 def flows(outline):
-    """Returns the gaps, mm, and the flows over one tooth pitch, mm²/s; of the pressure, mm²/s per Pa.
+    """Returns the gaps, mm, the flows over one tooth pitch, mm²/s, and those that a pressure drives, mm²/s per Pa.
 
-    A line from the tip of a tooth of each gear to its bore and the shortest line between the gears bound the fluid of
-    the outlet. Between them the gears push ω/2 (2 R² − r1² − r2²), with the radius R of the tips and those of the ends
-    of the line between the gears. Through the lines the walls carry half the sum of their velocities times the gap. The
-    pressure drives 1/(12 μ ∫ ds/h³) per Pa, with the gap h along the way from side to side.
+    Any line from gear to gear bounds the fluid of the outlet, together with lines from both gears to their bores.
+    Between the lines each gear pushes ω/2 (R² − r²), with the radii R and r of the ends of the lines. Through a line
+    flows half the sum of the velocities of its ends times its length h, and what the pressure drives, h³/(12 μ) dp/ds.
+    The sum is the same for all lines: it is their mean with the weight 1/h³. The displaced volume is that with R at the
+    tips.
     """
     centre = np.array([0.0, DISTANCE / 2])
     speed = 2 * np.pi * SPEED
-    lengths = np.linalg.norm(np.roll(outline, -1, axis=0) - np.roll(outline, 1, axis=0), axis=1) / 2
-    gaps, pushed, back, through_mesh = [], [], [], []
+    edges = (np.roll(outline, -1, axis=0) - np.roll(outline, 1, axis=0)) / 2
+    lengths = np.linalg.norm(edges, axis=1)
+    gaps, means = [], []
     for turn in 2 * np.pi / TEETH * np.arange(STEPS) / STEPS:
         upper, lower = outline @ turned(-turn).T + centre, outline @ turned(np.pi / TEETH + turn).T - centre
         # Only what is near the other gear.
-        is_near = upper[:, 1] < BORE / 2, lower[:, 1] > -BORE / 2
-        to_lower, on_lower = nearest(upper[is_near[0]], lower)
-        to_upper, on_upper = nearest(lower[is_near[1]], upper)
-        first, second = np.argmin(to_lower), np.argmin(to_upper)
-        gap = min(to_lower[first], to_upper[second])
-        above, below = on_upper[second], lower[is_near[1]][second]
-        if to_lower[first] == gap:
-            above, below = upper[is_near[0]][first], on_lower[first]
-        gaps.append([0.0 if overlapping(upper, lower) else gap, to_casing(upper - centre)])
-        arms = above - centre, below + centre
-        pushed.append(speed / 2 * (2 * TIP**2 - sum((arm**2).sum() for arm in arms)))
-        # From the outlet to the inlet, against x.
-        normal = np.array([above[1] - below[1], below[0] - above[0]])
-        normal *= -np.sign(normal[0])
-        walls = speed * (np.array([arms[0][1], -arms[0][0]]) - np.array([arms[1][1], -arms[1][0]]))
-        back.append(walls @ normal / 2)
-        integrals = [(length[near] / gap**3).sum() for length, near, gap in
-                     [(lengths, is_near[0], to_lower), (lengths, is_near[1], to_upper)]]
-        through_mesh.append(1 / (12 * VISCOSITY * np.mean(integrals)))
-    # The bores reach from channel to channel.
+        of_upper, of_lower = upper[:, 1] < BORE / 2, lower[:, 1] > -BORE / 2
+        below, above = nearest(upper[of_upper], lower)[1], nearest(lower[of_lower], upper)[1]
+        above, below = np.vstack([upper[of_upper], above]), np.vstack([below, lower[of_lower]])
+        gap = np.linalg.norm(above - below, axis=1)
+        gaps.append([0.0 if overlapping(upper, lower) else gap.min(), to_casing(upper - centre)])
+        weight = np.concatenate([lengths[of_upper], lengths[of_lower]]) / 2 / gap**3
+        of_above, of_below = above - centre, below + centre
+        pushed = speed / 2 * (2 * TIP**2 - (of_above**2).sum(axis=1) - (of_below**2).sum(axis=1))
+        # Their normals from the outlet to the inlet; the upper gear turns clockwise.
+        normal = np.stack([below[:, 1] - above[:, 1], above[:, 0] - below[:, 0]], axis=1)
+        walls = speed * np.stack([of_above[:, 1] - of_below[:, 1], of_below[:, 0] - of_above[:, 0]], axis=1)
+        back = (walls * normal).sum(axis=1) / 2
+        means.append([*(np.average(flow, weights=weight) for flow in (pushed, back)), 1 / weight.sum()])
+    pushed, back, mesh = np.mean(means, axis=0)
+    # The same along the bores, which reach from channel to channel.
     share = 0.5 + np.arcsin((DISTANCE - CHANNEL) / (2 * BORE)) / np.pi
-    along = np.abs(cross(outline, np.roll(outline, -1, axis=0))) / np.linalg.norm(outline, axis=1)
-    integral = share * (along / (BORE - np.linalg.norm(outline, axis=1)) ** 3).sum()
-    smallest = np.min(gaps, axis=0)
-    around = 2 / (12 * VISCOSITY * integral)
-    return smallest, np.mean(pushed), speed * TIP * GAP, np.mean(back), around, np.mean(through_mesh)
+    radius = np.linalg.norm(outline, axis=1)
+    weight = share * np.abs(cross(outline, edges)) / radius / (BORE - radius) ** 3
+    # Pushed and carried is ω/2 (r² + (R + h − r) r) by each, with the radius R + h of the bores.
+    carried = speed * (np.average(radius * BORE, weights=weight) - TIP**2)
+    pressure = np.array([2 / weight.sum(), mesh]) / (12 * VISCOSITY)
+    return np.min(gaps, axis=0), pushed, carried, back, *pressure
 
 
 def compare(run, expected, leak):
