@@ -95,7 +95,7 @@ fn piston_that_emits_drives_a_plug_with_both_accelerations() {
             let exact = 1000.0 * (0.03 * TAU * TAU + 0.2 * TAU) * sine * (0.5 + 0.03 * sine) * 0.2;
             product -= row.forces[0].pressure_force.x * exact;
             square += exact * exact;
-            if run.clock().step % 50 == 0 {
+            if run.clock().step.is_multiple_of(50) {
                 let cosine = (TAU * run.clock().time).cos();
                 let speed = -0.03 * TAU * cosine + 0.2 * (1.0 - cosine);
                 let flow = fluid(&mut run);

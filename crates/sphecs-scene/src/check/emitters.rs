@@ -176,7 +176,7 @@ fn pieces(
         let label = "must be the name of a mover, of a wall part or of a group of a mesh";
         let title = format!("no surface has the name `{}`", on.value);
         let known: Vec<&str> = movers.chain(parts).chain(groups).collect();
-        let help = advice(&on.value, known.into_iter());
+        let help = advice(&on.value, known);
         check.report(Fault::new(title, on.span, label).help(help));
         return None;
     };

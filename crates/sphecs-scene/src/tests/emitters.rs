@@ -23,7 +23,7 @@ fn scene(dimensions: u32, fields: &str) -> Scene {
 
 /// Returns the faults of a scene with these fields, as text.
 fn faults(dimensions: u32, fields: &str) -> String {
-    let errors = Scene::from_text("emitters", &text(dimensions, fields)).load().err();
+    let errors = Scene::from_text("emitters", text(dimensions, fields)).load().err();
     let faults = errors.iter().flat_map(|errors| errors.faults());
     let texts = faults.map(|fault| format!("{} | {} | {:?}", fault.title, fault.label, fault.help));
     texts.collect::<Vec<_>>().join("\n")
