@@ -28,7 +28,7 @@ use sphecs_engine::resources::state_location::StateLocation;
 use sphecs_engine::resources::stopwatch::Stopwatch;
 use sphecs_engine::saved_state::SavedResources;
 use sphecs_engine::systems::body_forces::Bodies;
-use sphecs_engine::systems::boundaries::emitters::EmitterStates;
+use sphecs_engine::systems::boundaries::emitter_states::EmitterStates;
 use sphecs_engine::systems::boundaries::movers::{MoverParticles, PresentPoses};
 use sphecs_engine::systems::boundaries::outlet_registry::AddedOutlets;
 use sphecs_engine::systems::boundaries::patch_rows::PatchRows;

@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use sphecs::Simulation;
-use sphecs_engine::systems::boundaries::emitters::EmitterStates;
+use sphecs_engine::systems::boundaries::emitter_states::EmitterStates;
 
 use crate::common::advance;
 use crate::{flow, fluid};
 
-/// A floor whose speed comes and goes, and a cylinder that turns, moves and emits ever faster.
+/// A bottom whose speed comes and goes, and a cylinder that turns, moves and emits ever faster.
 const TWO: &str = r#"Scene(
     title: "Emitters", dimensions: 2, spacing: 0.05, smoke: 0.05,
     fluid: (density: 1000.0, viscosity: 0.05, sound_speed: 20.0),
@@ -22,7 +22,7 @@ const TWO: &str = r#"Scene(
     )],
     bodies: [(part: "cylinder")],
     emitters: [
-        (name: "floor", region: Box(min: (-0.812, -1.2), max: (0.3, -0.9)), velocity: Normal("sin(30*t)^2*(1 + x)")),
+        (name: "bottom", region: Box(min: (-0.812, -1.2), max: (0.3, -0.9)), velocity: Normal("sin(30*t)^2*(1 + x)")),
         (name: "surface", on: "cylinder", velocity: MassFlow(rate: "2000*t")),
     ],
     outlets: [(name: "right", at: (1.0, 0.0), towards: (1.0, 0.0))],
@@ -51,7 +51,7 @@ fn emitted_mass_is_exact_to_half_a_particle_at_every_step() {
         // The trapezoidal rule is exact for the linear one.
         let expected = 2.0 * time * time / 2.0;
         assert!((volumes[1] / expected - 1.0).abs() < 1e-12, "{} of {expected} m²", volumes[1]);
-        // ∫ (1 + x) dx over the floor.
+        // ∫ (1 + x) dx over the bottom.
         let length = 1.112 * (1.0 - 0.256);
         let expected = length * (time / 2.0 - (60.0 * time).sin() / 120.0);
         assert!((volumes[0] / expected - 1.0).abs() < 1e-3, "{} of {expected} m²", volumes[0]);
@@ -64,7 +64,8 @@ fn emitted_mass_is_exact_to_half_a_particle_at_every_step() {
     }
 }
 
-/// A piston that oscillates and emits in pulses drives a plug: u = U + v and p = ρ (dU/dt + dv/dt) L.
+/// A piston that oscillates and emits in pulses drives a plug: u = U + v and p = ρ (dU/dt + dv/dt)
+/// L.
 #[test]
 fn piston_that_emits_drives_a_plug_with_both_accelerations() {
     let text = r#"Scene(
@@ -110,7 +111,8 @@ fn piston_that_emits_drives_a_plug_with_both_accelerations() {
     }
 }
 
-/// A ball that emits is a source: v = V R²/r², with Bernoulli's pressure, evenly over all directions.
+/// A ball that emits is a source: v = V R²/r², with Bernoulli's pressure, evenly over all
+/// directions.
 #[test]
 fn ball_that_emits_is_a_source() {
     let text = r#"Scene(

@@ -16,7 +16,7 @@ use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, particles};
 use crate::schedule::{stage_schedule, step_schedule};
 use crate::spawn::spawn_particles;
-use crate::systems::boundaries::emitters::EmitterStates;
+use crate::systems::boundaries::emitter_states::EmitterStates;
 use crate::systems::boundaries::movers::{MoverParticles, find_poses};
 use crate::systems::boundaries::outlet_registry::OutletFaults;
 use crate::systems::boundaries::outlets::insert_outlets;

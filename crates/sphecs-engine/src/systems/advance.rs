@@ -7,7 +7,8 @@ use bevy_ecs::system::{Local, Res, ResMut, SystemParam};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
-use super::boundaries::emitters::{EmitterStates, move_emitters};
+use super::boundaries::emitter_states::EmitterStates;
+use super::boundaries::emitters::move_emitters;
 use super::boundaries::inflow_columns::InflowColumns;
 use super::boundaries::inlets::move_inflow;
 use super::boundaries::movers::WallMotion;

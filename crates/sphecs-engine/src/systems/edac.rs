@@ -6,7 +6,8 @@ use std::ops::Range;
 use bevy_ecs::system::{Res, ResMut};
 
 use super::advance::{StepSettings, ZoneMotion, are_regular_fluid, largest_acceleration};
-use super::boundaries::emitters::{EmitterStates, set_end_densities};
+use super::boundaries::emitter_states::EmitterStates;
+use super::boundaries::emitters::set_end_densities;
 use super::boundaries::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;

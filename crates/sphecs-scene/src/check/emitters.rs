@@ -141,7 +141,7 @@ fn emitter(
         columns: columns.collect(),
         depth,
     };
-    room(file, &emitter, &pieces, scene, check);
+    fits(file, &emitter, &pieces, scene, check);
     if check.fault_count() == before {
         apart(file, &emitter, &pieces, scene, check);
     }
@@ -242,13 +242,13 @@ fn apart(file: &EmitterFile, emitter: &Emitter, pieces: &[Piece], scene: &Scene,
         let title = "the columns behind an emitter meet";
         let place = point(&pieces[index].foot.to_array()[..scene.dimensions], scene.spacing);
         let label = format!("has an edge near {place} m, or parts that face each other across the solid");
-        let help = "give each face an emitter of its own, and leave room behind both";
+        let help = "give each face an emitter of its own, and leave solid behind both";
         check.report(Fault::new(title, file.place(), label).help(help));
     }
 }
 
 /// Reports columns that do not fit into the solid behind the surface.
-fn room(file: &EmitterFile, emitter: &Emitter, pieces: &[Piece], scene: &Scene, check: &mut Checker<'_>) {
+fn fits(file: &EmitterFile, emitter: &Emitter, pieces: &[Piece], scene: &Scene, check: &mut Checker<'_>) {
     let before = check.fault_count();
     let mut report = |title: &str, foot: DVec3, what: String, help: &str| {
         let place = point(&foot.to_array()[..scene.dimensions], scene.spacing);

@@ -84,7 +84,7 @@ pub fn meshes_of(scene: &Scene) -> Vec<PlacedMesh<'_>> {
     found
 }
 
-/// Whether the meshes that a shape takes out count.
+/// Treatment of the meshes that a shape takes out.
 #[derive(Clone, Copy, PartialEq)]
 enum Holes {
     /// Openings are ends of what is filled.

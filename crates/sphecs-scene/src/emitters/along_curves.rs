@@ -1,8 +1,8 @@
 //! Pieces of the surface of an emitter in 2D: equal parts of its smooth curves.
 //!
-//! The curves end at the corners of the wall, which are found where the tangents on both sides meet.
-//! What lies on the border of the region is not in it: of a box whose region ends at its corners
-//! only the face inside emits.
+//! The curves end at the corners of the wall, which are found where the tangents on both sides
+//! meet. What lies on the border of the region is not in it: of a box whose region ends at its
+//! corners only the face inside emits.
 
 use glam::DVec3;
 

@@ -1,11 +1,11 @@
 //! Surface of a wall inside a region as triangles, in 3D.
 //!
-//! The box around both is divided into cubes, which are left out where the signed distance is larger
-//! than they are, down to a quarter of a spacing. Each is cut into six tetrahedra, in which the
-//! surface is a triangle or two: marching tetrahedra, Doi & Koide (1991). The corners are found on
-//! the edges by bisection, and the region cuts the triangles. A triangle across an edge of the wall
-//! is replaced by its projections on the faces beside it, which end at the edge. Crates for
-//! isosurfaces work on dense grids, round the edges off, and none cuts at a region.
+//! The box around both is divided into cubes, which are left out where the signed distance is
+//! larger than they are, down to a quarter of a spacing. Each is cut into six tetrahedra, in which
+//! the surface is a triangle or two: marching tetrahedra, Payne & Toga (1990). The corners are
+//! found on the edges by bisection, and the region cuts the triangles. A triangle across an edge of
+//! the wall is replaced by its projections on the faces beside it, which end at the edge. Crates
+//! for isosurfaces work on dense grids, round the edges off, and none cuts at a region.
 
 use glam::{DVec3, IVec3};
 

@@ -1,4 +1,5 @@
-//! Emitters: surfaces of walls through which fluid enters along the normal, also of walls that move.
+//! Emitters: surfaces of walls through which fluid enters along the normal, also of walls that
+//! move.
 //!
 //! - [`along_curves`]: pieces of the surface in 2D
 //! - [`over_surfaces`]: pieces of the surface in 3D
@@ -189,8 +190,8 @@ pub fn bare_side(scene: &Scene, emitter: &Emitter) -> Option<DVec3> {
     emitter.columns.iter().find(is_bare).map(|column| placed(column.foot))
 }
 
-/// Returns true if the surface of a wall next to a point in the fluid emits: the fluid reaches up to
-/// its columns, as up to layers of wall particles.
+/// Returns true if the surface of a wall next to a point in the fluid emits: the fluid reaches up
+/// to its columns, as up to layers of wall particles.
 pub fn is_before_emitter(scene: &Scene, wall: Wall, point: DVec3) -> bool {
     scene.emitters.iter().filter(|emitter| emitter.wall == wall).any(|emitter| {
         let pose = scene.start_pose(wall);

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The facets of a mesh from CAD are slivers of any size, so the pieces are not facets. The surface
-//! is sampled, the samples begin in the cells of a lattice on it, and N centres move to the means of
-//! their samples in turns: the algorithm of Lloyd (1982). On a plane of whole spacings the lattice
-//! stays as it is. The areas of the pieces add up to that of the surface exactly.
+//! is sampled, the samples begin in the cells of a lattice on it, and N centres move to the means
+//! of their samples in turns: the algorithm of Lloyd (1982). On a plane of whole spacings the
+//! lattice stays as it is. The areas of the pieces add up to that of the surface exactly.
 
 use std::collections::BTreeMap;
 
@@ -216,8 +216,8 @@ fn gathered(samples: &[Sample], nearest: &[usize], count: usize) -> Vec<Centre> 
     centres.into_iter().filter(|centre| centre.area > 0.0).map(Centre::mean).collect()
 }
 
-/// Returns sum and product of the principal curvatures at a piece: the normals around it are n + S d
-/// in its tangent plane, with S by least squares.
+/// Returns sum and product of the principal curvatures at a piece: the normals around it are n + S
+/// d in its tangent plane, with S by least squares.
 fn curvature(index: usize, places: &[(DVec3, DVec3)], spacing: f64) -> [f64; 2] {
     let (foot, normal) = places[index];
     let first = normal.any_orthonormal_vector();

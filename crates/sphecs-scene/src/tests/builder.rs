@@ -230,6 +230,8 @@ fn complete() -> SceneBuilder {
         .extent(Extent::Whole)
         .on("in")
         .closed(true);
+    let jet = Emitter::on_surface("piston", MassFlow::new(1.0)).name("jet").depth("5*R");
+    let outlet = Outlet::new((0.0, 0.0), (1.0, 0.0)).name("right").depth(1.0).on("out").closed(false);
     let scene = quickstart()
         .precision(Precision::F32)
         .constant("R", 0.1)
@@ -252,20 +254,8 @@ fn complete() -> SceneBuilder {
         )
         .body(body.mean((0.5, "10*R")).five_point_mean(true))
         .initial(Initial::new().velocity(("y", 0.0)).pressure("1000*y").tag(1.0))
-        .outlet(
-            Outlet::new((0.0, 0.0), (1.0, 0.0))
-                .name("right")
-                .depth(1.0)
-                .extent(Extent::Connected)
-                .on("out")
-                .closed(false),
-        )
-        .emitter(
-            Emitter::on_surface("piston", MassFlow::new(1.0))
-                .name("jet")
-                .region(Shape::circle((0.0, 0.0), "R"))
-                .depth("5*R"),
-        )
+        .outlet(outlet.extent(Extent::Connected))
+        .emitter(jet.region(Shape::circle((0.0, 0.0), "R")))
         .periodic("y")
         .body_force((0.0, "-9.81"))
         .reservoir(Reservoir::new().particles(100).when_empty(WhenEmpty::Stop).recycle(false))

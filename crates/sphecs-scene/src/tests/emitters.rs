@@ -73,7 +73,7 @@ fn columns_of_a_circle_have_equal_arcs_and_its_curvature() {
 #[test]
 fn a_region_cuts_the_surface_and_mass_flow_is_exact() {
     let jet = "emitters: [
-        (name: \"floor\", region: Box(min: (-0.313, -1.2), max: (0.2, -0.9)), velocity: Normal(\"0.1*(1 + t)\")),
+        (name: \"bottom\", region: Box(min: (-0.313, -1.2), max: (0.2, -0.9)), velocity: Normal(\"0.1*(1 + t)\")),
         (name: \"bar\", on: \"rotor\", region: Box(min: (-0.1, 0.0), max: (0.1, 0.2)),
             velocity: MassFlow(rate: 30.0, profile: \"1 + x\")),
         (name: \"flux\", on: \"rotor\", region: Box(min: (-0.1, -0.2), max: (0.1, 0.0)),
@@ -81,10 +81,10 @@ fn a_region_cuts_the_surface_and_mass_flow_is_exact() {
     ],";
     let fields = format!("{SQUARE} {} {jet}", rotor("Box(min: (-0.3, -0.15), max: (0.3, 0.15))"));
     let scene = scene(2, &fields);
-    let [floor, bar, flux] = &scene.emitters[..] else { panic!("three emitters") };
-    assert_eq!((floor.wall, floor.columns.len()), (Wall::Casing, 26));
-    assert!((floor.area() - 0.513).abs() < 1e-9, "{} m", floor.area());
-    assert!((floor.volume_flow(1.0) - 0.1026).abs() < 1e-9);
+    let [bottom, bar, flux] = &scene.emitters[..] else { panic!("three emitters") };
+    assert_eq!((bottom.wall, bottom.columns.len()), (Wall::Casing, 26));
+    assert!((bottom.area() - 0.513).abs() < 1e-9, "{} m", bottom.area());
+    assert!((bottom.volume_flow(1.0) - 0.1026).abs() < 1e-9);
     for (emitter, rate) in [(bar, 30.0), (flux, 30.0 * 0.2)] {
         assert!((emitter.area() - 0.2).abs() < 1e-9, "{} m", emitter.area());
         assert!((emitter.volume_flow(0.5) * 1000.0 / rate - 1.0).abs() < 1e-12);
@@ -144,7 +144,7 @@ fn columns_of_a_flat_square_are_a_lattice() {
 }
 
 #[test]
-fn emitters_need_a_smooth_surface_with_room_behind_it() {
+fn emitters_need_a_smooth_surface_and_solid_behind_it() {
     let bar = rotor("Box(min: (-0.3, -0.04), max: (0.3, 0.04))");
     let cases = [
         ("(velocity: Normal(0.1))", "must have `on`, `region` or both"),

@@ -9,8 +9,8 @@
 //! and product of its two principal curvatures, positive where the surface is convex towards the
 //! fluid. The section of the column follows the normals, so its particles have the volume V0 = Δ^D
 //! at every depth. Q is the volume that was emitted: the place of each particle follows from it
-//! alone, so the emitted mass is exact to half a particle at all times. Behind a concave surface the
-//! column widens. In front of the surface s is negative.
+//! alone, so the emitted mass is exact to half a particle at all times. Behind a concave surface
+//! the column widens. In front of the surface s is negative.
 
 use glam::DVec3;
 
@@ -44,8 +44,8 @@ impl EmitterColumn {
         self.area * depth * (1.0 + depth * (-half + third * depth))
     }
 
-    /// Returns the depth behind which the column has a volume, m; in front of the surface, where the
-    /// volume is negative, without regard to the curvature.
+    /// Returns the depth behind which the column has a volume, m; in front of the surface, where
+    /// the volume is negative, without regard to the curvature.
     pub fn depth(&self, volume: f64) -> f64 {
         let straight = volume / self.area;
         if volume <= 0.0 || (self.curvature_sum == 0.0 && self.curvature_product == 0.0) {

@@ -17,7 +17,7 @@ use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
-use crate::systems::boundaries::emitters::EmitterStates;
+use crate::systems::boundaries::emitter_states::EmitterStates;
 use crate::systems::boundaries::movers::PresentPoses;
 use covered_walls::CoveredWalls;
 use sphecs_core::pass::body::{Body, BodySum};

@@ -12,13 +12,10 @@
 //! density follows from the pressure, q is multiplied by ρ0/ρ, see
 //! [`inflow_columns`](super::inflow_columns).
 
-use std::collections::VecDeque;
-
-use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Local, Res, ResMut};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
+use super::emitter_states::{Crossed, EmitterStates};
 use super::inflow_columns::InflowColumns;
 use super::movers::PresentPoses;
 use super::patch_rows::PatchRows;
@@ -34,201 +31,26 @@ use sphecs_core::boundary::inlet::emitter_column::EmitterColumn;
 use sphecs_core::boundary::inlet::inflow_zone::{InflowBuffers, InflowMotion, InflowParticle, InflowZone};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::set_real_vector;
-use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::pose::Pose;
-use sphecs_scene::model::{Emitter, ParticleSeed, Scene};
+use sphecs_scene::model::{Emitter, Scene};
 use sphecs_scene::movers::{Wall, WallPoses};
 
 /// Step of the differences in time of a prescribed speed, over Δ/c0.
 const TIME_DIFFERENCE: f64 = 1e-4;
-
-/// Columns of the emitters of a scene.
-#[derive(Resource, Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EmitterStates {
-    /// Columns of each emitter, in the order of the scene.
-    emitters: Vec<Vec<ColumnState>>,
-    /// Place of each particle of a column, by its number; found from the columns.
-    #[serde(skip)]
-    places: Vec<ColumnPlace>,
-}
-
-/// What a column emitted, and its particles.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ColumnState {
-    /// Emitted volume Q, m³ (m² in 2D).
-    volume: f64,
-    /// Part of it that is smaller than the rounding error, m³ (m² in 2D).
-    rest: f64,
-    /// Number of particles that it emitted.
-    emitted: u32,
-    /// Numbers of the particles in it, from the surface.
-    particles: VecDeque<u32>,
-}
-
-/// Place of a particle in the columns of its emitter.
-#[derive(Clone, Copy, Debug, Default)]
-struct ColumnPlace {
-    column: u32,
-    /// Its number n among all that the column ever held.
-    serial: u32,
-}
-
-impl ColumnState {
-    /// Adds an emitted volume by a compensated sum.
-    fn emit(&mut self, volume: f64) {
-        let added = volume + self.rest;
-        let sum = self.volume + added;
-        self.rest = added - (sum - self.volume);
-        self.volume = sum;
-    }
-
-    /// Returns the volume between the surface and a particle of the column, for the volume of a
-    /// particle.
-    fn between(&self, serial: u32, particle: f64) -> f64 {
-        (f64::from(serial) + 0.5) * particle - self.volume - self.rest
-    }
-}
-
-impl EmitterStates {
-    /// Returns the columns of a scene whose seeds are given in the order of their numbers.
-    pub(crate) fn new(scene: &Scene, seeds: &[ParticleSeed]) -> Self {
-        let is_of_emitter =
-            |seed: &ParticleSeed| seed.zone == Zone::Inflow && scene.emitter(seed.patch).is_some();
-        let mut ids = (0..).zip(seeds).filter(|(_, seed)| is_of_emitter(seed)).map(|(id, _)| id);
-        let emitters = scene.emitters.iter().map(|emitter| {
-            let columns = emitter.columns.iter().map(|column| {
-                let count = emitter.column_count(column, scene);
-                ColumnState { particles: ids.by_ref().take(count).collect(), ..ColumnState::default() }
-            });
-            columns.collect()
-        });
-        Self { emitters: emitters.collect(), places: Vec::new() }
-    }
-
-    /// Returns the volume that each emitter emitted since the start, m³ (m² in 2D).
-    pub fn emitted_volumes(&self) -> impl Iterator<Item = f64> {
-        let volume =
-            |columns: &Vec<ColumnState>| columns.iter().map(|column| column.volume + column.rest).sum();
-        self.emitters.iter().map(volume)
-    }
-
-    /// Returns the largest difference of the emitted particles and the emitted volume of a column,
-    /// in particles, for the volume of a particle.
-    pub fn largest_difference(&self, particle: f64) -> f64 {
-        let columns = self.emitters.iter().flatten();
-        let difference = |column: &ColumnState| {
-            (f64::from(column.emitted) - (column.volume + column.rest) / particle).abs()
-        };
-        columns.map(difference).fold(0.0, f64::max)
-    }
-
-    /// Adds the numbers of the particles of the emitters on a wall part: the fluid presses on them as
-    /// on the wall around.
-    pub(crate) fn add_numbers(&self, scene: &Scene, part: u16, numbers: &mut Vec<u32>) {
-        for (emitter, columns) in scene.emitters.iter().zip(&self.emitters) {
-            if emitter.part == part {
-                numbers.extend(columns.iter().flat_map(|column| &column.particles));
-            }
-        }
-    }
-
-    /// Finds the places of the particles, unless they are known.
-    fn find_places(&mut self) {
-        if !self.places.is_empty() {
-            return;
-        }
-        for columns in &self.emitters {
-            for (index, column) in columns.iter().enumerate() {
-                for (serial, &id) in (column.emitted..).zip(&column.particles) {
-                    set_place(&mut self.places, id, ColumnPlace { column: index as u32, serial });
-                }
-            }
-        }
-    }
-
-    /// Adds the volumes that the columns emit in a step from `time`, s.
-    fn emit(&mut self, scene: &Scene, time: f64, time_step: f64) {
-        for (emitter, columns) in scene.emitters.iter().zip(&mut self.emitters) {
-            for (column, state) in emitter.columns.iter().zip(columns) {
-                let speed = 0.5 * (emitter.speed(column, time) + emitter.speed(column, time + time_step));
-                state.emit(column.area * speed * time_step);
-            }
-        }
-    }
-
-    /// Returns the columns that a particle crossed the surface of, in their order, with the number
-    /// of the particle.
-    pub(crate) fn crossed(&self, scene: &Scene) -> Vec<Crossed> {
-        let volume = scene.discretisation.cell_volume();
-        let mut crossed = Vec::new();
-        for (emitter, columns) in self.emitters.iter().enumerate() {
-            for (column, state) in columns.iter().enumerate() {
-                for (serial, &id) in (state.emitted..).zip(&state.particles) {
-                    if state.between(serial, volume) >= 0.0 {
-                        break;
-                    }
-                    crossed.push(Crossed { emitter, column, id });
-                }
-            }
-        }
-        crossed
-    }
-
-    /// Takes the foremost particle out of a column, and returns the depth of the next at its end, m,
-    /// for a stretch of the column.
-    pub(crate) fn advance(&mut self, scene: &Scene, crossed: Crossed, stretch: f64) -> f64 {
-        let volume = scene.discretisation.cell_volume();
-        let state = &mut self.emitters[crossed.emitter][crossed.column];
-        state.particles.pop_front();
-        state.emitted += 1;
-        let next = state.emitted + state.particles.len() as u32;
-        let column = &scene.emitters[crossed.emitter].columns[crossed.column];
-        column.depth(stretch * state.between(next, volume))
-    }
-
-    /// Adds a particle at the end of a column.
-    pub(crate) fn append(&mut self, crossed: Crossed, id: u32) {
-        let state = &mut self.emitters[crossed.emitter][crossed.column];
-        let serial = state.emitted + state.particles.len() as u32;
-        state.particles.push_back(id);
-        set_place(&mut self.places, id, ColumnPlace { column: crossed.column as u32, serial });
-    }
-}
-
-/// A particle that crossed the surface of its emitter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Crossed {
-    /// Index of the emitter.
-    pub emitter: usize,
-    /// Index of its column.
-    pub column: usize,
-    /// Number of the particle.
-    pub id: u32,
-}
-
-fn set_place(places: &mut Vec<ColumnPlace>, id: u32, place: ColumnPlace) {
-    let index = id as usize;
-    if places.len() <= index {
-        places.resize(index + 1, ColumnPlace::default());
-    }
-    places[index] = place;
-}
 
 /// An emitter with its particles at one time.
 struct PresentEmitter<'a> {
     scene: &'a Scene,
     emitter: &'a Emitter,
     pose: Option<&'a Pose>,
-    places: &'a [ColumnPlace],
+    states: &'a EmitterStates,
     time: f64,
 }
 
 impl PresentEmitter<'_> {
     fn column(&self, id: u32) -> &EmitterColumn {
-        &self.emitter.columns[self.places[id as usize].column as usize]
+        &self.emitter.columns[self.states.place(id).column as usize]
     }
 
     /// Returns foot and normal of the column of a particle.
@@ -308,7 +130,7 @@ pub(crate) fn apply_emitters<R: PairReal<D>, const D: usize>(
         let source = scene.inlets.len() + index;
         let rows = &rows.inflow[source];
         let pose = pose_of(&poses.0, emitter);
-        let motion = PresentEmitter { scene, emitter, pose, places: &states.places, time: clock.time };
+        let motion = PresentEmitter { scene, emitter, pose, states: &states, time: clock.time };
         let mut zone = InflowZone {
             rows,
             motion: &motion,
@@ -349,10 +171,9 @@ pub(crate) fn move_emitters<R: PairReal<D>, const D: usize>(
         let pose = pose_of(poses, emitter);
         for &row in &rows.inflow[source] {
             let row = row as usize;
-            let place = states.places[arrays.id[row] as usize];
+            let place = states.place(arrays.id[row]);
             let column = &emitter.columns[place.column as usize];
-            let between = states.emitters[index][place.column as usize].between(place.serial, volume);
-            let depth = column.depth(stretch * between);
+            let depth = column.depth(stretch * states.between(index, place, volume));
             let point = column.point(depth);
             let position = scene.wrapped(pose.map_or(point, |pose| pose.place(point)));
             let velocity = emitter.velocity_in(column, depth, pose, time + time_step);
@@ -394,10 +215,9 @@ pub(crate) fn set_end_densities<R: PairReal<D>, const D: usize>(
         let full_support_until = emitter.depth - scene.discretisation.support;
         for &row in &rows.inflow[scene.inlets.len() + index] {
             let row = row as usize;
-            let place = states.places[arrays.id[row] as usize];
+            let place = states.place(arrays.id[row]);
             let column = &emitter.columns[place.column as usize];
-            let state = &states.emitters[index][place.column as usize];
-            if column.depth(state.between(place.serial, volume)) > full_support_until {
+            if column.depth(states.between(index, place, volume)) > full_support_until {
                 arrays.density[row] = R::from_f64(scene.fluid.density);
             }
         }

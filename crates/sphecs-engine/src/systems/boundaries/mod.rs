@@ -1,5 +1,6 @@
 //! Boundary particles: inflow, outflow and wall.
 //!
+//! - [`emitter_states`]: volumes that the columns of emitters emitted
 //! - [`emitters`]: inflow particles of emitters
 //! - [`inflow_columns`]: compression of inflow zones
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
@@ -18,6 +19,7 @@
 //!
 //! The conditions are in `sphecs_core::boundary`; the systems here call them.
 
+pub mod emitter_states;
 pub mod emitters;
 pub mod inflow_columns;
 pub mod inlets;

@@ -57,8 +57,8 @@ impl PatchCells {
     }
 }
 
-/// Returns centre and radius of a ball that the columns of an emitter do not leave, m; infinite on a
-/// wall that moves.
+/// Returns centre and radius of a ball that the columns of an emitter do not leave, m; infinite on
+/// a wall that moves.
 fn ball(emitter: &Emitter) -> (DVec3, f64) {
     match emitter.wall {
         Wall::Casing => emitter.ball(),

@@ -8,10 +8,10 @@
 //! The sums are over the fluid particles, with the weights of
 //! [`potential_flow`](sphecs_scene::potential_flow), in which sound does not count. Q̃_in is the
 //! slow part of the flow of the inlets, Q̃_i that of the flow of emitters and that which movers
-//! displace, with the weight φ_i at their surfaces. V is the mean volume of a particle: with m/ρ0 a flow would
-//! seem to vary with the number of particles in the domain, by a per cent or two. The last term is
-//! the fluid that is stored as the pressures p_j of the openings rise, since between them the
-//! pressure is Σ_j φ_j p_j: the divergence is −dp/dt/(ρ0 c0²). Without it a pressure that
+//! displace, with the weight φ_i at their surfaces. V is the mean volume of a particle: with m/ρ0 a
+//! flow would seem to vary with the number of particles in the domain, by a per cent or two. The
+//! last term is the fluid that is stored as the pressures p_j of the openings rise, since between
+//! them the pressure is Σ_j φ_j p_j: the divergence is −dp/dt/(ρ0 c0²). Without it a pressure that
 //! oscillates at the frequency ω over a length L is wrong by ω L/(4 c0).
 //!
 //! ```text

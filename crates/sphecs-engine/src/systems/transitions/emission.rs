@@ -1,7 +1,7 @@
 //! Particles that cross the surfaces of emitters.
 //!
-//! A particle in front of its surface joins the fluid where it is, and a stored one is placed at the
-//! end of its column. Fluid does not enter an emitter: it is held at the surface as at a wall.
+//! A particle in front of its surface joins the fluid where it is, and a stored one is placed at
+//! the end of its column. Fluid does not enter an emitter: it is held at the surface as at a wall.
 
 use bevy_ecs::change_detection::Mut;
 use bevy_ecs::world::World;
@@ -11,7 +11,8 @@ use super::{Change, change_role, count_crossing, set_zone};
 use crate::resources::clock::Clock;
 use crate::resources::entity_index::EntityIndex;
 use crate::resources::ledger::Ledger;
-use crate::systems::boundaries::emitters::{Crossed, EmitterStates, place_in_column};
+use crate::systems::boundaries::emitter_states::{Crossed, EmitterStates};
+use crate::systems::boundaries::emitters::place_in_column;
 use crate::systems::boundaries::inflow_columns::InflowColumns;
 use crate::systems::boundaries::movers::PresentPoses;
 use crate::systems::boundaries::patch_rows::PatchRows;

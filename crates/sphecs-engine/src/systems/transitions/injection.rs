@@ -69,8 +69,8 @@ pub(super) fn place<R: PairReal<D>, const D: usize>(
     let inlet = scene.inlets.get(usize::from(patch)).filter(|_| zone == Zone::Inflow);
     let velocity = match inlet {
         Some(inlet) => inlet.velocity_at(scene.fluid.viscosity, place, time),
-        // In an outflow zone the injected particle has the velocity of the one at the plane, as have
-        // the particles between.
+        // In an outflow zone the injected particle has the velocity of the one at the plane, as
+        // have the particles between.
         None => injection.velocity,
     };
     arrays.push(&ParticleRow {
