@@ -11,8 +11,12 @@ use rayon::ThreadPoolBuilder;
 use sphecs::Simulation;
 use sphecs::glam::DVec3;
 
-/// Steps of each run, which include many changes of zone and corrective steps.
-const STEPS: usize = 500;
+/// Least and largest number of steps of each run, which include many changes of zone and corrective
+/// steps.
+const STEPS: [u64; 2] = [120, 500];
+
+/// Particles times steps of a run between these numbers: a large scene has many changes in a step.
+const PARTICLE_STEPS: u64 = 1_500_000;
 
 /// Steps of the runs with reads between the steps.
 const STEPS_WITH_READS: usize = 100;
@@ -58,7 +62,8 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_threads() {
     for path in shipped_scenes() {
         let mut runs = [(); 3].map(|()| simulation(&path));
         for (run, pool) in runs.iter_mut().zip(&pools) {
-            pool.install(|| (0..STEPS).for_each(|_| run.step().expect("a step")));
+            let steps = (PARTICLE_STEPS / run.ledger().total()).clamp(STEPS[0], STEPS[1]);
+            pool.install(|| (0..steps).for_each(|_| run.step().expect("a step")));
         }
         let [one, others @ ..] = &mut runs;
         for (other, threads) in others.iter_mut().zip(2..) {
