@@ -1,5 +1,5 @@
-//! Checks of the paths of movers over the run: speed, walls at rest, zones of openings, and the
-//! volume that they leave to the fluid.
+//! Checks of the paths of movers over the run: speed, walls at rest, other movers, zones of
+//! openings, and the volume that they leave to the fluid.
 
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -9,7 +9,7 @@ use crate::displaced_flow::CasingGrid;
 use crate::faults::Fault;
 use crate::fill::{Place, patches, wall_thickness};
 use crate::model::Scene;
-use crate::movers::WallPoses;
+use crate::movers::{Wall, WallPoses};
 use crate::schema::SceneFile;
 use sphecs_core::format::{point, significant};
 use sphecs_core::particles::zone::Zone;
@@ -20,6 +20,9 @@ const INTERVALS: u32 = 64;
 /// Depth in a mover from which a wall particle at rest counts as overlapped, in spacings: less is
 /// the misfit of lattice and surface.
 const OVERLAP: f64 = 0.5;
+
+/// Depth in a mover from which a particle of another counts as inside, in spacings.
+const CONTACT: f64 = 0.25;
 
 /// Largest relative change of the volume of a closed domain.
 const VOLUME_CHANGE: f64 = 0.005;
@@ -41,6 +44,7 @@ pub fn check(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec
     zones(&course, file, faults);
     if faults.len() == before {
         overlaps(&course, file, places, faults);
+        collisions(&course, file, places, faults);
         volume(&course, file, faults);
     }
 }
@@ -133,6 +137,40 @@ fn overlaps(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mu
             let help = "change shape or motion, or cut its way out of the `domain`; what it covers from the start \
                         to the end of the run may be wall";
             faults.push(Fault::new(title, file.movers[index].name.span, label).help(help));
+        }
+    }
+}
+
+/// Reports movers that run into each other. Those that overlap from the start are parts of one body.
+fn collisions(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
+    let scene = course.scene;
+    for (first, mover) in scene.movers.iter().enumerate() {
+        let of_mover =
+            |place: &&Place| place.zone == Zone::Wall && Wall::numbered(place.patch) == Wall::Mover(first);
+        let particles: Vec<DVec3> =
+            places.iter().filter(of_mover).map(|place| mover.start.reference(place.position)).collect();
+        for second in (0..scene.movers.len()).filter(|second| *second != first) {
+            let hit = |at: usize| {
+                let pose = &course.poses[at].movers[first];
+                let placed = particles.iter().map(|particle| pose.place(*particle));
+                placed.into_iter().find(|place| course.depth(second, at, *place) > CONTACT * scene.spacing)
+            };
+            if hit(0).is_some() {
+                continue;
+            }
+            let found = (1..course.times.len()).into_par_iter().find_map_first(|at| Some((at, hit(at)?)));
+            if let Some((at, place)) = found {
+                let other = &scene.movers[second].name;
+                let title = format!("the mover `{}` runs into `{other}`", mover.name);
+                let label = format!(
+                    "is in it at t = {} s near {} m",
+                    significant(course.times[at]),
+                    course.text(place)
+                );
+                let help = "change shape or motion of one of them; leave three spacings between both";
+                faults.push(Fault::new(title, file.movers[first].name.span, label).help(help));
+                return;
+            }
         }
     }
 }

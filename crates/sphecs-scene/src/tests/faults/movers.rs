@@ -118,3 +118,27 @@ fn settings_that_walls_that_move_do_not_have_are_refused() {
         assert!(found.contains(expected), "{fields}: {found}");
     }
 }
+
+#[test]
+fn movers_must_not_run_into_each_other() {
+    let two = |motion: &str, other: &str| {
+        faults(&format!(
+            "{OPEN} movers: [
+                (name: \"left\", shape: Circle(center: (1.0, 1.0), radius: 0.4), motion: {motion}),
+                (name: \"right\", shape: Circle(center: (2.0, 1.0), radius: 0.4), motion: {other}),
+            ],"
+        ))
+    };
+    let (rest, right) = ("Translation(displacement: (0.0, 0.0))", "Translation(displacement: (\"t\", 0.0))");
+    let found = two(right, rest);
+    assert!(found.contains("the mover `left` runs into `right`") && found.contains("t = 0.3"), "{found}");
+    assert!(!two(rest, rest).contains("runs into") && !two(rest, right).contains("runs into"));
+    // Parts of one body overlap from the start.
+    let parts = faults(&format!(
+        "{OPEN} movers: [
+            (name: \"hub\", shape: Circle(center: (1.5, 1.0), radius: 0.3), motion: {right}),
+            (name: \"arm\", shape: Box(min: (1.4, 0.5), max: (1.6, 1.5)), motion: {right}),
+        ],"
+    ));
+    assert!(!parts.contains("runs into"), "{parts}");
+}
