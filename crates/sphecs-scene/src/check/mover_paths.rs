@@ -141,7 +141,8 @@ fn overlaps(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mu
     }
 }
 
-/// Reports movers that run into each other. Those that overlap from the start are parts of one body.
+/// Reports movers that run into each other. Those that overlap from the start are parts of one
+/// body.
 fn collisions(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     let scene = course.scene;
     for (first, mover) in scene.movers.iter().enumerate() {
