@@ -145,7 +145,7 @@ pub(crate) fn apply_emitters<R: PairReal<D>, const D: usize>(
             sums: &mut sums.0,
             buffers: &mut buffers,
         };
-        InletPressure::Extrapolated.apply(&mut zone);
+        InletPressure::default().apply(&mut zone);
         if scene.scheme.wcsph().is_some() {
             columns.column(source).follow(scene.fluid.density, rows, &arrays);
         }
