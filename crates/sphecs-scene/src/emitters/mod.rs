@@ -9,9 +9,8 @@
 //! flux through the surface: ρ0 v_n, v_n relative to it;  velocity in the fluid: v_wall + v_n n
 //! ```
 //!
-//! Each piece has a column of inflow particles behind it, see
-//! [`EmitterColumn`](sphecs_core::boundary::inlet::emitter_column::EmitterColumn). The columns are
-//! in the coordinates of their wall, which carries them along.
+//! Each piece has a column of inflow particles behind it, see [`EmitterColumn`]. The columns are in
+//! the coordinates of their wall, which carries them along.
 
 pub mod along_curves;
 pub mod contour;
