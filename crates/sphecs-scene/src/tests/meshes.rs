@@ -132,3 +132,26 @@ fn files_and_units_of_meshes_are_checked() {
     assert!(fault.title.contains("a mesh is not closed"), "{fault:?}");
     assert!(fault.label.contains("1.6 m") && fault.label.contains("(1"), "{fault:?}");
 }
+
+/// A group emits on the domain's surface and on a body that moves; its facets are large.
+#[test]
+fn groups_of_facets_emit() {
+    let emitter = "emitters: [(on: \"in\", velocity: MassFlow(rate: 16.0))],";
+    let of_casing = scene(MESH, &format!("{emitter} outlets: [(on: \"out\")],")).expect("a scene");
+    let body = format!(
+        "movers: [(name: \"body\", shape: {MESH}, motion: Rotation(about: (0.5, 0.2, 0.0), radians: \"1 + t\"))],
+        outlets: [(at: (2.0, 0.0, 0.0), towards: (1.0, 0.0, 0.0))], {emitter}"
+    );
+    let domain = "Box(min: (-1.0, -1.0, -1.0), max: (2.0, 1.4, 1.4))";
+    let of_mover = scene(domain, &body).expect("a scene");
+    for (scene, sign) in [(of_casing, 1.0), (of_mover, -1.0)] {
+        let emitter = &scene.emitters[0];
+        assert_eq!(emitter.columns.len(), 64);
+        assert!((emitter.area() / 0.16 - 1.0).abs() < 1e-9, "{} m²", emitter.area());
+        assert!((emitter.volume_flow(0.0) / 0.016 - 1.0).abs() < 1e-12);
+        for column in &emitter.columns {
+            assert!(column.foot.x.abs() < 1e-9 && (column.normal.x - sign).abs() < 1e-9, "{column:?}");
+            assert!((column.area / 0.0025 - 1.0).abs() < 0.15, "{column:?}");
+        }
+    }
+}

@@ -131,7 +131,7 @@ fn movers_must_not_run_into_each_other() {
     };
     let (rest, right) = ("Translation(displacement: (0.0, 0.0))", "Translation(displacement: (\"t\", 0.0))");
     let found = two(right, rest);
-    assert!(found.contains("the mover `left` runs into `right`") && found.contains("t = 0.3"), "{found}");
+    assert!(found.contains("the mover `left` runs into `right`") && found.contains("t = 0.25"), "{found}");
     assert!(!two(rest, rest).contains("runs into") && !two(rest, right).contains("runs into"));
     // Parts of one body overlap from the start.
     let parts = faults(&format!(
