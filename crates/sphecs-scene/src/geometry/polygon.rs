@@ -80,7 +80,10 @@ mod tests {
     fn edges_on_one_line_touch_only_if_they_overlap() {
         let square = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 1.0]];
         assert_eq!(crossing_edges(&square.map(DVec2::from)), None);
+        let edge = |from: f64, to: f64| (DVec2::new(from, 0.0), DVec2::new(to, 0.0));
+        assert!(edges_touch(edge(0.0, 3.0), edge(2.0, 1.0)) && edges_touch(edge(0.0, 1.0), edge(1.0, 2.0)));
+        assert!(!edges_touch(edge(0.0, 1.0), edge(2.0, 3.0)));
         let on_itself = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [2.0, 1.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
-        assert!(crossing_edges(&on_itself.map(DVec2::from)).is_some());
+        assert_eq!(crossing_edges(&on_itself.map(DVec2::from)), Some((0, 3)));
     }
 }

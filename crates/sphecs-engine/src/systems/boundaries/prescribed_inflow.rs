@@ -16,8 +16,8 @@ pub struct PrescribedInflow {
     points: Vec<Vec<DVec3>>,
     /// Flow that the movers displace; None without movers.
     displaced: Option<DisplacedFlow>,
-    /// Filter of each outlet, for the passage of sound along its normal; none without inlets and
-    /// movers.
+    /// Filter of each outlet, for the passage of sound along its normal; none if nothing
+    /// prescribes a flow.
     filters: Vec<SlowPart>,
     /// Filters of the flow of emitters and that which movers displace, of each outlet; none without
     /// both.
@@ -26,7 +26,7 @@ pub struct PrescribedInflow {
     found: Vec<Inflow>,
     /// Slow part of the flow of the inlets alone for each outlet, m³/s (m²/s in 2D).
     of_inlets: Vec<f64>,
-    /// Volume flow in the present step, m³/s (m²/s in 2D); None without inlets and movers.
+    /// Volume flow in the present step, m³/s (m²/s in 2D); None if nothing prescribes a flow.
     rate: Option<f64>,
     /// Rate of change of the volume flow in the present step, m³/s² (m²/s² in 2D); None without
     /// inlets and movers.
@@ -82,14 +82,14 @@ impl PrescribedInflow {
         }
     }
 
-    /// Returns the volume flow of the present step, m³/s (m²/s in 2D); None without inlets and
-    /// movers.
+    /// Returns the volume flow of the present step, m³/s (m²/s in 2D); None if nothing
+    /// prescribes a flow.
     pub fn rate(&self) -> Option<f64> {
         self.rate
     }
 
-    /// Returns the rate of change of the volume flow, m³/s² (m²/s² in 2D); None without inlets and
-    /// movers.
+    /// Returns the rate of change of the volume flow, m³/s² (m²/s² in 2D); None if nothing
+    /// prescribes a flow.
     pub fn acceleration(&self) -> Option<f64> {
         self.acceleration
     }
@@ -99,7 +99,7 @@ impl PrescribedInflow {
         self.of_inlets.get(outlet).copied().unwrap_or(0.0)
     }
 
-    /// Returns the inflow for an outlet; None without inlets and movers.
+    /// Returns the inflow for an outlet; None if nothing prescribes a flow.
     pub fn at_outlet(&self, outlet: usize) -> Option<Inflow> {
         self.found.get(outlet).copied()
     }
