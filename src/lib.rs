@@ -111,9 +111,9 @@ pub mod scene {
     pub use sphecs_core::physics::wall::{Slip, WallModel, WallPressure};
     pub use sphecs_scene::builder::{
         BendSection, Body, Components, Concentric, EdacTvf, Fill, Fluid, Formula, Initial, Inlet,
-        InletVelocity, Interval, Lattice, MassFlow, MassFlux, Number, Outlet, Output, PoiseuilleStartup,
-        Probe, ProbeKind, Reference, Reservoir, Rotation, Scheme, Shape, Time, Vector, VectorFormula,
-        WallFill, WallFitted, WallPart, Walls, Wcsph,
+        InletVelocity, Interval, Lattice, MassFlow, MassFlux, Number, Outlet, Output, Packed,
+        PoiseuilleStartup, Probe, ProbeKind, Reference, Reservoir, Rotation, Scheme, Shape, Time, Vector,
+        VectorFormula, WallFill, WallFitted, WallPart, Walls, Wcsph,
     };
     pub use sphecs_scene::model::{ForcesEvery, ProbeSight, WhenEmpty};
     pub use sphecs_scene::rings::FirstRing;

@@ -15,7 +15,7 @@ use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::model::{Fill, Patch, Scene, Scheme};
 use super::movers::Wall;
-use super::{emitters, layers, mover_places, rings, wall_particles};
+use super::{emitters, layers, mover_places, packing, rings, wall_particles};
 use sphecs_core::particles::zone::Zone;
 
 /// Tolerance of comparisons with planes and surfaces, in spacings: lattice points on a plane count
@@ -38,23 +38,10 @@ pub struct Place {
 pub fn places(scene: &Scene) -> Vec<Place> {
     let filler = Filler::new(scene);
     let mut places = match &scene.layout.fill {
-        Fill::Lattice(lattice) => {
-            let mut places = filler.lattice(lattice);
-            if !scene.movers.is_empty() {
-                mover_places::place(scene, lattice, &mut places);
-            }
-            if !scene.layout.rings.is_empty() {
-                rings::replace(scene, &mut places);
-            }
-            if !scene.layout.layered.is_empty() {
-                let is_wall = |point| filler.classify(point).is_some_and(|place| place.zone == Zone::Wall);
-                layers::replace(scene, Wall::Casing, &mut places, is_wall);
-            }
-            for (index, mover) in scene.movers.iter().enumerate() {
-                if scene.layout.layered.contains(&mover.part) {
-                    layers::replace(scene, Wall::Mover(index), &mut places, |_| true);
-                }
-            }
+        Fill::Lattice(lattice) => on_lattice(scene, &filler, lattice),
+        Fill::Packed(lattice) => {
+            let mut places = on_lattice(scene, &filler, lattice);
+            packing::pack(scene, lattice, &mut places);
             places
         }
         Fill::WallFitted { lower, upper, rows } => {
@@ -65,6 +52,30 @@ pub fn places(scene: &Scene) -> Vec<Place> {
         }
     };
     emitters::place(scene, &mut places);
+    places
+}
+
+/// Returns the places on a lattice, wall particles on rings and layers where the scene has them.
+fn on_lattice(scene: &Scene, filler: &Filler<'_>, lattice: &Lattice) -> Vec<Place> {
+    let mut places = filler.lattice(lattice);
+    if !scene.movers.is_empty() {
+        mover_places::place(scene, lattice, &mut places);
+    }
+    if !scene.layout.rings.is_empty() {
+        rings::replace(scene, &mut places);
+    }
+    if !scene.layout.layered.is_empty() {
+        let is_covered = mover_places::covered(scene);
+        let is_wall = |point| {
+            filler.classify(point).is_some_and(|place| place.zone == Zone::Wall) && !is_covered(point)
+        };
+        layers::replace(scene, Wall::Casing, &mut places, is_wall);
+    }
+    for (index, mover) in scene.movers.iter().enumerate() {
+        if scene.layout.layered.contains(&mover.part) {
+            layers::replace(scene, Wall::Mover(index), &mut places, |_| true);
+        }
+    }
     places
 }
 

@@ -9,8 +9,8 @@
 //! it are stairs, along which the pressure of the wall has hills and valleys: they brake a flow
 //! past a free-slip wall as roughness does. The layers have none.
 //!
-//! In 2D the curves are found by marching squares, Lorensen & Cline (1987), on a grid of Δ/4 and
-//! moved to the layer by a step along the gradient; for 3D see [`sheets`]. Where layers of two
+//! In 2D the curves are found on a [grid](super::distance_grid) of Δ/4 and moved to the layer by a
+//! step along the gradient; for 3D see [`sheets`]. Where layers of two
 //! surfaces meet in a thin wall, the nearer ones to their surface stay.
 
 use std::collections::BTreeMap;
@@ -18,8 +18,9 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use super::distance_grid::{DistanceGrid, spread};
 use super::fill::{Place, wall_thickness};
-use super::model::Scene;
+use super::model::{Fill, Scene};
 use super::movers::Wall;
 use super::sheets;
 use super::wall_particles::surface;
@@ -36,10 +37,9 @@ const APART: f64 = 0.7;
 pub fn replace(scene: &Scene, wall: Wall, places: &mut Vec<Place>, is_wall: impl Fn(DVec3) -> bool + Sync) {
     let is_layered = |point: DVec3| scene.layout.layered.contains(&surface(scene, wall, point).part);
     let is_of_wall = |place: &Place| place.zone == Zone::Wall && place.patch == wall.number();
-    let keeps = |place: &Place| !is_of_wall(place) || !is_layered(place.position);
+    let is_kept = |point: DVec3| !is_layered(point) || is_fitted(scene, wall, point);
+    let keeps = |place: &Place| !is_of_wall(place) || is_kept(place.position);
     let kept: Vec<bool> = places.par_iter().map(keeps).collect();
-    let replaced = places.iter().zip(&kept).filter(|(_, kept)| !**kept).map(|(place, _)| place.position);
-    let replaced: Vec<DVec3> = replaced.collect();
     let mut kept = kept.into_iter();
     places.retain(|_| kept.next().unwrap_or(true));
     let mut taken = TakenPlaces::new(APART * scene.spacing);
@@ -47,11 +47,15 @@ pub fn replace(scene: &Scene, wall: Wall, places: &mut Vec<Place>, is_wall: impl
     let deepest = wall_thickness(scene) - 1e-9 * scene.spacing;
     let depths = (0..).map(|layer| (f64::from(layer) + 0.5) * scene.spacing);
     let depths: Vec<f64> = depths.take_while(|depth| *depth < deepest).collect();
-    let sheets: Vec<Vec<DVec3>> = if scene.dimensions == 2 {
-        let grid = DistanceGrid::new(scene, wall);
-        depths.iter().flat_map(|depth| curves(scene, wall, &grid, *depth)).collect()
-    } else {
-        sheets::spread(scene, wall, &replaced, &depths)
+    let sheets: Vec<Vec<DVec3>> = match &scene.layout.fill {
+        Fill::Lattice(lattice) | Fill::Packed(lattice) if scene.dimensions == 3 => {
+            let is_here = |centre: DVec3| is_layered(centre) && !is_fitted(scene, wall, centre);
+            sheets::spread(scene, lattice, wall, &depths, is_here)
+        }
+        _ => {
+            let grid = distance_grid(scene, wall);
+            depths.iter().flat_map(|depth| curves(scene, wall, &grid, *depth)).collect()
+        }
     };
     // Sheets come from the surface inwards; the particles of one are not too near to each other.
     for sheet in sheets {
@@ -64,13 +68,47 @@ pub fn replace(scene: &Scene, wall: Wall, places: &mut Vec<Place>, is_wall: impl
     }
 }
 
+/// Largest distance of a fitted particle from the middle of a layer, in spacings.
+const OFF_THE_MIDDLE: f64 = 0.02;
+
+/// Length along which a plane wall is plane, in spacings.
+const FLAT: f64 = 2.0;
+
+/// Returns true for a wall particle of a packed lattice that lies in the middle of layers: those
+/// along plane walls stay in line with the fluid.
+fn is_fitted(scene: &Scene, wall: Wall, point: DVec3) -> bool {
+    let Fill::Packed(lattice) = &scene.layout.fill else { return false };
+    let surface = surface(scene, wall, point);
+    let way = lattice.rotation.transpose() * (surface.normal * surface.distance) / lattice.spacing;
+    let layer = |along: f64| (along.abs() - 0.5) - (along.abs() - 0.5).round().max(0.0);
+    // Along a curved wall a particle in the middle of a layer is an accident.
+    let is_flat = |axis: usize| {
+        let step = lattice.rotation.col(axis) * (FLAT * scene.spacing);
+        [step, -step].into_iter().any(|step| {
+            (wall.distance(scene, point + step) - surface.distance).abs() < OFF_THE_MIDDLE * scene.spacing
+        })
+    };
+    (0..scene.dimensions).all(|axis| match way[axis].abs() < OFF_THE_MIDDLE {
+        true => is_flat(axis),
+        false => layer(way[axis]).abs() < OFF_THE_MIDDLE,
+    })
+}
+
 /// Returns the curves of the surface of a wall at the start in 2D, m; a closed curve ends at its
 /// first point.
 pub fn surface_curves(scene: &Scene, wall: Wall) -> Vec<Vec<DVec3>> {
-    let curves = DistanceGrid::new(scene, wall).curves(0.0).into_iter();
+    let curves = distance_grid(scene, wall).curves(0.0).into_iter();
     let moved =
         |curve: Vec<DVec3>| curve.into_iter().map(|point| moved_to(scene, wall, point, 0.0)).collect();
     curves.map(moved).collect()
+}
+
+/// Returns the distance behind a wall on a grid around it, in 2D.
+fn distance_grid(scene: &Scene, wall: Wall) -> DistanceGrid {
+    let margin = DVec3::splat(wall_thickness(scene) + scene.spacing);
+    let (low, high) = wall.bounds(scene);
+    let (low, high) = ((low - margin).with_z(0.0), (high + margin).with_z(0.0));
+    DistanceGrid::new(low, high, scene.spacing / CELLS, |point| wall.distance(scene, point))
 }
 
 /// Returns the particles of the curves of a layer, m.
@@ -113,122 +151,6 @@ impl TakenPlaces {
 pub fn moved_to(scene: &Scene, wall: Wall, point: DVec3, depth: f64) -> DVec3 {
     let normal = wall.gradient(scene, point);
     point - normal * (wall.distance(scene, point) - depth)
-}
-
-/// Returns points at equal distances of about `spacing` along a curve, m.
-fn spread(curve: &[DVec3], spacing: f64) -> Vec<DVec3> {
-    let lengths = curve.windows(2).map(|pair| pair[0].distance(pair[1]));
-    let total: f64 = lengths.clone().sum();
-    let count = (total / spacing).round().max(1.0);
-    let step = total / count;
-    let mut points = Vec::new();
-    let (mut passed, mut next) = (0.0, 0.5 * step);
-    for (pair, length) in curve.windows(2).zip(lengths) {
-        while next <= passed + length && points.len() < count as usize {
-            points.push(pair[0].lerp(pair[1], (next - passed) / length.max(f64::MIN_POSITIVE)));
-            next += step;
-        }
-        passed += length;
-    }
-    points
-}
-
-/// Signed distances on the nodes of a grid around the walls, m.
-struct DistanceGrid {
-    low: DVec3,
-    cell: f64,
-    counts: [usize; 2],
-    distances: Vec<f64>,
-}
-
-/// An edge of the grid: its first node and its direction, 0 along x and 1 along y.
-type Edge = ([usize; 2], usize);
-
-impl DistanceGrid {
-    fn new(scene: &Scene, wall: Wall) -> Self {
-        let cell = scene.spacing / CELLS;
-        let margin = DVec3::splat(wall_thickness(scene) + scene.spacing);
-        let (low, high) = wall.bounds(scene);
-        let (low, high) = ((low - margin).with_z(0.0), (high + margin).with_z(0.0));
-        let counts = [0, 1].map(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 1);
-        let node = |index: usize| {
-            low + cell * DVec3::new((index % counts[0]) as f64, (index / counts[0]) as f64, 0.0)
-        };
-        let nodes = (0..counts[0] * counts[1]).into_par_iter();
-        let distances = nodes.map(|index| wall.distance(scene, node(index))).collect();
-        Self { low, cell, counts, distances }
-    }
-
-    fn distance(&self, node: [usize; 2]) -> f64 {
-        self.distances[node[0] + node[1] * self.counts[0]]
-    }
-
-    /// Returns the point of an edge at which the distance is `level`.
-    fn crossing(&self, (node, axis): Edge, level: f64) -> DVec3 {
-        let mut end = node;
-        end[axis] += 1;
-        let (from, to) = (self.distance(node) - level, self.distance(end) - level);
-        let mut place = DVec3::new(node[0] as f64, node[1] as f64, 0.0);
-        place[axis] += from / (from - to);
-        self.low + self.cell * place
-    }
-
-    /// Returns the curves on which the distance is `level`, m; a closed curve ends at its first
-    /// point.
-    fn curves(&self, level: f64) -> Vec<Vec<DVec3>> {
-        let mut links: BTreeMap<Edge, Vec<Edge>> = BTreeMap::new();
-        for y in 0..self.counts[1] - 1 {
-            for x in 0..self.counts[0] - 1 {
-                for (from, to) in self.segments([x, y], level).into_iter().flatten() {
-                    links.entry(from).or_default().push(to);
-                    links.entry(to).or_default().push(from);
-                }
-            }
-        }
-        let mut curves = Vec::new();
-        // Open curves begin at an edge with one link; what remains is closed.
-        while let Some(start) = links
-            .iter()
-            .find(|(_, to)| to.len() == 1)
-            .or_else(|| links.iter().find(|(_, to)| !to.is_empty()))
-            .map(|(edge, _)| *edge)
-        {
-            let mut curve = vec![self.crossing(start, level)];
-            let mut at = start;
-            while let Some(next) = links.get_mut(&at).and_then(Vec::pop) {
-                if let Some(back) = links.get_mut(&next) {
-                    back.retain(|edge| *edge != at);
-                }
-                curve.push(self.crossing(next, level));
-                at = next;
-            }
-            links.retain(|_, to| !to.is_empty());
-            curves.push(curve);
-        }
-        curves
-    }
-
-    /// Returns the segments of a curve in a cell, between its edges.
-    fn segments(&self, [x, y]: [usize; 2], level: f64) -> [Option<(Edge, Edge)>; 2] {
-        let corners = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
-        let inside = corners.map(|node| self.distance(node) < level);
-        let edges = [([x, y], 0), ([x + 1, y], 1), ([x, y + 1], 0), ([x, y], 1)];
-        let crossed: Vec<Edge> =
-            (0..4).filter(|side| inside[*side] != inside[(side + 1) % 4]).map(|side| edges[side]).collect();
-        match crossed[..] {
-            [a, b] => [Some((a, b)), None],
-            [a, b, c, d] => {
-                let middle = corners.iter().map(|node| self.distance(*node)).sum::<f64>() / 4.0;
-                // The middle joins the pair of corners on its own side.
-                if (middle < level) == inside[0] {
-                    [Some((a, b)), Some((c, d))]
-                } else {
-                    [Some((d, a)), Some((b, c))]
-                }
-            }
-            _ => [None, None],
-        }
-    }
 }
 
 #[cfg(test)]

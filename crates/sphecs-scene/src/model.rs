@@ -212,6 +212,8 @@ pub struct UnopenedPart {
 pub enum Fill {
     /// Square or cubic lattice.
     Lattice(Lattice),
+    /// A lattice relaxed onto the walls, see [`packing`](super::packing).
+    Packed(Lattice),
     /// Rows at constant fractions of the width of a 2D channel along x.
     WallFitted {
         /// y of the lower wall as a function of x, m.
@@ -227,7 +229,7 @@ impl Fill {
     /// Returns a vector of the arrangement in the coordinates of the scene.
     pub fn turned(&self, vector: DVec3) -> DVec3 {
         match self {
-            Fill::Lattice(lattice) => lattice.turned(vector),
+            Fill::Lattice(lattice) | Fill::Packed(lattice) => lattice.turned(vector),
             Fill::WallFitted { .. } => vector,
         }
     }
@@ -236,6 +238,8 @@ impl Fill {
     pub fn is_oblique(&self, direction: DVec3) -> bool {
         match self {
             Fill::Lattice(lattice) => lattice.is_oblique(direction),
+            // Its zones have columns along their normals.
+            Fill::Packed(_) => false,
             Fill::WallFitted { .. } => direction.abs().max_element() < 1.0 - 1e-9,
         }
     }

@@ -35,6 +35,13 @@ pub fn place(scene: &Scene, lattice: &Lattice, places: &mut Vec<Place>) {
     }
 }
 
+/// Returns a test for points of the casing that one mover or another covers at all times, as a rod
+/// through a wall does.
+pub fn covered(scene: &Scene) -> impl Fn(DVec3) -> bool + Sync + '_ {
+    let bodies = Bodies::new(scene);
+    move |point| bodies.always_cover(point)
+}
+
 /// The movers of a scene at the start.
 struct Bodies<'a> {
     scene: &'a Scene,

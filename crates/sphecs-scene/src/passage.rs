@@ -4,12 +4,14 @@
 //! the opposite surface. It counts as the width of a passage if the surface there faces the line.
 
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::fill::{beyond, confined_distance};
-use super::geometry::measure::exit_distance;
+use super::geometry::measure::traced_exit;
 use super::model::{ParticleSeed, Patch, Scene};
 use super::wall_particles::surface_at;
 use sphecs_core::particles::zone::Zone;
@@ -48,21 +50,30 @@ pub fn narrowest_passage(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Passag
     let at_surface = |seed: &&ParticleSeed| seed.zone == Zone::Wall && seed.wall_distance < scene.spacing;
     let first_layer: Vec<&ParticleSeed> = seeds.iter().filter(at_surface).collect();
     let stride = first_layer.len().div_ceil(MOST_LINES).max(1);
-    let mut passages: Vec<Passage> = (0..first_layer.len().div_ceil(stride))
-        .into_par_iter()
-        .filter_map(|index| across(scene, first_layer[index * stride]))
-        .collect();
     // Widths of a channel are equal up to rounding: the one in the middle of its walls is taken.
     let tolerance = 1e-6 * scene.spacing;
+    // Lines need not be followed beyond the least width that any of them has found so far.
+    let shortest = AtomicU64::new(f64::INFINITY.to_bits());
+    let passage = |seed: &ParticleSeed| {
+        let found = across(scene, seed, f64::from_bits(shortest.load(Relaxed)) + tolerance)?;
+        // The bits of positive numbers have the order of the numbers.
+        shortest.fetch_min(found.width().to_bits(), Relaxed);
+        Some(found)
+    };
+    let mut passages: Vec<Passage> = (0..first_layer.len().div_ceil(stride))
+        .into_par_iter()
+        .filter_map(|index| passage(first_layer[index * stride]))
+        .collect();
     let least = passages.iter().map(Passage::width).fold(f64::INFINITY, f64::min);
     passages.retain(|passage| passage.width() <= least + tolerance);
     (!passages.is_empty()).then(|| passages[passages.len() / 2])
 }
 
-/// Returns the line from the surface in front of a wall particle to the opposite surface.
-fn across(scene: &Scene, seed: &ParticleSeed) -> Option<Passage> {
+/// Returns the line from the surface in front of a wall particle to the opposite surface; None if
+/// it is longer than `longest`, m, or nothing faces the particle.
+fn across(scene: &Scene, seed: &ParticleSeed, longest: f64) -> Option<Passage> {
     let (start, direction) = (seed.position + seed.wall_distance * seed.wall_normal, seed.wall_normal);
-    let length = exit(scene, start, direction)?;
+    let length = exit(scene, start, direction, longest)?;
     let end = start + length * direction;
     let (_, normal, _) = surface_at(scene, end);
     let faces = normal.dot(direction) < -LEAST_FACING;
@@ -80,15 +91,21 @@ fn ends_in(patch: &Patch, is_inlet: bool, end: DVec3, direction: DVec3, spacing:
 }
 
 /// Returns the length of fluid along a line from the surface, m; None if there is none, or no end.
-fn exit(scene: &Scene, from: DVec3, direction: DVec3) -> Option<f64> {
+fn exit(scene: &Scene, from: DVec3, direction: DVec3, longest: f64) -> Option<f64> {
     let (low, high) = scene.container.bounds();
-    let longest = (high - low).to_array().into_iter().filter(|length| length.is_finite()).sum();
-    let inside = |length: f64| confined_distance(scene, from + length * direction) <= 0.0;
+    let across: f64 = (high - low).to_array().into_iter().filter(|length| length.is_finite()).sum();
+    let distance = |length: f64| confined_distance(scene, from + length * direction);
     let step = STEP * scene.spacing;
-    if direction == DVec3::ZERO || !inside(step) {
+    if direction == DVec3::ZERO || distance(step) > 0.0 {
         return None;
     }
-    exit_distance(inside, step, longest)
+    // Periodic images are beyond the shape itself.
+    let is_periodic = scene.periodic.iter().any(Option::is_some);
+    let clearance = |length: f64| match is_periodic {
+        true => distance(length).abs(),
+        false => scene.layout.confines.clearance(from + length * direction),
+    };
+    traced_exit(distance, clearance, step, across.min(longest))
 }
 
 #[cfg(test)]

@@ -1,21 +1,22 @@
 //! Layers of wall particles along a surface in 3D: evenly spread by repulsion.
 //!
 //! ```text
-//! x_i(0): wall particles of the lattice, φ = k Δ … (k + 1) Δ, moved to φ = (k + ½) Δ
-//! x_i += β Δ P Σ_j (1 − r_ij/R)² x_ij/r_ij,   R = 1.7 Δ,  P: projection onto the layer
+//! N_k = V_k/Δ³,   V_k: volume of the shell k Δ ≤ φ < (k + 1) Δ
+//! x_i += β Δ P Σ_j (1 − r_ij/R)² x_ij/r_ij,   R = 1.7 Δ,  P: projection onto the layer φ = (k + ½) Δ
 //! ```
 //!
-//! A layer so has as many particles as its shell has volumes Δ³. The sum runs over the neighbours
-//! in the same layer; φ is the signed distance behind the surface.
-
-use std::collections::BTreeMap;
+//! The N_k particles start in cells of the lattice, by the shares of the cells in the shell. The sum
+//! runs over the neighbours in the same layer; φ is the signed distance behind the surface.
 
 use glam::DVec3;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use super::fill::lattice_ranges;
+use super::lattice::Lattice;
 use super::layers::moved_to;
 use super::model::Scene;
 use super::movers::Wall;
+use super::near_points::{NearPoints, Region};
 
 /// Radius of the repulsion R, in spacings.
 const RADIUS: f64 = 1.7;
@@ -26,27 +27,31 @@ const STEP: f64 = 0.12;
 /// Number of steps.
 const STEPS: usize = 40;
 
+/// Steps after which particles are moved back to their layer; in between they move along it.
+const STEPS_ALONG: usize = 5;
+
 /// Largest distance of a particle from its layer, in spacings: at sharp edges of a wall a layer
 /// ends.
 const OFF_THE_LAYER: f64 = 0.05;
 
-/// Returns the particles of the layers at some depths, m, from the lattice's wall particles behind
-/// a surface.
-pub fn spread(scene: &Scene, wall: Wall, walls: &[DVec3], depths: &[f64]) -> Vec<Vec<DVec3>> {
-    let mut layers: Vec<Vec<DVec3>> = vec![Vec::new(); depths.len()];
-    for point in walls {
-        let layer = (wall.distance(scene, *point) / scene.spacing).floor();
-        if layer >= 0.0
-            && let Some(layer) = layers.get_mut(layer as usize)
-        {
-            layer.push(*point);
-        }
-    }
+/// Parts of a cell along each axis in which its share of a shell is counted.
+const PARTS: usize = 4;
+
+/// Returns the particles of the layers at some depths, m, behind the surface of a wall; `is_here`
+/// says of the centre of a cell whether its volume is to be filled.
+pub fn spread(
+    scene: &Scene,
+    lattice: &Lattice,
+    wall: Wall,
+    depths: &[f64],
+    is_here: impl Fn(DVec3) -> bool + Sync,
+) -> Vec<Vec<DVec3>> {
+    let layers = starts(scene, lattice, wall, depths.len(), is_here);
     let of_layer = |(points, depth): (Vec<DVec3>, &f64)| {
         let points = points.par_iter().map(|point| moved_to(scene, wall, *point, *depth)).collect();
         let is_on_it =
             |point: &DVec3| (wall.distance(scene, *point) - depth).abs() < OFF_THE_LAYER * scene.spacing;
-        relaxed(scene, wall, points, *depth).into_iter().filter(is_on_it).collect()
+        relaxed(scene, wall, points, *depth).into_par_iter().filter(is_on_it).collect()
     };
     layers.into_iter().zip(depths).map(of_layer).collect()
 }
@@ -56,30 +61,118 @@ pub fn around([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     (0..27).map(move |at| [x + at % 3 - 1, y + at / 3 % 3 - 1, z + at / 9 - 1])
 }
 
+/// Returns centres of cells for the particles of each layer: one whenever the volume of the shell
+/// in the cells passed so far exceeds that of its particles by half of one.
+fn starts(
+    scene: &Scene,
+    lattice: &Lattice,
+    wall: Wall,
+    layers: usize,
+    is_here: impl Fn(DVec3) -> bool + Sync,
+) -> Vec<Vec<DVec3>> {
+    let deepest = layers as f64 * scene.spacing;
+    let (low, high) = wall.bounds(scene);
+    let shape = super::geometry::Shape::Box { min: low, max: high };
+    let ranges = lattice_ranges(scene, lattice, &shape, deepest);
+    let line = |index: usize| {
+        let lines = (ranges[1].end - ranges[1].start).max(1) as usize;
+        [ranges[0].start + (index / lines) as i64, ranges[1].start + (index % lines) as i64]
+    };
+    let count =
+        ((ranges[0].end - ranges[0].start).max(0) * (ranges[1].end - ranges[1].start).max(0)) as usize;
+    // Shares of the cells of a line that the shells cut.
+    let shares_of = |index: usize| {
+        let [i, j] = line(index);
+        let mut shares = Vec::new();
+        let mut k = ranges[2].start;
+        while k < ranges[2].end {
+            let centre = lattice.point([i, j, k], 3);
+            let depth = wall.distance(scene, centre);
+            let off = (-scene.spacing - depth).max(depth - deepest - scene.spacing);
+            if off > 0.0 {
+                k += ((off / lattice.spacing.z) as i64).max(1);
+                continue;
+            }
+            if is_here(centre) {
+                let normal = wall.gradient(scene, centre);
+                shares.extend(
+                    shells(scene, lattice, depth, normal, layers)
+                        .map(|(layer, share)| (centre, layer, share)),
+                );
+            }
+            k += 1;
+        }
+        shares
+    };
+    let shares: Vec<Vec<(DVec3, usize, f64)>> = (0..count).into_par_iter().map(shares_of).collect();
+    let mut carried = vec![0.0; layers];
+    let mut starts = vec![Vec::new(); layers];
+    for (centre, layer, share) in shares.into_iter().flatten() {
+        carried[layer] += share;
+        if carried[layer] >= 0.5 {
+            carried[layer] -= 1.0;
+            starts[layer].push(centre);
+        }
+    }
+    starts
+}
+
+/// Returns the shells that a cell has volume in, each with its share of the cell, from the depth of
+/// its centre, m, and the normal there.
+fn shells(
+    scene: &Scene,
+    lattice: &Lattice,
+    depth: f64,
+    normal: DVec3,
+    layers: usize,
+) -> impl Iterator<Item = (usize, f64)> {
+    let across = lattice.rotation.transpose() * normal * lattice.spacing;
+    let part = |index: usize| (index as f64 + 0.5) / PARTS as f64 - 0.5;
+    let mut counts = vec![0_u32; layers];
+    for index in 0..PARTS.pow(3) {
+        let at = DVec3::new(part(index % PARTS), part(index / PARTS % PARTS), part(index / PARTS / PARTS));
+        let layer = ((depth + across.dot(at)) / scene.spacing).floor();
+        if layer >= 0.0
+            && let Some(count) = counts.get_mut(layer as usize)
+        {
+            *count += 1;
+        }
+    }
+    let share = |count: u32| f64::from(count) / PARTS.pow(3) as f64;
+    counts
+        .into_iter()
+        .enumerate()
+        .filter(|(_, count)| *count > 0)
+        .map(move |(layer, count)| (layer, share(count)))
+}
+
 /// Returns the particles of a layer after they have repelled each other.
 fn relaxed(scene: &Scene, wall: Wall, mut points: Vec<DVec3>, depth: f64) -> Vec<DVec3> {
     let radius = RADIUS * scene.spacing;
-    for _ in 0..STEPS {
-        let mut cells: BTreeMap<[i64; 3], Vec<DVec3>> = BTreeMap::new();
-        let cell = |point: DVec3| (point / radius).floor().as_i64vec3().to_array();
-        points.iter().for_each(|point| cells.entry(cell(*point)).or_default().push(*point));
-        points = points
-            .par_iter()
-            .map(|&point| {
-                let mut push = DVec3::ZERO;
-                for other in around(cell(point)).filter_map(|near| cells.get(&near)).flatten() {
-                    let way = point - *other;
-                    let distance = way.length();
-                    if distance > 0.0 && distance < radius {
-                        push += way * ((1.0 - distance / radius).powi(2) / distance);
-                    }
+    let (low, high) = wall.bounds(scene);
+    let margin = DVec3::splat(depth + 2.0 * radius);
+    let region = Region { low: low - margin, high: high + margin, periodic: [false; 3] };
+    let mut near = NearPoints::<3>::new(&region, radius);
+    let mut normals = Vec::new();
+    for step in 0..STEPS {
+        if step % STEPS_ALONG == 0 {
+            points = points.into_par_iter().map(|point| moved_to(scene, wall, point, depth)).collect();
+            normals = points.par_iter().map(|point| wall.gradient(scene, *point)).collect();
+        }
+        near.sort(points.iter().copied());
+        let moved = |(point, normal): (&DVec3, &DVec3)| {
+            let mut push = DVec3::ZERO;
+            near.for_each_near(*point, |way, distance| {
+                if distance > 0.0 {
+                    push += DVec3::from(way) * ((1.0 - distance / radius).powi(2) / distance);
                 }
-                let step = (STEP * scene.spacing * push).clamp_length_max(0.2 * scene.spacing);
-                moved_to(scene, wall, point + step, depth)
-            })
-            .collect();
+            });
+            let push = push - *normal * push.dot(*normal);
+            *point + (STEP * scene.spacing * push).clamp_length_max(0.2 * scene.spacing)
+        };
+        points = (&points, &normals).into_par_iter().map(moved).collect();
     }
-    points
+    points.into_par_iter().map(|point| moved_to(scene, wall, point, depth)).collect()
 }
 
 #[cfg(test)]

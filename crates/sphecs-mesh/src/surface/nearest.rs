@@ -76,6 +76,38 @@ pub(crate) fn nearest_within(bvh: &Bvh, mesh: &Triangulation, query: DVec3, boun
     (best.triangle != u32::MAX && best.distance <= bound).then_some(best)
 }
 
+/// Returns a distance from `query`, m, within which there is no surface: at least 1/`slack` of that
+/// of the nearest point. From near the centre of a round surface, to which all triangles are as far,
+/// the search for the nearest one would visit them all.
+pub(crate) fn clearance(bvh: &Bvh, mesh: &Triangulation, query: DVec3, slack: f64) -> f64 {
+    let mut best = f64::INFINITY;
+    let mut stack = [(0_u32, box_distance_squared(&bvh.nodes[0], query)); STACK];
+    let mut held = 1;
+    while held > 0 {
+        held -= 1;
+        let (index, distance) = stack[held];
+        if distance * slack * slack > best {
+            continue;
+        }
+        let node = &bvh.nodes[index as usize];
+        if node.count > 0 {
+            for triangle in bvh.leaf(node) {
+                let (point, _) = closest(mesh.corners(*triangle as usize), query);
+                best = best.min(point.distance_squared(query));
+            }
+            continue;
+        }
+        let children = [index + 1, node.first]
+            .map(|child| (child, box_distance_squared(&bvh.nodes[child as usize], query)));
+        let is_first_nearer = children[0].1 < children[1].1;
+        let [near, far] = if is_first_nearer { children } else { [children[1], children[0]] };
+        stack[held] = far;
+        stack[held + 1] = near;
+        held += 2;
+    }
+    best.sqrt() / slack
+}
+
 /// Replaces the best point, with the square of its distance, by that of a triangle if it is nearer.
 fn take_nearer(best: &mut Nearest, mesh: &Triangulation, triangle: u32, query: DVec3) {
     let (point, feature) = closest(mesh.corners(triangle as usize), query);

@@ -39,7 +39,7 @@ pub use numbers::{Components, Formula, Interval, Number, Vector, VectorFormula};
 pub use openings::{Emitter, Inlet, InletVelocity, MassFlow, MassFlux, Outlet, PoiseuilleStartup};
 pub use regions::{BendSection, Rotation, Shape};
 pub use scheme::{EdacTvf, Fluid, Scheme, Wcsph};
-pub use settings::{Fill, Initial, Lattice, Reference, Reservoir, Time, WallFitted};
+pub use settings::{Fill, Initial, Lattice, Packed, Reference, Reservoir, Time, WallFitted};
 pub use walls::{Body, Concentric, WallFill, WallPart, Walls};
 
 /// A scene under construction; made by [`Scene::builder`].

@@ -6,11 +6,14 @@ use super::description::description;
 use super::numbers::{Formula, Number, Vector, VectorFormula};
 use crate::model::WhenEmpty;
 
-/// Arrangement of the fluid particles: made of [`Lattice`] or [`WallFitted`].
+/// Arrangement of the fluid particles: made of [`Lattice`], [`Packed`] or
+/// [`WallFitted`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Fill {
     /// A square or cubic lattice.
     Lattice(Lattice),
+    /// A lattice relaxed onto the walls.
+    Packed(Packed),
     /// Rows that follow the walls of a slanted or curved channel along x, in 2D.
     WallFitted(WallFitted),
 }
@@ -18,6 +21,12 @@ pub enum Fill {
 impl From<Lattice> for Fill {
     fn from(lattice: Lattice) -> Self {
         Self::Lattice(lattice)
+    }
+}
+
+impl From<Packed> for Fill {
+    fn from(packed: Packed) -> Self {
+        Self::Packed(packed)
     }
 }
 
@@ -46,6 +55,28 @@ description! {
 
 impl Lattice {
     /// Returns a lattice with cells between the walls.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+description! {
+    /// A lattice relaxed onto the walls, with layers of wall particles along all of them.
+    pub struct Packed {
+        /// Sets the angle by which the axes of the lattice in the midst of the fluid are turned
+        /// anticlockwise from those of the scene, degrees; default that of the walls where one angle
+        /// serves them.
+        angle: Number,
+        /// Sets the axis of the rotation in 3D, default z.
+        axis: Vector,
+        /// Sets a corner at which cells of the lattice meet, m; default chosen so that walls lie
+        /// between cells.
+        anchor: Vector,
+    }
+}
+
+impl Packed {
+    /// Returns a lattice with cells between the walls, relaxed onto those it does not fit.
     pub fn new() -> Self {
         Self::default()
     }

@@ -11,7 +11,7 @@ use crate::lattice::Lattice;
 use crate::lattice_rotation::rotation_to_walls;
 use crate::model::{Fill, Patch};
 use crate::notation::typed::Spanned;
-use crate::schema::{FillFile, Text};
+use crate::schema::{FillFile, Number, Text, Vector};
 use sphecs_core::format::point;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -143,6 +143,23 @@ fn lattice(
     if rotation == DMat3::IDENTITY { lattice } else { fitted(rotation) }
 }
 
+/// Returns the rotation and the anchor of a lattice, where they are given.
+fn axes(
+    (angle, axis, anchor): (&Option<Number>, &Option<Vector>, &Option<Vector>),
+    file: &Spanned<FillFile>,
+    site: &Site<'_>,
+    check: &mut Checker<'_>,
+) -> (Option<DMat3>, Option<DVec3>) {
+    let rotation = angle.as_ref().map(|angle| shapes::rotation(angle, axis.as_ref(), check));
+    if let Some(rotation) = rotation {
+        keeps_periods(rotation, file, site, check);
+    } else if let Some(axis) = axis {
+        let label = "must come with an `angle`";
+        check.report(Fault::new("the lattice has an axis but no angle", axis.span, label));
+    }
+    (rotation, anchor.as_ref().map(|anchor| check.vector(anchor, "m")))
+}
+
 /// Returns the arrangement of particles, its lattice turned to the walls if there are any; None if
 /// it has a fault.
 pub fn fill(
@@ -156,16 +173,14 @@ pub fn fill(
         return Some(Fill::Lattice(lattice(None, None)));
     };
     match &file.value {
+        FillFile::Packed { angle, axis, anchor } => {
+            let before = check.fault_count();
+            let (rotation, anchor) = axes((angle, axis, anchor), file, site, check);
+            (check.fault_count() == before).then(|| Fill::Packed(lattice(rotation, anchor)))
+        }
         FillFile::Lattice { angle, axis, anchor, jitter } => {
             let before = check.fault_count();
-            let rotation = angle.as_ref().map(|angle| shapes::rotation(angle, axis.as_ref(), check));
-            if let Some(rotation) = rotation {
-                keeps_periods(rotation, file, site, check);
-            } else if let Some(axis) = axis {
-                let label = "must come with an `angle`";
-                check.report(Fault::new("the lattice has an axis but no angle", axis.span, label));
-            }
-            let anchor = anchor.as_ref().map(|anchor| check.vector(anchor, "m"));
+            let (rotation, anchor) = axes((angle, axis, anchor), file, site, check);
             let jitter = jitter.as_ref().map_or(0.0, |jitter| {
                 if !(0.0..=MOST_JITTER).contains(&jitter.value) {
                     let label = format!("is `{}` spacings, must be from 0 to {MOST_JITTER}", jitter.value);

@@ -17,7 +17,8 @@ use super::checker::Checker;
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill;
-use crate::model::{InletVelocity, Patch, Scene};
+use crate::model::{Fill, InletVelocity, Patch, Scene};
+use crate::packing;
 use crate::schema::{InletVelocityFile, SceneFile};
 use sphecs_core::particles::zone::Zone;
 
@@ -64,7 +65,11 @@ fn carried(scene: &Scene, index: usize, profile: &Expression) -> (f64, f64) {
         sums.0 += shape * area;
         sums.1 += shape.abs() * area;
     };
-    if scene.layout.fill.is_oblique(patch.towards) {
+    if let Fill::Packed(lattice) = &scene.layout.fill {
+        for (foot, area) in packing::inlet_columns(scene, lattice, index) {
+            add(foot, area);
+        }
+    } else if scene.layout.fill.is_oblique(patch.towards) {
         rows_along(patch, scene, &mut add);
     } else {
         // In rows of the lattice each particle represents the cross-section of its row times its

@@ -311,6 +311,6 @@ fn joined(mut shapes: Vec<Shape>) -> Shape {
 pub fn lattice(fill: &Fill) -> Option<&super::lattice::Lattice> {
     match fill {
         Fill::Lattice(lattice) => Some(lattice),
-        Fill::WallFitted { .. } => None,
+        Fill::Packed(_) | Fill::WallFitted { .. } => None,
     }
 }

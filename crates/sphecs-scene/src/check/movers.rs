@@ -33,6 +33,7 @@ pub fn movers(
     check: &mut Checker<'_>,
 ) -> Vec<Mover> {
     let slip = file.walls.as_ref().map_or(Slip::NoSlip, |walls| walls.value.slip);
+    let is_packed = file.fill.as_ref().is_some_and(|fill| matches!(fill.value, FillFile::Packed { .. }));
     let mut movers = Vec::new();
     for written in &file.movers {
         let before = check.fault_count();
@@ -43,7 +44,7 @@ pub fn movers(
         {
             let (part, index) = (walls.parts.len() as u16, movers.len() as u16);
             let mover = Mover::new(written.name.value.clone(), part, shape, motion, check.dimensions);
-            arrange(written, &mover, (index, spacing), layout, check);
+            arrange(written, &mover, (index, spacing, is_packed), layout, check);
             movers.push(mover);
             walls.parts.push(WallPart {
                 name: written.name.value.clone(),
@@ -60,11 +61,16 @@ pub fn movers(
 fn arrange(
     written: &MoverFile,
     mover: &Mover,
-    (index, spacing): (u16, f64),
+    (index, spacing, is_packed): (u16, f64, bool),
     layout: &mut WallLayout,
     check: &mut Checker<'_>,
 ) {
-    let Some(fill) = &written.fill else { return };
+    let Some(fill) = &written.fill else {
+        if is_packed {
+            layout.layered.push(mover.part);
+        }
+        return;
+    };
     match &fill.value {
         WallFillFile::Layers => layout.layered.push(mover.part),
         WallFillFile::Concentric { center, radius, first } => {

@@ -10,7 +10,7 @@ use crate::model::{Fill, Rings, Scene, WallPart, Walls};
 use crate::movers::Wall;
 use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
-use crate::schema::{Number, SceneFile, Vector, WallFillFile};
+use crate::schema::{FillFile, Number, SceneFile, Vector, WallFillFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
@@ -49,6 +49,11 @@ pub fn walls(
     let mut parts = vec![rest(file.slip, check.components_or_zero(file.velocity.as_ref()))];
     let WallLayout { mut regions, mut rings, mut layered } = WallLayout::default();
     let all = file.fill.as_ref();
+    // The walls of a packed scene lie in layers without saying so.
+    let is_packed = scene.fill.as_ref().is_some_and(|fill| matches!(fill.value, FillFile::Packed { .. }));
+    if is_packed && all.is_none() {
+        layered.push(0);
+    }
     if let Some(fill) = all {
         match fill.value {
             WallFillFile::Layers => layered.push(0),

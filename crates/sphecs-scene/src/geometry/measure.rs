@@ -28,6 +28,58 @@ pub fn exit_distance(inside: impl Fn(f64) -> bool, step: f64, longest: f64) -> O
     Some(0.5 * (near + far))
 }
 
+/// Returns the distance along a line at which it leaves the inside, m, by steps as long as the
+/// clearance allows, and at least `least`; None beyond `longest`, m.
+///
+/// `signed_distance` and `clearance` take the distance along the line. Walls thinner than `least`
+/// may be passed.
+pub fn traced_exit(
+    signed_distance: impl Fn(f64) -> f64,
+    clearance: impl Fn(f64) -> f64,
+    least: f64,
+    longest: f64,
+) -> Option<f64> {
+    let (mut near, mut before) = (0.0, 0.0);
+    let (mut far, mut behind) = loop {
+        let clear = clearance(near);
+        if clear > least {
+            (near, before) = (near + clear, 0.0);
+            if near > longest {
+                return None;
+            }
+            continue;
+        }
+        let next = near + least;
+        let distance = signed_distance(next);
+        if distance > 0.0 {
+            break (next, distance);
+        }
+        (near, before) = (next, distance);
+        if near > longest {
+            return None;
+        }
+    };
+    // Regula falsi with halved ends (Illinois), on the way from inside to outside.
+    for _ in 0..60 {
+        if far - near <= 1e-9 * least {
+            break;
+        }
+        let middle = far - (far - near) * behind / (behind - before).max(f64::MIN_POSITIVE);
+        let distance = signed_distance(middle);
+        if distance > 0.0 {
+            (far, behind) = (middle, distance);
+            before *= 0.5;
+        } else {
+            (near, before) = (middle, distance);
+            behind *= 0.5;
+        }
+        if distance.abs() <= 1e-9 * least {
+            return Some(middle);
+        }
+    }
+    Some(0.5 * (near + far))
+}
+
 impl Shape {
     /// Returns the corners of a bounding box, m; z from −∞ to ∞ in 2D.
     pub fn bounds(&self) -> (DVec3, DVec3) {

@@ -26,6 +26,7 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Acoustics",
             "Fill.Lattice.angle",
             "Fill.Lattice.axis",
+            "Fill.Packed",
             "Scene.movers",
             "Scene.emitters",
             "Emitter",

@@ -275,6 +275,20 @@ pub enum FillFile {
         #[serde(default)]
         jitter: Option<Number>,
     },
+    /// A lattice relaxed onto the walls: layers of wall particles along all of them, and fluid and
+    /// zones of even density up to them, with the mass of their volume. Take it for curved or oblique
+    /// walls, above all in narrow sections and around bodies.
+    Packed {
+        /// Angle of the lattice in the midst of the fluid, degrees, default as of `Lattice`.
+        #[serde(default)]
+        angle: Option<Number>,
+        /// Axis of the rotation in 3D, dimensionless, default z.
+        #[serde(default)]
+        axis: Option<Vector>,
+        /// Corner at which cells of the lattice meet, m, default as of `Lattice`.
+        #[serde(default)]
+        anchor: Option<Vector>,
+    },
     /// Rows that follow the inclined or curved walls of a channel along x, in 2D. Take it for
     /// channels with such walls.
     WallFitted {

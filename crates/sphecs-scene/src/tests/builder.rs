@@ -10,7 +10,7 @@ use super::schema_fields::{self, Names};
 use super::shipped::scene;
 use crate::builder::{
     BendSection, Body, Concentric, EdacTvf, Emitter, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice,
-    MassFlow, MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference,
+    MassFlow, MassFlux, Motion, Mover, Number, Outlet, Output, Packed, PoiseuilleStartup, Probe, Reference,
     Reservoir, Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted,
     WallPart, Walls, Wcsph, ron_text,
 };
@@ -285,7 +285,8 @@ fn complete_scenes() -> Vec<SceneBuilder> {
         .relaxation(0.1)
         .as_published(false);
     let other = complete().without_walls().scheme(edac).fill(WallFitted::new("-1 - x", "1 + x"));
-    let mut scenes = vec![complete(), other];
+    let packed = complete().fill(Packed::new().angle(10.0).axis((0.0, 0.0, 1.0)).anchor((0.0, 0.0)));
+    let mut scenes = vec![complete(), other, packed];
     scenes.extend(regions().map(|region| complete().domain(region)));
     scenes
 }

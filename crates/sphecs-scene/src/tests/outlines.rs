@@ -108,7 +108,7 @@ fn lattice_fits_straight_walls_of_many_edges() {
         let of_outline = sound(scene(OUTLINE, "", &lines(&points)));
         let of_box = sound(scene("Box(min: (0.0, 0.02), max: (1.0, 0.45))", "", SQUARE));
         let [found, expected] = [&of_outline, &of_box].map(|scene| match &scene.layout.fill {
-            Fill::Lattice(lattice) => lattice.fits.clone(),
+            Fill::Lattice(lattice) | Fill::Packed(lattice) => lattice.fits.clone(),
             Fill::WallFitted { .. } => Vec::new(),
         });
         assert!(found.len() == 4 && expected.len() == 4, "{count} edges a side: {found:?}");

@@ -15,7 +15,7 @@ fn loaded(text: &str, sets: &[(&str, &str)]) -> Scene {
 /// Rotation of the lattice of a scene.
 fn rotation(scene: &Scene) -> DMat3 {
     match &scene.layout.fill {
-        Fill::Lattice(lattice) => lattice.rotation,
+        Fill::Lattice(lattice) | Fill::Packed(lattice) => lattice.rotation,
         Fill::WallFitted { .. } => panic!("has no lattice"),
     }
 }
