@@ -4,14 +4,13 @@
 use std::ops::Range;
 
 use bevy_ecs::entity::Entity;
-use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::components::{
-    Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
+    ParticleId, Position, Roles, RolesItem, Thermodynamics, Tracer, Velocity, zone_and_patch,
 };
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::entity_index::EntityIndex;
@@ -202,9 +201,6 @@ type Particle = (
     &'static Tracer,
 );
 
-/// Components that state the role of a particle.
-type Roles = (Option<&'static Wall>, Option<&'static Inflow>, Option<&'static Outflow>, Has<Reservoir>);
-
 /// Slots that a thread fills at a time.
 const CHUNK: usize = 8192;
 
@@ -233,15 +229,9 @@ impl FrameChunk<'_> {
             &Thermodynamics,
             &Tracer,
         ),
-        roles: (Option<&Wall>, Option<&Inflow>, Option<&Outflow>, bool),
+        roles: RolesItem<'_>,
     ) {
-        let (zone, patch) = match roles {
-            (Some(wall), ..) => (Zone::Wall, wall.part),
-            (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
-            (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
-            (_, _, _, true) => (Zone::Reservoir, 0),
-            _ => (Zone::Fluid, 0),
-        };
+        let (zone, patch) = zone_and_patch(roles);
         self.zone[at] = zone as u8;
         self.patch[at] = patch;
         self.passage[at] = tracer.passages;
@@ -262,7 +252,7 @@ impl FrameChunk<'_> {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use sphecs_engine::components::{Fluid, ParticleBundle};
+    use sphecs_engine::components::{Fluid, Inflow, Outflow, ParticleBundle, Reservoir, Wall};
 
     /// Returns a world that knows the components of particles, as that of a simulation does.
     fn world() -> World {
