@@ -46,5 +46,5 @@ __all__ = [
 ]
 
 # Without it `import sphecs` would take as long as xarray takes; who uses xarray has it already.
-if "xarray" in sys.modules:
+if sys.modules.get("xarray") is not None:
     from . import accessor  # noqa: F401

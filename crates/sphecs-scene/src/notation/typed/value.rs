@@ -233,6 +233,9 @@ fn choice_advice(name: &str, known: &'static [&'static str]) -> String {
 fn without_name(node: &Node, variants: &[&str]) -> Option<String> {
     let has = |name: &str| variants.contains(&name);
     match &node.value {
+        Value::Text(text, _) if !has("Normal") => {
+            nearest(text, variants.iter().copied()).map(|near| format!("did you mean `{near}`?"))
+        }
         Value::Number(number, _) if has("Normal") => {
             Some(format!("a speed along `towards` is written `Normal({number})`"))
         }
