@@ -108,7 +108,9 @@ def test_grid_reproduces_a_linear_field(run):
     inside = np.isfinite(grid)
     assert 0.3 < inside.mean() < 1
     # A linear fit of a linear field is exact to rounding.
-    np.testing.assert_allclose(grid.values[inside], (3 + 2 * grid.x - 5 * grid.y).transpose("y", "x").values[inside], atol=1e-9)
+    np.testing.assert_allclose(
+        grid.values[inside], (3 + 2 * grid.x - 5 * grid.y).transpose("y", "x").values[inside], atol=1e-9
+    )
     # There is no fluid in the blocks.
     assert np.isnan(grid.sel(x=0.08, y=0.016, method="nearest"))
     assert np.isfinite(grid.sel(x=0.08, y=0.0, method="nearest"))
@@ -177,7 +179,14 @@ def test_three_dimensions(tmp_path):
     last = run.particles.isel(time=-1)
     grid = last.sphecs.grid("speed", spacing=0.1)
     assert grid.dims == ("z", "y", "x")
-    assert set(last.sphecs.profile((0, 0, 0), (0.6, 0, 0), 5).data_vars) == {"u", "v", "w", "speed", "pressure", "density"}
+    assert set(last.sphecs.profile((0, 0, 0), (0.6, 0, 0), 5).data_vars) == {
+        "u",
+        "v",
+        "w",
+        "speed",
+        "pressure",
+        "density",
+    }
     axes = last.sphecs.plot("u", slab=("y", 0.0))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "z [m]")
 

@@ -25,7 +25,9 @@ def test_a_run_has_the_results_of_the_command_line(run_folder, tmp_path):
 
 
 def test_options_reach_the_run(tmp_path):
-    run = sphecs.run(channel(), set={"spacing": 0.1, "precision": "F32"}, steps=7, threads=1, out=tmp_path / "run", name="plain")
+    run = sphecs.run(
+        channel(), set={"spacing": 0.1, "precision": "F32"}, steps=7, threads=1, out=tmp_path / "run", name="plain"
+    )
     assert run.summary["steps"] == 7
     assert run.summary["threads"] == 1
     assert run.summary["run"]["scene"] == "plain"
@@ -135,7 +137,11 @@ except KeyboardInterrupt:
     ("call", "after", "expected"),
     [
         # The run closes its files; the program reads them.
-        ("sphecs.run(sys.argv[1], until=1000, out=sys.argv[2])", "print(sphecs.open(sys.argv[2]).status)", "interrupted"),
+        (
+            "sphecs.run(sys.argv[1], until=1000, out=sys.argv[2])",
+            "print(sphecs.open(sys.argv[2]).status)",
+            "interrupted",
+        ),
         # A simulation goes on.
         (
             "s = sphecs.Simulation(sys.argv[1], smoke=True); s.run_until(1000)",
@@ -163,6 +169,8 @@ def test_ctrl_c_stops_within_a_second(tmp_path, call, after, expected):
 def test_the_command_line_is_a_module():
     shown = subprocess.run([sys.executable, "-m", "sphecs", "--version"], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == f"sphecs {sphecs.__version__}"
-    refused = subprocess.run([sys.executable, "-m", "sphecs", "run", "nowhere.ron"], capture_output=True, text=True, check=False)
+    refused = subprocess.run(
+        [sys.executable, "-m", "sphecs", "run", "nowhere.ron"], capture_output=True, text=True, check=False
+    )
     assert refused.returncode == 2
     assert "nowhere.ron" in refused.stderr

@@ -45,9 +45,7 @@ class SceneError(SphecsError, ValueError):
 class RunError(SphecsError, RuntimeError):
     """A run or simulation was stopped by an error, or cannot start."""
 
-    def __init__(
-        self, message: str, reason: str = "", step: int | None = None, time: float | None = None
-    ) -> None:
+    def __init__(self, message: str, reason: str = "", step: int | None = None, time: float | None = None) -> None:
         super().__init__(message)
         #: Reason for programs: "diverged", "drained", "reservoir empty", "exists", "foreign", "busy", "not a run",
         #: "request", "disk", "files", "build", "threads", "ended" or "internal".

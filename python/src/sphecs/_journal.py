@@ -66,15 +66,15 @@ ABSENT = 255
 
 def open_journal(folder: Path) -> xr.Dataset:
     """Returns the frames of a journal as a dataset in the layout of `particles.nc`."""
-    frames, walls = _sphecs.journal_frames(folder)
-    frames = [Path(path) for path in frames]
+    found, walls = _sphecs.journal_frames(folder)
+    frames = [Path(path) for path in found]
     if not frames:
         raise FileNotFoundError(f"{folder}: has no frames yet")
-    times = {name: [] for name in ("time", "step", "time_step")}
+    times: dict[str, list[Any]] = {"time": [], "step": [], "time_step": []}
     for path in frames:
         with xr.open_dataset(path) as data:
-            for name, values in times.items():
-                values.append(data[name].values[0])
+            for series, values in times.items():
+                values.append(data[series].values[0])
     with xr.open_dataset(frames[-1]) as data:
         last = data.load()
     variables: dict[str, xr.Variable] = {}
@@ -82,8 +82,8 @@ def open_journal(folder: Path) -> xr.Dataset:
         if name in times:
             variables[str(name)] = xr.Variable("time", np.asarray(times[str(name)]), variable.attrs)
         elif "time" in variable.dims:
-            data = indexing.LazilyIndexedArray(JournalArray(frames, str(name), variable))
-            variables[str(name)] = xr.Variable(variable.dims, data, variable.attrs, variable.encoding)
+            lazy = indexing.LazilyIndexedArray(JournalArray(frames, str(name), variable))
+            variables[str(name)] = xr.Variable(variable.dims, lazy, variable.attrs, variable.encoding)
         else:
             variables[str(name)] = variable
     if Path(walls).exists():

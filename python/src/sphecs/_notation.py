@@ -79,7 +79,9 @@ def text_of(value: Any, where: str = "the value", depth: int = 0) -> str:
     if isinstance(value, list):
         return sequence(value, where, depth, "[]")
     kind = type(value).__name__
-    raise TypeError(f"{where}: is of type {kind}, must be a number, text, dictionary, list, tuple, array or `variant(…)`")
+    raise TypeError(
+        f"{where}: is of type {kind}, must be a number, text, dictionary, list, tuple, array or `variant(…)`"
+    )
 
 
 def mapping(value: Mapping[Any, Any], where: str, depth: int) -> str:

@@ -22,9 +22,7 @@ class SceneInput(TypedDict):
     smoke: bool
 
 
-def scene_input(
-    scene: SceneLike, changes: Mapping[str, Any] | None, smoke: bool, name: str | None
-) -> SceneInput:
+def scene_input(scene: SceneLike, changes: Mapping[str, Any] | None, smoke: bool, name: str | None) -> SceneInput:
     """Returns the scene with its changes."""
     given: SceneInput = {"path": None, "name": name or "scene", "text": "", "sets": sets_of(changes), "smoke": smoke}
     if isinstance(scene, Mapping):

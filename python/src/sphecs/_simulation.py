@@ -111,7 +111,9 @@ class State:
         """Returns the particles for which an array of truth values is true."""
         chosen = np.asarray(mask)
         if chosen.dtype != np.bool_ or chosen.shape != (len(self),):
-            raise ValueError(f"mask: has shape {chosen.shape}, must have one truth value for each of {len(self)} particles")
+            raise ValueError(
+                f"mask: has shape {chosen.shape}, must have one truth value for each of {len(self)} particles"
+            )
         rows = np.flatnonzero(chosen)
         return State(self._simulation, self._shared, rows if self._rows is None else self._rows[rows])
 

@@ -35,7 +35,7 @@ AXES = ("x", "y", "z")
 VELOCITIES = ("u", "v", "w")
 
 
-@xr.register_dataset_accessor("sphecs")
+@xr.register_dataset_accessor("sphecs")  # type: ignore[no-untyped-call]
 class ParticlesAccessor:
     """Particles of a run as fields, histories and pictures."""
 
@@ -47,17 +47,29 @@ class ParticlesAccessor:
         """Names of the coordinates: x, y and, in 3D, z."""
         data = self._data
         if "zone" not in data or "x" not in data or "smoothing_length" not in data.attrs:
-            raise ValueError("the dataset has no particles of a run: open `particles.nc` by `sphecs.open(folder).particles`")
+            raise ValueError(
+                "the dataset has no particles of a run: open `particles.nc` by `sphecs.open(folder).particles`"
+            )
         return AXES[: int(data.attrs["dimensions"])]
 
     def frames(self) -> Iterator[xr.Dataset]:
         """Returns the particles of the flow, frame by frame."""
         self.axes  # noqa: B018 - refuses other datasets
         data = self._data
-        moving = [name for name, variable in data.variables.items() if "wall" not in variable.dims]
-        for frame in (data[moving].isel(time=index) for index in range(data.sizes["time"])) if "time" in data.dims else [data[moving]]:
-            loaded = frame.load()
-            yield loaded.isel(particle=np.flatnonzero(np.isin(loaded.zone, FLOW)))
+        names = [name for name, variable in data.variables.items() if "wall" not in variable.dims]
+        present = data[names] if "time" in data.dims else data[names].expand_dims("time")
+        for index in range(present.sizes["time"]):
+            frame = present.isel(time=index).load()
+            yield frame.isel(particle=np.flatnonzero(np.isin(frame.zone, FLOW)))
+
+    def bounds(self) -> tuple[list[float], list[float]]:
+        """Returns the lower and upper corner of the box around the particles of the flow, m."""
+        lower, upper = np.full(len(self.axes), np.inf), np.full(len(self.axes), -np.inf)
+        for frame in self.frames():
+            for axis, name in enumerate(self.axes):
+                lower[axis] = min(lower[axis], float(frame[name].min()))
+                upper[axis] = max(upper[axis], float(frame[name].max()))
+        return lower.tolist(), upper.tolist()
 
     def value(self, frame: xr.Dataset, variable: str) -> npt.NDArray[np.float64]:
         """Returns a variable of the particles of a frame; `speed` is made from the velocity."""
@@ -65,10 +77,14 @@ class ParticlesAccessor:
             return np.sqrt(sum(frame[name].values.astype(float) ** 2 for name in VELOCITIES[: len(self.axes)]))
         if variable not in frame or frame[variable].dims != ("particle",):
             known = [name for name in frame.data_vars if frame[name].dims == ("particle",)]
-            raise ValueError(f"`{variable}`: is no variable of the particles, must be one of {', '.join(map(str, known))}, speed")
+            raise ValueError(
+                f"`{variable}`: is no variable of the particles, must be one of {', '.join(map(str, known))}, speed"
+            )
         return frame[variable].values.astype(float)
 
-    def grid(self, variable: str, spacing: float | None = None, bounds: Sequence[Sequence[float]] | None = None) -> xr.DataArray:
+    def grid(
+        self, variable: str, spacing: float | None = None, bounds: Sequence[Sequence[float]] | None = None
+    ) -> xr.DataArray:
         """Returns a variable on a regular grid, NaN outside the flow.
 
         Parameters
@@ -80,24 +96,26 @@ class ParticlesAccessor:
         spacing = float(self._data.attrs["spacing"] if spacing is None else spacing)
         if not 0 < spacing < np.inf:
             raise ValueError(f"spacing: is {spacing}, must be a finite number above zero")
-        frames = list(self.frames())
         if bounds is None:
-            lower = [min(float(frame[axis].min()) for frame in frames) for axis in self.axes]
-            upper = [max(float(frame[axis].max()) for frame in frames) for axis in self.axes]
+            lower, upper = self.bounds()
         else:
             lower, upper = (list(map(float, corner)) for corner in bounds)
         if len(lower) != len(self.axes) or any(a >= b for a, b in zip(lower, upper)):
-            raise ValueError(f"bounds: are {lower} and {upper}, must be a lower and an upper corner in {len(self.axes)}D")
+            raise ValueError(
+                f"bounds: are {lower} and {upper}, must be a lower and an upper corner in {len(self.axes)}D"
+            )
         # Points on multiples of the spacing, so that grids of several runs agree.
         ticks = [spacing * np.arange(np.ceil(a / spacing), np.floor(b / spacing) + 0.5) for a, b in zip(lower, upper)]
         shape = tuple(len(axis) for axis in reversed(ticks))
         mesh = np.meshgrid(*reversed(ticks), indexing="ij")
         points = np.column_stack([axis.ravel() for axis in reversed(mesh)])
         coordinates = {name: (name, axis, {"units": "m"}) for name, axis in zip(self.axes, ticks)}
-        values = [self._sampled(frame, points, variable).reshape(shape) for frame in frames]
-        return self._stacked(values, frames, tuple(reversed(self.axes)), coordinates, variable)
+        values = [self._sampled(frame, self._near(frame, points), variable).reshape(shape) for frame in self.frames()]
+        return self._stacked(values, tuple(reversed(self.axes)), coordinates, variable)
 
-    def profile(self, start: Sequence[float], end: Sequence[float], n: int = 101, variables: Sequence[str] | None = None) -> xr.Dataset:
+    def profile(
+        self, start: Sequence[float], end: Sequence[float], n: int = 101, variables: Sequence[str] | None = None
+    ) -> xr.Dataset:
         """Returns the fields at `n` points from `start` to `end`, m, over the distance from `start`."""
         ends = np.asarray([start, end], dtype=float)
         if ends.shape != (2, len(self.axes)):
@@ -109,12 +127,12 @@ class ParticlesAccessor:
         names = variables or [*VELOCITIES[: len(self.axes)], "speed", "pressure", "density"]
         coordinates = {"distance": ("distance", along, {"units": "m"})}
         coordinates |= {name: ("distance", points[:, axis], {"units": "m"}) for axis, name in enumerate(self.axes)}
-        frames = list(self.frames())
-        near = [self._neighbours(frame, points) for frame in frames]
-        fields = {}
-        for name in names:
-            values = [self._sampled(frame, points, name, found) for frame, found in zip(frames, near)]
-            fields[name] = self._stacked(values, frames, ("distance",), coordinates, name)
+        values: dict[str, list[Any]] = {name: [] for name in names}
+        for frame in self.frames():
+            near = self._near(frame, points)
+            for name in names:
+                values[name].append(self._sampled(frame, near, name))
+        fields = {name: self._stacked(values[name], ("distance",), coordinates, name) for name in names}
         return xr.Dataset(fields)
 
     def track(self, id: int | Sequence[int]) -> xr.Dataset:
@@ -130,11 +148,21 @@ class ParticlesAccessor:
         rows = order[places] if len(known) else places
         missing = [int(number) for number, row in zip(numbers, rows) if not len(known) or known[row] != number]
         if missing:
-            raise KeyError(f"particle {missing}: no such number; walls at rest have none, and numbers end at {known.max(initial=0)}")
+            raise KeyError(
+                f"particle {missing}: no such number; walls at rest have none, and numbers end at {known.max(initial=0)}"
+            )
         names = [name for name, variable in self._data.variables.items() if "wall" not in variable.dims]
         return self._data[names].isel(particle=int(rows[0]) if np.ndim(id) == 0 else rows)
 
-    def plot(self, variable: str = "speed", *, ax: Any = None, slab: tuple[str, float] | None = None, size: float | None = None, **options: Any) -> Any:
+    def plot(
+        self,
+        variable: str = "speed",
+        *,
+        ax: Any = None,
+        slab: tuple[str, float] | None = None,
+        size: float | None = None,
+        **options: Any,
+    ) -> Any:
         """Draws the particles of a frame, coloured by a variable, with the walls; returns the axes of matplotlib.
 
         Without a choice it draws the last frame. In 3D it draws the particles within half a spacing of a plane:
@@ -161,7 +189,9 @@ class ParticlesAccessor:
         first, second = shown
         size = size or 4.0
         if walls:
-            ax.scatter(data[f"wall_{first}"][of_wall], data[f"wall_{second}"][of_wall], s=size, color="0.7", linewidths=0)
+            ax.scatter(
+                data[f"wall_{first}"][of_wall], data[f"wall_{second}"][of_wall], s=size, color="0.7", linewidths=0
+            )
         values = self.value(frame, variable)[keep]
         dots = ax.scatter(frame[first][keep], frame[second][keep], c=values, s=size, linewidths=0, **options)
         units = self._units(variable)
@@ -169,22 +199,38 @@ class ParticlesAccessor:
         ax.set(aspect="equal", xlabel=f"{first} [m]", ylabel=f"{second} [m]", title=f"t = {float(data.time):.4g} s")
         return ax
 
-    def _neighbours(self, frame: xr.Dataset, points: Any) -> Neighbours:
+    def _near(self, frame: xr.Dataset, points: Any) -> Neighbours:
         attributes = self._data.attrs
         positions = np.column_stack([frame[axis].values for axis in self.axes])
-        return Neighbours(positions, points, float(attributes["smoothing_length"]), REACH * float(attributes["spacing"]))
+        return Neighbours(
+            positions, points, float(attributes["smoothing_length"]), REACH * float(attributes["spacing"])
+        )
 
-    def _sampled(self, frame: xr.Dataset, points: Any, variable: str, near: Neighbours | None = None) -> Any:
-        near = near or self._neighbours(frame, points)
+    def _sampled(self, frame: xr.Dataset, near: Neighbours, variable: str) -> Any:
+        if variable == "speed":
+            # A fit of the speed itself would be negative next to a wall.
+            parts = [near.sample(self.value(frame, name), quadratic=True) for name in VELOCITIES[: len(self.axes)]]
+            return np.sqrt(sum(part**2 for part in parts))
         return near.sample(self.value(frame, variable), quadratic=variable in VELOCITIES)
 
     def _units(self, variable: str) -> str:
         source = self._data.get("u" if variable == "speed" else variable)
         return "" if source is None else source.attrs.get("units", "")
 
-    def _stacked(self, values: list[Any], frames: list[xr.Dataset], dims: tuple[str, ...], coordinates: dict[str, Any], variable: str) -> xr.DataArray:
+    def _stacked(
+        self,
+        values: list[Any],
+        dims: tuple[str, ...],
+        coordinates: dict[str, Any],
+        variable: str,
+    ) -> xr.DataArray:
         """Returns sampled values with their coordinates, with a dimension of time if the dataset has one."""
-        attributes = {"units": self._units(variable), "long_name": "speed" if variable == "speed" else self._data[variable].attrs.get("long_name", variable)}
+        attributes = {
+            "units": self._units(variable),
+            "long_name": "speed" if variable == "speed" else self._data[variable].attrs.get("long_name", variable),
+        }
         if "time" not in self._data.dims:
-            return xr.DataArray(values[0], coordinates | {"time": frames[0].time}, dims, variable, attributes)
-        return xr.DataArray(np.stack(values), coordinates | {"time": self._data.time}, ("time", *dims), variable, attributes)
+            return xr.DataArray(values[0], coordinates | {"time": self._data.time}, dims, variable, attributes)
+        return xr.DataArray(
+            np.stack(values), coordinates | {"time": self._data.time}, ("time", *dims), variable, attributes
+        )
