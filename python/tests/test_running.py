@@ -142,7 +142,7 @@ except KeyboardInterrupt:
             "print(sphecs.open(sys.argv[2]).status)",
             "interrupted",
         ),
-        # A simulation goes on.
+        # A simulation continues.
         (
             "s = sphecs.Simulation(sys.argv[1], smoke=True); s.run_until(1000)",
             "before = s.step_count; s.step(); print(s.step_count - before, len(s.state.position) == len(s.state))",

@@ -1,7 +1,7 @@
 //! Forces that a Python function computes for all fluid particles at once.
 //!
-//! The engine calls the function in every stage of a step from a thread of the flow, which takes the
-//! interpreter for the call. The thread that asked for the step has left it. An exception ends the
+//! The engine calls the function in every stage of a step from a thread of the flow, which takes
+//! the interpreter for the call. The thread that began the step has left it. An exception ends the
 //! step; later stages of it are not evaluated.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -2,9 +2,9 @@
 //!
 //! The arrays are copies that own their memory, not views of the columns of the engine. A view
 //! could be kept alive, but not kept right. The columns hold one axis each, in the precision of the
-//! scene, are sorted anew in every step, and are resized when particles enter. An array of the shape
-//! `(n, dimensions)` in a lasting order therefore does not exist inside the engine. The copy is made
-//! when it is first asked for in a step, and costs a small part of a step.
+//! scene, are sorted again in every step, and are resized when particles enter. An array of the
+//! shape `(n, dimensions)` in a lasting order therefore does not exist inside the engine. The copy
+//! is made at the first use in a step, and costs a part of that step.
 
 use std::ops::Range;
 

@@ -1,8 +1,8 @@
 //! Simulation that a program advances step by step.
 //!
-//! One call works on a simulation at a time. A second one, from another thread or from a force while
-//! the flow is advanced, is refused: waiting for the first could wait for ever, because a force needs
-//! the interpreter that the waiting thread holds.
+//! One call works on a simulation at a time. A second one, from another thread or from a force
+//! while the flow is advanced, is refused: waiting for the first could last for ever, because a
+//! force needs the interpreter that the waiting thread holds.
 
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
@@ -105,7 +105,7 @@ impl Simulation {
     fn advance(&self, py: Python<'_>, until: impl FnOnce(&Clock) -> Goal) -> PyResult<()> {
         let mut state = self.lock(py)?;
         if let Some(reason) = &state.ended {
-            let message = format!("the simulation has ended: {reason}; build it again to start anew");
+            let message = format!("the simulation has ended: {reason}; build it again");
             return Err(run_error(py, "ended", message));
         }
         let state = &mut *state;
@@ -177,7 +177,7 @@ impl Simulation {
         Ok((time, step, time_step))
     }
 
-    /// Returns name, number of dimensions, spacing, m, smoothing length, m, and end, s, of the scene.
+    /// Returns name, number of dimensions, lengths, m, and end, s, of the scene.
     fn scene<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let state = self.lock(py)?;
         let scene = state.flow.scene();

@@ -80,8 +80,8 @@ impl Signals {
         Ok(Self { received, checkpoint: checkpoint_flag()? })
     }
 
-    /// Returns signals without handlers, which [`Self::raise`] alone sets: for a process that handles
-    /// signals itself, such as an interpreter.
+    /// Returns signals without handlers, which [`Self::raise`] alone sets: for a process that
+    /// handles signals itself, such as an interpreter.
     pub fn without_handlers() -> Self {
         Self { received: Arc::default(), checkpoint: Arc::default() }
     }

@@ -211,7 +211,7 @@ class Simulation:
         return f"<sphecs.Simulation {self.name!r}: step {self.step_count}, t = {self.time:.6g} s>"
 
     def step(self, n: int = 1) -> None:
-        """Advances by `n` steps. Ctrl-C raises `KeyboardInterrupt` between two steps; the simulation can go on."""
+        """Advances by `n` steps. Ctrl-C raises `KeyboardInterrupt` between two steps; the simulation can continue."""
         if n != int(n) or n < 0:
             raise ValueError(f"n: is {n}, must be a whole number from 0")
         self._engine.step(int(n))

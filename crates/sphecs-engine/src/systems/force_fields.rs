@@ -36,7 +36,7 @@ pub(super) type ForceField = dyn Fn(&FluidState<'_>, &mut [DVec3]) + Send + Sync
 
 /// Columns of the fluid particles, kept from stage to stage as buffers.
 #[derive(Debug, Default)]
-pub(crate) struct FluidColumns {
+pub(crate) struct FluidBuffers {
     rows: Vec<u32>,
     id: Vec<u32>,
     position: Vec<DVec3>,
@@ -46,7 +46,7 @@ pub(crate) struct FluidColumns {
     force: Vec<DVec3>,
 }
 
-impl FluidColumns {
+impl FluidBuffers {
     /// Copies the state of the fluid particles and evaluates the fields.
     pub(super) fn evaluate<R: PairReal<D>, const D: usize>(
         &mut self,

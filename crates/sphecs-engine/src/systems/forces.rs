@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::scene::ActiveScene;
-use crate::systems::force_fields::{FluidColumns, FluidState, ForceField};
+use crate::systems::force_fields::{FluidBuffers, FluidState, ForceField};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
 use sphecs_core::pass::pair_real::PairReal;
@@ -106,7 +106,7 @@ pub(crate) fn add_forces<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     added: Res<AddedForces>,
-    mut columns: Local<FluidColumns>,
+    mut buffers: Local<FluidBuffers>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let force = &scene.0.body_force;
@@ -141,8 +141,8 @@ pub(crate) fn add_forces<R: PairReal<D>, const D: usize>(
     };
     for_each_part(0..state.len(), acceleration.each_mut().map(Vec::as_mut_slice), &work);
     if !added.fields.is_empty() {
-        columns.evaluate(&arrays, time, &added.fields);
-        columns.add_to(&mut acceleration);
+        buffers.evaluate(&arrays, time, &added.fields);
+        buffers.add_to(&mut acceleration);
     }
     arrays.acceleration = acceleration;
 }
