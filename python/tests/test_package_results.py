@@ -60,6 +60,7 @@ def test_other_folders_are_refused(tmp_path):
 
 def test_a_run_under_way_has_the_frames_of_the_whole_run(run, under_way):
     assert under_way.status == "running"
+    assert "running or killed, " in repr(under_way)
     assert not under_way.is_packed
     early, whole = under_way.particles, run.particles
     count = early.sizes["time"]

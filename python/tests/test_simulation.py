@@ -2,6 +2,7 @@
 
 import gc
 import threading
+import weakref
 
 import numpy as np
 import pytest
@@ -192,15 +193,30 @@ def test_a_force_cannot_advance_its_own_simulation():
 
 def test_other_threads_run_during_a_step():
     simulation = sphecs.Simulation(QUICKSTART, smoke=True)
-    counted = 0
-    worker = threading.Thread(target=simulation.step, args=(100,))
+    worker = threading.Thread(target=simulation.step, args=(300,))
     worker.start()
+    seen = set()
     while worker.is_alive():
-        counted += 1
+        seen.add(simulation.step_count)
     worker.join()
-    assert simulation.step_count == 100
-    # One look at the thread takes less than a microsecond, the steps a tenth of a second.
-    assert counted > 100
+    assert simulation.step_count == 300
+    assert len(seen) > 10
+
+
+def test_a_force_may_belong_to_the_holder_of_its_simulation():
+    class Model:
+        def __init__(self):
+            self.simulation = sphecs.Simulation(channel(), forces=[self.force])
+
+        def force(self, time, position, velocity):
+            return 0 * velocity
+
+    model = Model()
+    model.simulation.step()
+    left = weakref.ref(model)
+    del model
+    gc.collect()
+    assert left() is None
 
 
 def test_a_flow_that_diverges_ends_the_simulation():

@@ -10,7 +10,7 @@ use glam::DVec3;
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::types::PyAnyMethods;
-use pyo3::{Bound, Py, PyAny, PyErr, PyResult, Python};
+use pyo3::{Bound, Py, PyAny, PyErr, PyResult, PyTraverseError, PyVisit, Python};
 
 use crate::snapshot::vectors;
 use sphecs::{AddedForces, FluidState, Plugin, PluginContext};
@@ -39,31 +39,71 @@ impl Failure {
     }
 }
 
+/// Functions of a simulation, which the garbage collector of Python may visit and clear.
+///
+/// A function is often a method of the object that holds the simulation: such a circle is freed by
+/// the collector alone.
+#[derive(Clone, Debug)]
+pub(crate) struct Functions(Arc<Mutex<Vec<Py<PyAny>>>>);
+
+impl Functions {
+    pub(crate) fn new(functions: Vec<Py<PyAny>>) -> Self {
+        Self(Arc::new(Mutex::new(functions)))
+    }
+
+    /// Visits the functions; those in use by a step are left out, and so stay alive.
+    pub(crate) fn traverse(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
+        let functions = self.0.try_lock();
+        functions.iter().flat_map(|functions| functions.iter()).try_for_each(|function| visit.call(function))
+    }
+
+    /// Drops the functions.
+    pub(crate) fn clear(&self) {
+        let functions = std::mem::take(&mut *self.lock());
+        drop(functions);
+    }
+
+    fn is_empty(&self) -> bool {
+        self.lock().is_empty()
+    }
+
+    fn all(&self, py: Python<'_>) -> Vec<Py<PyAny>> {
+        self.lock().iter().map(|function| function.clone_ref(py)).collect()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Py<PyAny>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 /// Plugin that adds the functions to the forces.
 pub(crate) struct CallableForces {
-    pub(crate) functions: Vec<Py<PyAny>>,
+    pub(crate) functions: Functions,
     pub(crate) dimensions: usize,
     pub(crate) failure: Failure,
 }
 
 impl Plugin for CallableForces {
     fn build(&self, context: &mut PluginContext<'_>) {
-        let mut forces = context.world.get_resource_or_init::<AddedForces>();
-        let functions =
-            Python::attach(|py| self.functions.iter().map(|f| f.clone_ref(py)).collect::<Vec<_>>());
-        for function in functions {
-            let (dimensions, failure) = (self.dimensions, self.failure.clone());
-            forces.add_field(move |fluid: &FluidState<'_>, force: &mut [DVec3]| {
-                if failure.is_set() {
-                    return;
-                }
-                let called = Python::try_attach(|py| add(function.bind(py), dimensions, fluid, force));
-                let ends = || PyRuntimeError::new_err("the interpreter is about to end");
-                if let Err(error) = called.unwrap_or_else(|| Err(ends())) {
-                    failure.set(error);
-                }
-            });
+        if self.functions.is_empty() {
+            return;
         }
+        let (functions, dimensions, failure) =
+            (self.functions.clone(), self.dimensions, self.failure.clone());
+        let add_all = move |fluid: &FluidState<'_>, force: &mut [DVec3]| {
+            if failure.is_set() {
+                return;
+            }
+            let called = Python::try_attach(|py| {
+                let functions = functions.all(py);
+                functions.iter().try_for_each(|function| add(function.bind(py), dimensions, fluid, force))
+            });
+            let ends = || PyRuntimeError::new_err("the interpreter is about to end");
+            if let Err(error) = called.unwrap_or_else(|| Err(ends())) {
+                failure.set(error);
+            }
+        };
+        context.world.get_resource_or_init::<AddedForces>().add_field(add_all);
     }
 }
 

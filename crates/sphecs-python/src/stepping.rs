@@ -4,16 +4,16 @@
 //! while the flow is advanced, is refused: waiting for the first could last for ever, because a
 //! force needs the interpreter that the waiting thread holds.
 
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::types::{PyDict, PyDictMethods};
-use pyo3::{Bound, Py, PyAny, PyResult, Python, pyclass, pymethods};
+use pyo3::{Bound, Py, PyAny, PyResult, PyTraverseError, PyVisit, Python, pyclass, pymethods};
 
 use crate::body_motion::body_entry;
-use crate::callable::{CallableForces, Failure};
+use crate::callable::{CallableForces, Failure, Functions};
 use crate::exceptions::{build_error, output_error, run_error, stop_error};
 use crate::guard::detached;
 use crate::scene_input::SceneInput;
@@ -29,6 +29,9 @@ const LOOK: Duration = Duration::from_millis(50);
 #[pyclass(frozen, module = "sphecs._sphecs")]
 pub(crate) struct Simulation {
     state: Mutex<State>,
+    /// Clock of the last step, which other threads may read during a step.
+    clock: Mutex<Clock>,
+    functions: Functions,
     failure: Failure,
 }
 
@@ -49,12 +52,13 @@ enum Pause {
 
 impl State {
     /// Advances until the goal is reached, the flow stops or it is time to look for signals.
-    fn advance(&mut self, failure: &Failure, until: Goal) -> Pause {
+    fn advance(&mut self, failure: &Failure, clock: &Mutex<Clock>, until: Goal) -> Pause {
         let Self { flow, threads, .. } = self;
         let started = Instant::now();
         threads.run(|| {
             while !until.is_reached(&flow.clock()) {
                 let stepped = flow.step();
+                *clock.lock().unwrap_or_else(PoisonError::into_inner) = flow.clock();
                 // Its exception explains a stop of the same step.
                 if failure.is_set() {
                     return Pause::Force;
@@ -111,8 +115,8 @@ impl Simulation {
         let state = &mut *state;
         let until = until(&state.flow.clock());
         loop {
-            let failure = &self.failure;
-            let pause = detached(py, || state.advance(failure, until));
+            let (failure, clock) = (&self.failure, &self.clock);
+            let pause = detached(py, || state.advance(failure, clock, until));
             match pause {
                 Ok(Pause::Done) => return py.check_signals(),
                 Ok(Pause::Look) => py.check_signals()?,
@@ -149,16 +153,24 @@ impl Simulation {
         let threads = Threads::start(threads)
             .map_err(|error| run_error(py, "threads", format!("cannot start the threads: {error}")))?;
         let failure = Failure::default();
-        let plugin =
-            CallableForces { functions: forces, dimensions: scene.dimensions, failure: failure.clone() };
-        let build = || {
-            let builder = Flow::builder(scene);
-            let builder = if plugin.functions.is_empty() { builder } else { builder.plugin(plugin) };
-            builder.build()
+        let functions = Functions::new(forces);
+        let plugin = CallableForces {
+            functions: functions.clone(),
+            dimensions: scene.dimensions,
+            failure: failure.clone(),
         };
-        let flow = detached(py, || threads.run(build))?;
+        let flow = detached(py, || threads.run(|| Flow::builder(scene).plugin(plugin).build()))?;
         let flow = flow.map_err(|error| build_error(py, &error))?;
-        Ok(Self { state: Mutex::new(State { flow, threads, ended: None }), failure })
+        let clock = Mutex::new(flow.clock());
+        Ok(Self { state: Mutex::new(State { flow, threads, ended: None }), clock, functions, failure })
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.functions.traverse(&visit)
+    }
+
+    fn __clear__(&self) {
+        self.functions.clear();
     }
 
     /// Advances by a number of steps.
@@ -172,9 +184,9 @@ impl Simulation {
     }
 
     /// Returns time, s, number of steps and size of the last step, s.
-    fn clock(&self, py: Python<'_>) -> PyResult<(f64, u64, f64)> {
-        let Clock { time, step, time_step } = self.lock(py)?.flow.clock();
-        Ok((time, step, time_step))
+    fn clock(&self) -> (f64, u64, f64) {
+        let Clock { time, step, time_step } = *self.clock.lock().unwrap_or_else(PoisonError::into_inner);
+        (time, step, time_step)
     }
 
     /// Returns name, number of dimensions, lengths, m, and end, s, of the scene.

@@ -37,6 +37,10 @@ class Run:
 
     def __repr__(self) -> str:
         summary = self.summary
+        if summary["status"] == "running" and (self.folder / "journal").exists():
+            # The summary has its numbers when the run ends.
+            frames, _ = _sphecs.journal_frames(self.folder)
+            return f"<sphecs.Run {str(self.folder)!r}: running or killed, {len(frames)} frames>"
         return (
             f"<sphecs.Run {str(self.folder)!r}: {summary['status']}, {summary['steps']} steps, "
             f"t = {summary['time']:.6g} s, {summary['frames']} frames>"
@@ -49,7 +53,10 @@ class Run:
 
     @property
     def status(self) -> str:
-        """State: "running", "completed", "interrupted", "terminated", "out of time", "diverged" or "failed"."""
+        """State: "running", "completed", "interrupted", "terminated", "out of time", "diverged" or "failed".
+
+        A run that was killed is "running", too.
+        """
         return self.summary["status"]
 
     @property
