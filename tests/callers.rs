@@ -112,6 +112,24 @@ fn field_equals_the_force_of_each_particle() {
 }
 
 #[test]
+fn table_of_the_particles_equals_their_components() {
+    let mut simulation = common::simulation(scene(&[]));
+    common::advance(&mut simulation, 60);
+    let table = simulation.particles();
+    let mut particles = census(&mut simulation);
+    particles.retain(|particle| particle.zone != Zone::Reservoir);
+    particles.sort_by_key(|particle| particle.id);
+    assert!(particles.iter().any(|particle| particle.zone == Zone::Outflow));
+    assert_eq!(table.id.len(), particles.len());
+    for (row, particle) in particles.iter().enumerate() {
+        assert_eq!((table.id[row], table.zone[row]), (particle.id, particle.zone));
+        assert_eq!(table.patch[row], particle.patch);
+        assert_eq!((table.position[row], table.velocity[row]), (particle.position, particle.velocity));
+        assert_eq!((table.density[row], table.pressure[row]), (particle.density, particle.pressure));
+    }
+}
+
+#[test]
 fn system_in_observe_runs_after_each_step() {
     let mut simulation = Simulation::builder(scene(&[])).plugin(Watch).build().expect("a simulation");
     let mut expected = Vec::new();

@@ -8,10 +8,7 @@
 
 use bevy_ecs::bundle::Bundle;
 use bevy_ecs::component::Component;
-use bevy_ecs::query::Has;
 use glam::DVec3;
-
-use sphecs_core::particles::zone::Zone;
 
 /// Number of a particle: dense from 0, constant during a run, and the `particle` index of
 /// `particles.nc`.
@@ -88,23 +85,6 @@ pub struct Outflow {
 /// Role: particle in the reservoir, outside the flow.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Reservoir;
-
-/// Components that state the role of a particle, for queries of all particles.
-pub type Roles = (Option<&'static Wall>, Option<&'static Inflow>, Option<&'static Outflow>, Has<Reservoir>);
-
-/// Returns the zone of a role, and the index of its inlet, outlet or wall part; 0 for the others.
-pub fn zone_and_patch(roles: RolesItem<'_>) -> (Zone, u16) {
-    match roles {
-        (Some(wall), ..) => (Zone::Wall, wall.part),
-        (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
-        (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
-        (_, _, _, true) => (Zone::Reservoir, 0),
-        _ => (Zone::Fluid, 0),
-    }
-}
-
-/// Role of one particle, as a query of [`Roles`] returns it.
-pub type RolesItem<'a> = (Option<&'a Wall>, Option<&'a Inflow>, Option<&'a Outflow>, bool);
 
 /// Sub-particle stress T/ρ² (xx, yy, zz, xy, yz, zx), m⁵/(kg s²), in a scene with `Sps` viscosity.
 #[derive(Component, Clone, Copy, Debug, Default)]

@@ -4,13 +4,14 @@
 use std::ops::Range;
 
 use bevy_ecs::entity::Entity;
+use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::components::{
-    ParticleId, Position, Roles, RolesItem, Thermodynamics, Tracer, Velocity, zone_and_patch,
+    Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::entity_index::EntityIndex;
@@ -201,6 +202,9 @@ type Particle = (
     &'static Tracer,
 );
 
+/// Components that state the role of a particle.
+type Roles = (Option<&'static Wall>, Option<&'static Inflow>, Option<&'static Outflow>, Has<Reservoir>);
+
 /// Slots that a thread fills at a time.
 const CHUNK: usize = 8192;
 
@@ -229,9 +233,15 @@ impl FrameChunk<'_> {
             &Thermodynamics,
             &Tracer,
         ),
-        roles: RolesItem<'_>,
+        roles: (Option<&Wall>, Option<&Inflow>, Option<&Outflow>, bool),
     ) {
-        let (zone, patch) = zone_and_patch(roles);
+        let (zone, patch) = match roles {
+            (Some(wall), ..) => (Zone::Wall, wall.part),
+            (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
+            (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
+            (_, _, _, true) => (Zone::Reservoir, 0),
+            _ => (Zone::Fluid, 0),
+        };
         self.zone[at] = zone as u8;
         self.patch[at] = patch;
         self.passage[at] = tracer.passages;
@@ -252,7 +262,7 @@ impl FrameChunk<'_> {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use sphecs_engine::components::{Fluid, Inflow, Outflow, ParticleBundle, Reservoir, Wall};
+    use sphecs_engine::components::{Fluid, ParticleBundle};
 
     /// Returns a world that knows the components of particles, as that of a simulation does.
     fn world() -> World {

@@ -17,7 +17,7 @@ use crate::callable::{CallableForces, Failure, Functions};
 use crate::exceptions::{build_error, output_error, run_error, stop_error};
 use crate::guard::detached;
 use crate::scene_input::SceneInput;
-use crate::snapshot::{Snapshot, vectors};
+use crate::snapshot::{arrays_of, vectors};
 use sphecs::{Clock, Simulation as Flow, Stop};
 use sphecs_run::threads::Threads;
 use sphecs_run::{environment, memory};
@@ -210,8 +210,8 @@ impl Simulation {
         let mut state = self.lock(py)?;
         let State { flow, threads, .. } = &mut *state;
         let dimensions = flow.scene().dimensions;
-        let snapshot = detached(py, || threads.run(|| Snapshot::of(flow.world())))?;
-        snapshot.into_arrays(py, dimensions)
+        let table = detached(py, || threads.run(|| flow.particles()))?;
+        arrays_of(py, table, dimensions)
     }
 
     /// Returns the forces on the bodies at the beginning of the last step by their names.
