@@ -13,6 +13,7 @@ use sphecs::glam::DVec3;
 use sphecs::{Clock, Ledger, Simulation, StepSet, Zone};
 use sphecs_engine::components::{ParticleId, Position, Velocity};
 use sphecs_engine::plugins::{Plugin, PluginContext};
+use sphecs_engine::systems::force_fields::FluidState;
 use sphecs_engine::systems::forces::{AddedForces, ParticleState};
 
 /// Spacing of the particles, m.
@@ -69,6 +70,62 @@ fn added_force_accelerates_the_fluid_as_newton_predicts() {
         // Both integrators are exact under a constant force.
         let off = particle.velocity.distance(expected) / expected.length();
         assert!(off < 1e-9, "{} is not {expected}", particle.velocity);
+    }
+}
+
+/// A drag towards a wind, for each particle or for whole columns.
+struct Drag {
+    for_columns: bool,
+}
+
+impl Plugin for Drag {
+    fn build(&self, context: &mut PluginContext<'_>) {
+        let drag = |time: f64, position: DVec3, velocity: DVec3| {
+            3.0 * (DVec3::new(time, 20.0 * position.x, 0.0) - velocity)
+        };
+        let mut forces = context.world.get_resource_or_init::<AddedForces>();
+        if self.for_columns {
+            forces.add_field(move |fluid: &FluidState<'_>, force: &mut [DVec3]| {
+                for (row, force) in force.iter_mut().enumerate() {
+                    *force += drag(fluid.time, fluid.position[row], fluid.velocity[row]);
+                }
+            });
+        } else {
+            forces.add(move |at: &ParticleState| drag(at.time, at.position, at.velocity));
+        }
+    }
+}
+
+#[test]
+fn field_equals_the_force_of_each_particle() {
+    let moved = |for_columns: bool| {
+        let plugin = Drag { for_columns };
+        let mut simulation = Simulation::builder(scene(&[])).plugin(plugin).build().expect("a simulation");
+        common::advance(&mut simulation, 40);
+        census(&mut simulation)
+    };
+    let (by_columns, by_particle) = (moved(true), moved(false));
+    assert_eq!(by_columns.len(), by_particle.len());
+    for (one, other) in by_columns.iter().zip(&by_particle) {
+        assert_eq!((one.position, one.velocity), (other.position, other.velocity));
+    }
+}
+
+#[test]
+fn table_of_the_particles_equals_their_components() {
+    let mut simulation = common::simulation(scene(&[]));
+    common::advance(&mut simulation, 60);
+    let table = simulation.particles();
+    let mut particles = census(&mut simulation);
+    particles.retain(|particle| particle.zone != Zone::Reservoir);
+    particles.sort_by_key(|particle| particle.id);
+    assert!(particles.iter().any(|particle| particle.zone == Zone::Outflow));
+    assert_eq!(table.id.len(), particles.len());
+    for (row, particle) in particles.iter().enumerate() {
+        assert_eq!((table.id[row], table.zone[row]), (particle.id, particle.zone));
+        assert_eq!(table.patch[row], particle.patch);
+        assert_eq!((table.position[row], table.velocity[row]), (particle.position, particle.velocity));
+        assert_eq!((table.density[row], table.pressure[row]), (particle.density, particle.pressure));
     }
 }
 

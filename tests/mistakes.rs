@@ -49,7 +49,7 @@ const MISTAKES: [(&str, &str, &str); 79] = [
         "velocity: 0.1",
         "`Normal(0.1)`",
     ),
-    ("time: (end", "walls: (slip: \"FreeSlip\"), time: (end", "without quotes: `FreeSlip`"),
+    ("time: (end", "walls: (slip: \"FreSlip\"), time: (end", "did you mean `FreeSlip`"),
     ("domain: Difference([", "domain: Subtract([", "called `Difference`"),
     ("WaveEquation()", "WaveEqation()", "did you mean `WaveEquation`"),
     ("WaveEquation()", "Neumann()", "`Mirror`"),

@@ -1,7 +1,6 @@
 //! Failures of a command, with their messages and exit codes.
 
 use std::io::{IsTerminal, Write};
-use std::process::ExitCode;
 
 use miette::{Diagnostic, MietteHandlerOpts, Report};
 
@@ -73,11 +72,11 @@ impl Failure {
     }
 
     /// Prints the failure and returns the exit code.
-    pub fn report(self) -> ExitCode {
+    pub fn report(self) -> u8 {
         let code = self.code();
         // A closed standard error must not cause another failure.
         let _reader_gone = writeln!(std::io::stderr(), "{:?}", Report::new(self));
-        ExitCode::from(code)
+        code
     }
 }
 

@@ -23,29 +23,34 @@ pub mod run_arguments;
 pub mod shell;
 mod values;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 use failure::Failure;
-use sphecs_core::math::lanes::InstructionSet;
-use sphecs_output::error::OutputError;
+use sphecs_run::environment;
 
-/// Reads the command line, runs the command and returns the exit code.
+/// Runs the command line of the process and returns the exit code.
+pub fn main() -> ExitCode {
+    ExitCode::from(run(std::env::args_os()))
+}
+
+/// Runs a command line, the name of the program included, and returns the exit code.
 ///
 /// 0 done, 1 a required band was missed, 2 bad input, 3 the flow diverged, 4 input or output
 /// failed, 75 wall-time limit reached, 129 terminal closed, 130 interrupted, 143 terminated,
 /// 152 processor time used up.
-pub fn main() -> ExitCode {
+pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     failure::prepare_messages();
-    let arguments = match Arguments::read(std::env::args_os()) {
+    let arguments = match Arguments::read(words) {
         Ok(arguments) => arguments,
         Err(error) => {
             let _reader_gone = error.print();
-            return ExitCode::from(error.exit_code() as u8);
+            return error.exit_code() as u8;
         }
     };
-    if let Err(failure) = check_environment() {
-        return failure.report();
+    if let Err(error) = environment::check() {
+        return Failure::from(error).report();
     }
     let result = match arguments.command {
         Command::Run(run) => commands::run(&run),
@@ -63,20 +68,5 @@ pub fn main() -> ExitCode {
         Command::Completions(completions) => shell::completions(&completions),
         Command::Man(man) => shell::man(&man),
     };
-    result.map_or_else(Failure::report, ExitCode::from)
-}
-
-/// Checks the environment variables that change a run, which libraries ignore if they are misspelt.
-fn check_environment() -> Result<(), Failure> {
-    let value = |name| std::env::var_os(name).unwrap_or_default().to_string_lossy().into_owned();
-    let refused = |name: &str, what: String| {
-        OutputError::Request(format!("environment variable `{name}`: {what}; or unset it"))
-    };
-    let (lanes, threads) = ("SPHECS_LANES", "RAYON_NUM_THREADS");
-    InstructionSet::named(&value(lanes)).map_err(|what| refused(lanes, what))?;
-    let number = value(threads);
-    if !number.is_empty() && number.parse::<usize>().is_err() {
-        return Err(refused(threads, format!("is `{number}`, must be a whole number")).into());
-    }
-    Ok(())
+    result.unwrap_or_else(Failure::report)
 }

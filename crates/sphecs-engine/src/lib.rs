@@ -4,6 +4,7 @@
 //!
 //! - [`arrays`]: the sorted particle columns as a resource
 //! - [`components`]: the state of a particle between two steps
+//! - [`particle_table`]: the state of all particles in the order of their numbers
 //! - [`plugins`]: the [`Plugin`](plugins::Plugin) interface, and the plugins of the engine itself
 //! - [`resources`]: scene, clock, particle counts and other data of the world apart from the
 //!   particles
@@ -16,6 +17,7 @@
 
 pub mod arrays;
 pub mod components;
+pub mod particle_table;
 pub mod plugins;
 pub mod resources;
 pub mod saved_state;

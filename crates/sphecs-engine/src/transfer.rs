@@ -188,7 +188,7 @@ pub(crate) fn scatter_stress<R: Real>(world: &mut World, id: &[u32], stress: &[V
 }
 
 /// Returns the row of each particle number, `u32::MAX` for a number without a row.
-fn rows_by_number(id: &[u32]) -> Vec<u32> {
+pub(crate) fn rows_by_number(id: &[u32]) -> Vec<u32> {
     let slots = id.iter().max().map_or(0, |&largest| largest as usize + 1);
     let mut row_of = vec![u32::MAX; slots];
     for (row, &id) in id.iter().enumerate() {

@@ -41,8 +41,8 @@ const TIMED_STEPS: [u32; 2] = [3, 200];
 pub struct CheckReport {
     /// Title, table and notes.
     pub text: String,
-    /// Number of notes.
-    pub notes: usize,
+    /// The notes.
+    pub notes: Vec<String>,
 }
 
 /// Options of a check.
@@ -94,7 +94,7 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     }
     rows.push(("memory", format!("about {} at most, output included", bytes(figures.memory as u64))));
     rows.push(("disk", disk_text(&disk)));
-    CheckReport { text: scene_table(scene, &figures, &rows), notes: figures.notes.len() }
+    CheckReport { text: scene_table(scene, &figures, &rows), notes: figures.notes }
 }
 
 fn disk_estimate(scene: &Scene, by_zone: [u64; 5], until: f64) -> DiskEstimate {

@@ -10,6 +10,7 @@
 //! - `doubtful`: notes on choices that are seldom meant
 //! - [`disk_check`]: free disk space before the start
 //! - [`memory`]: memory of the machine
+//! - [`environment`]: environment variables
 //! - [`console`], [`signals`], [`threads`], [`error`]: terminal, signals, threads and errors of the
 //!   process
 
@@ -18,6 +19,7 @@ pub mod close_pairs;
 pub mod console;
 pub mod disk_check;
 mod doubtful;
+pub mod environment;
 pub mod error;
 pub mod memory;
 pub mod output_schedule;
@@ -30,7 +32,7 @@ pub mod run_state;
 pub mod signals;
 pub mod threads;
 
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 
 use console::Console;
 use error::RunError;
@@ -38,6 +40,7 @@ use run_loop::RunLoop;
 use signals::{Signal, Signals};
 use threads::on_threads;
 
+use sphecs_output::error::OutputError;
 use sphecs_output::start::check_free;
 use sphecs_scene::model::Scene;
 
@@ -95,4 +98,29 @@ pub fn run_on_current_pool(scene: Scene, options: &RunOptions, signals: Signals)
         disk_check::check(&scene, options)?;
     }
     RunLoop::start(scene, options, signals)?.run()
+}
+
+/// Returns the folder `runs/NAME` of a scene without a folder of its own.
+///
+/// # Errors
+/// [`OutputError::Request`] for names such as `..` (of a scene `...ron`) that lead out of `runs/`.
+pub fn default_folder(name: &str) -> Result<PathBuf, OutputError> {
+    let folder = Path::new("runs").join(name);
+    let below =
+        folder.components().eq([Component::Normal("runs".as_ref()), Component::Normal(name.as_ref())]);
+    let refused = || format!("`{name}`: cannot be the name of a folder in `runs/`: give a folder by `--out`");
+    if below { Ok(folder) } else { Err(OutputError::Request(refused())) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_scene_name_leads_out_of_the_runs_folder() {
+        assert_eq!(default_folder("flow.v2").expect("a folder"), Path::new("runs/flow.v2"));
+        for name in ["..", ".", "", "/etc", "a/b", "../b", "a/.."] {
+            assert!(default_folder(name).is_err(), "`{name}` was accepted");
+        }
+    }
 }

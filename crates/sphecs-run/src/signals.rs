@@ -80,6 +80,18 @@ impl Signals {
         Ok(Self { received, checkpoint: checkpoint_flag()? })
     }
 
+    /// Returns signals without handlers, which [`Self::raise`] alone sets: for a process that
+    /// handles signals itself, such as an interpreter.
+    pub fn without_handlers() -> Self {
+        Self { received: Arc::default(), checkpoint: Arc::default() }
+    }
+
+    /// Returns the same requests for another thread, which raises them while a run obeys them.
+    #[must_use]
+    pub fn shared(&self) -> Self {
+        Self { received: Arc::clone(&self.received), checkpoint: Arc::clone(&self.checkpoint) }
+    }
+
     /// Returns the signals of a concurrent run: stop requests are shared, each run has its own
     /// checkpoint flag.
     ///

@@ -7,7 +7,7 @@
 
 use std::thread::{Builder, JoinHandle};
 
-use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// Runs `work` on a pool of `count` threads; None: one for each core.
 ///
@@ -19,25 +19,47 @@ pub fn on_threads<T: Send>(
     count: Option<usize>,
     work: impl FnOnce() -> T + Send,
 ) -> Result<T, ThreadPoolBuildError> {
+    Ok(Threads::start(count)?.run(work))
+}
+
+/// Thread pool for several pieces of work; dropping it waits until its threads have ended.
+#[derive(Debug)]
+pub struct Threads {
+    pool: ThreadPool,
     // Dropped after the pool, which tells the threads to end.
-    let mut threads = Threads::default();
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(count.unwrap_or(0))
-        .spawn_handler(|thread| {
-            let named = Builder::new().name(format!("flow {}", thread.index()));
-            threads.0.push(named.spawn(|| thread.run())?);
-            Ok(())
-        })
-        .build()?;
-    Ok(pool.install(work))
+    _handles: Handles,
+}
+
+impl Threads {
+    /// Starts a pool of `count` threads; None: one for each core.
+    ///
+    /// # Errors
+    /// The system refuses a thread.
+    pub fn start(count: Option<usize>) -> Result<Self, ThreadPoolBuildError> {
+        let mut handles = Handles::default();
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(count.unwrap_or(0))
+            .spawn_handler(|thread| {
+                let named = Builder::new().name(format!("flow {}", thread.index()));
+                handles.0.push(named.spawn(|| thread.run())?);
+                Ok(())
+            })
+            .build()?;
+        Ok(Self { pool, _handles: handles })
+    }
+
+    /// Runs `work` on the pool.
+    pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
 }
 
 /// Threads joined on drop: a scope would wait for their work only, not for their thread-local
 /// values.
-#[derive(Default)]
-struct Threads(Vec<JoinHandle<()>>);
+#[derive(Debug, Default)]
+struct Handles(Vec<JoinHandle<()>>);
 
-impl Drop for Threads {
+impl Drop for Handles {
     fn drop(&mut self) {
         for thread in self.0.drain(..) {
             // The pool has passed on a panic of the work.

@@ -14,6 +14,8 @@ use glam::DVec3;
 pub use builder::{BuildError, SimulationBuilder};
 pub use stop::Stop;
 
+use crate::arrays::Arrays;
+use crate::particle_table::ParticleTable;
 use crate::resources::clock::Clock;
 use crate::resources::ledger::Ledger;
 use crate::resources::state_location::{self, StateLocation};
@@ -47,6 +49,7 @@ struct TypedFunctions {
     scatter: fn(&mut World),
     save: fn(&mut World, &mut Columns),
     refresh: fn(&mut World),
+    table: fn(&World) -> ParticleTable,
     monitor_row: fn(&mut World) -> MonitorRow,
     gather: fn(&mut World),
     sample: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>>,
@@ -63,6 +66,7 @@ impl TypedFunctions {
                 Scheme::Wcsph(_) => sampling::refresh::<R, D>,
                 Scheme::EdacTvf(_) => sampling::refresh_volumes::<R, D>,
             },
+            table: |world| ParticleTable::of(&world.resource::<Arrays<R, D>>().0),
             monitor_row: monitor::monitor_row::<R, D>,
             gather: state_location::gather::<R, D>,
             sample: sampling::sample::<R, D>,
@@ -170,6 +174,13 @@ impl Simulation {
             (self.functions.refresh)(&mut self.world);
             self.is_refreshed = true;
         }
+    }
+
+    /// Returns the state of all particles in the order of their numbers, as [`Self::world`] has it
+    /// for single ones.
+    pub fn particles(&mut self) -> ParticleTable {
+        self.refresh();
+        (self.functions.table)(&self.world)
     }
 
     /// Returns time, step and step size.

@@ -5,6 +5,7 @@
 //! - [`boundaries`]: inflow, outflow and wall particles
 //! - [`divergence`]: detection of a diverging flow
 //! - [`edac`]: the scheme `EdacTvf`
+//! - [`force_fields`]: forces that a user adds for all fluid particles at once
 //! - [`forces`]: the body force, and forces that a user adds
 //! - [`monitor`]: integral quantities of the flow
 //! - [`neighbours`]: the sort of the particles into cells
@@ -17,6 +18,7 @@ pub mod body_forces;
 pub mod boundaries;
 pub mod divergence;
 pub mod edac;
+pub mod force_fields;
 pub mod forces;
 pub mod monitor;
 pub mod neighbours;

@@ -82,6 +82,8 @@ fn whatever_the_scene_lacks_is_added() {
     assert!(load(&[("scheme", "EdacTvf()")]).scheme.wcsph().is_none());
     assert!(load(&[("scheme.tensile_control", "false")]).scheme.wcsph().is_some_and(|s| !s.tensile_control));
     assert_eq!(load(&[("walls.slip", "FreeSlip")]).walls.parts[0].slip, Slip::FreeSlip);
+    // A program may write every text in quotes: the name of a choice is known by its field.
+    assert_eq!(load(&[("walls.slip", "\"FreeSlip\"")]).walls.parts[0].slip, Slip::FreeSlip);
     let constants = load(&[("constants.a", "2.0e-2"), ("constants.b", "1.0"), ("spacing", "\"a*b\"")]);
     assert_eq!(constants.spacing, 0.02);
     assert_eq!(load(&[("reference.length", "0.3"), ("reference.velocity", "0.2")]).reference_length, 0.3);

@@ -86,7 +86,7 @@ impl<'a> Variant<'a> {
     }
 
     fn is_name_alone(&self) -> bool {
-        matches!(self.node, Some(Node { value: Value::Name(_), .. }))
+        matches!(self.node, Some(Node { value: Value::Name(_) | Value::Text(..), .. }))
     }
 }
 
@@ -105,7 +105,7 @@ impl<'de> de::VariantAccess<'de> for Variant<'de> {
 
     fn unit_variant(self) -> Result<(), Abort> {
         match self.node.map(|node| (node, &node.value)) {
-            None | Some((_, Value::Name(_))) => {}
+            None | Some((_, Value::Name(_) | Value::Text(..))) => {}
             Some((_, Value::Tuple(_, items))) if items.is_empty() => {}
             Some((node, _)) => self.content().mismatch(node, "a name without content"),
         }
@@ -122,7 +122,7 @@ impl<'de> de::VariantAccess<'de> for Variant<'de> {
                 return content_seed.deserialize(Unnamed(self));
             }
             // `WaveEquation` alone: every field at its default.
-            Some(Value::Name(_)) => return content_seed.deserialize(Unnamed(self)),
+            Some(Value::Name(_) | Value::Text(..)) => return content_seed.deserialize(Unnamed(self)),
             Some(_) => {
                 self.mismatch_of_content();
                 None
@@ -156,7 +156,7 @@ impl<'de> de::VariantAccess<'de> for Variant<'de> {
         let content = self.content();
         let entries = match self.node.map(|node| &node.value) {
             // `WaveEquation` alone: every field at its default.
-            Some(Value::Name(_)) => Entries::new(Vec::new(), self.context),
+            Some(Value::Name(_) | Value::Text(..)) => Entries::new(Vec::new(), self.context),
             _ => content.entries(self.name, fields),
         };
         visitor.visit_map(entries).map_err(|abort| abort.at(self.node))

@@ -169,6 +169,8 @@ impl<'a> Typed<'a> {
         };
         let (name, span) = match &node.value {
             Value::Name(name) => (name.as_str(), node.span),
+            // The quotes around a name do no harm: a scene written by a program may have them.
+            Value::Text(name, _) if variants.contains(&name.as_str()) => (name.as_str(), node.span),
             Value::Tuple(Some(name), _) | Value::Struct(Some(name), _) => (name.text.as_str(), name.span),
             _ => {
                 let all: Vec<String> = variants.iter().map(|name| format!("`{name}`")).collect();
@@ -231,7 +233,9 @@ fn choice_advice(name: &str, known: &'static [&'static str]) -> String {
 fn without_name(node: &Node, variants: &[&str]) -> Option<String> {
     let has = |name: &str| variants.contains(&name);
     match &node.value {
-        Value::Text(text, _) if has(text) => Some(format!("write it without quotes: `{text}`")),
+        Value::Text(text, _) if !has("Normal") => {
+            nearest(text, variants.iter().copied()).map(|near| format!("did you mean `{near}`?"))
+        }
         Value::Number(number, _) if has("Normal") => {
             Some(format!("a speed along `towards` is written `Normal({number})`"))
         }
