@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::console::Console;
 use super::error::RunError;
+use super::gridded::GriddedFields;
 use super::output_schedule::WallClock;
 use super::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
 use super::run_state::{self, RunState};
@@ -28,6 +29,7 @@ pub struct RunLoop {
     simulation: Simulation,
     folder: RunFolder,
     probes: ProbeSet,
+    fields: GriddedFields,
     signals: Signals,
     console: Console,
     display: ProgressDisplay,
@@ -68,30 +70,30 @@ impl RunLoop {
         let until = options.until.unwrap_or(scene.time.end);
         let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
         options.console.print(&report::start_summary(scene, simulation.ledger(), until, options));
-        let state = RunState::new(&scene.output);
+        let state = RunState::new(scene);
+        let fields = GriddedFields::new(scene);
         let first_frame = Some(first);
-        Ok(Self { first_frame, ..Self::new(simulation, folder, state, None, options, signals) })
+        let run = Self::new(simulation, (folder, fields), state, None, options, signals);
+        Ok(Self { first_frame, ..run })
     }
 
     /// Continues a run whose folder is cut back to a checkpoint, from which simulation and state
     /// come; the header of the folder has the end of the run.
     pub(super) fn resume(
         simulation: Simulation,
-        folder: RunFolder,
+        (folder, fields): (RunFolder, GriddedFields),
         state: RunState,
         options: &RunOptions,
         signals: Signals,
     ) -> Self {
-        let scene = simulation.scene();
-        let time = simulation.clock().time;
-        let state = state.resumed(&scene.output, time);
+        let state = state.resumed(simulation.scene(), simulation.clock().time);
         let last = (simulation.clock().step > 0).then_some(simulation.clock().step);
-        Self::new(simulation, folder, state, last, options, signals)
+        Self::new(simulation, (folder, fields), state, last, options, signals)
     }
 
     fn new(
         simulation: Simulation,
-        folder: RunFolder,
+        (folder, fields): (RunFolder, GriddedFields),
         state: RunState,
         last_checkpoint: Option<u64>,
         options: &RunOptions,
@@ -113,6 +115,7 @@ impl RunLoop {
             notes_printed: simulation.notes().len(),
             simulation,
             folder,
+            fields,
             signals,
             console: options.console,
             display: ProgressDisplay::new(options.console),
@@ -207,6 +210,7 @@ impl RunLoop {
             stages: self.stages().into_iter().map(|(_, seconds)| seconds).collect(),
             ..self.state.clone()
         };
+        self.fields.save(&mut columns);
         columns.put(run_state::COLUMN, encode_record(&state));
         self.folder.checkpoint(&clock, columns)?;
         self.state.output_time += now.elapsed().as_secs_f64();
@@ -236,6 +240,7 @@ impl RunLoop {
         }
         let due = self.state.probes_due(time);
         self.write_samples(&due)?;
+        self.fields.write(&mut self.simulation, (&mut self.folder, &mut self.state), false)?;
         if self.state.frames.advance(time) {
             self.write_frame()?;
         }
@@ -261,6 +266,7 @@ impl RunLoop {
             self.write_row()?;
         }
         self.write_samples(&self.state.probes_without(step))?;
+        self.fields.write(&mut self.simulation, (&mut self.folder, &mut self.state), true)?;
         if self.state.last_frame != Some(step) {
             self.write_frame()?;
         }

@@ -44,6 +44,7 @@ pub mod driven_flow;
 pub mod emitters;
 pub mod expression;
 pub mod faults;
+pub mod field_grid;
 pub mod fill;
 pub mod flow_path;
 pub mod geometry;

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 pub use super::body::{Body, BodyReference, ForcesEvery};
 pub use super::emitters::Emitter;
+pub use super::field_grid::{FieldOutput, FieldPlane};
 use super::expression::Expression;
 use super::geometry::Shape;
 use super::lattice::Lattice;
@@ -96,6 +97,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Returns true if the tags of the particles may differ.
+    pub fn has_tags(&self) -> bool {
+        self.initial.tag.constant().is_none()
+    }
+
     /// Distance between the outermost patches and movers along a direction, m, at least ten
     /// spacings.
     pub fn extent_along(&self, direction: DVec3) -> f64 {
@@ -376,6 +382,8 @@ pub struct OutputSettings {
     pub forces: ForcesEvery,
     /// Probes.
     pub probes: Vec<Probe>,
+    /// Fields on grids; None: not written.
+    pub fields: Option<FieldOutput>,
 }
 
 /// A particle at t = 0.
