@@ -82,7 +82,8 @@ pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), Output
     remove_partial(&journal)?;
     disk::sync_folder(&journal)?;
     remove_folder(&run.join(PACKED_JOURNAL))?;
-    let packed = [PARTICLES, paths::FIELDS, paths::MONITOR_NETCDF, paths::PROBES_NETCDF, paths::PROBES_MEAN_CSV];
+    let packed =
+        [PARTICLES, paths::FIELDS, paths::MONITOR_NETCDF, paths::PROBES_NETCDF, paths::PROBES_MEAN_CSV];
     for name in packed.into_iter().chain([paths::FORCES_NETCDF, paths::FORCES_MEAN_CSV]) {
         remove(&run.join(name))?;
     }

@@ -89,7 +89,7 @@ pub struct Header {
 }
 
 /// Grids of the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FieldsHeader {
     /// Grids, that of the whole domain first.
     pub grids: Vec<FieldGrid>,

@@ -338,6 +338,7 @@ fn disk_text(disk: &DiskEstimate) -> String {
             parts.push(format!("{name} {}", size(bytes)));
         }
     };
+    add("fields", disk.field_bytes);
     add("probes", disk.probe_bytes);
     add("forces", disk.force_bytes);
     add("monitor", disk.monitor_bytes);

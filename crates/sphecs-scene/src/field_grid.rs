@@ -134,18 +134,17 @@ impl Scene {
     pub fn field_grids(&self) -> Vec<FieldGrid> {
         let Some(output) = &self.output.fields else { return Vec::new() };
         let whole = output.volume.then(|| self.whole_grid(output.spacing));
-        whole.into_iter().chain(output.planes.iter().filter_map(|plane| self.plane_grid(output, plane))).collect()
+        whole
+            .into_iter()
+            .chain(output.planes.iter().filter_map(|plane| self.plane_grid(output, plane)))
+            .collect()
     }
 
     /// Returns the grid of the whole domain with a distance of the nodes, m.
     pub fn whole_grid(&self, spacing: f64) -> FieldGrid {
         let (low, high) = self.field_box();
         let axis = |d: usize| GridAxis::over(AXES[d], (low[d], high[d]), spacing, DVec3::AXES[d]);
-        FieldGrid {
-            name: String::new(),
-            axes: (0..self.dimensions).map(axis).collect(),
-            origin: DVec3::ZERO,
-        }
+        FieldGrid { name: String::new(), axes: (0..self.dimensions).map(axis).collect(), origin: DVec3::ZERO }
     }
 
     /// Returns the grid of a plane; None if it misses the box around the domain.

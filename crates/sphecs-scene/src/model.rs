@@ -9,8 +9,8 @@ use glam::DVec3;
 
 pub use super::body::{Body, BodyReference, ForcesEvery};
 pub use super::emitters::Emitter;
-pub use super::field_grid::{FieldOutput, FieldPlane};
 use super::expression::Expression;
+pub use super::field_grid::{FieldOutput, FieldPlane};
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::meshes::{MeshFile, MeshReport};

@@ -59,7 +59,8 @@ impl FieldAverages {
             let sink = |(columns, row)| AverageRow { columns, row, duration, dimensions, pairs };
             sinks.extend(slices.into_iter().zip(rows.by_ref()).map(sink));
         }
-        let mut sinks: Vec<&mut dyn RowSink> = sinks.iter_mut().map(|sink| sink as &mut dyn RowSink).collect();
+        let mut sinks: Vec<&mut dyn RowSink> =
+            sinks.iter_mut().map(|sink| sink as &mut dyn RowSink).collect();
         sample(&nodes.rows, &mut sinks);
     }
 
@@ -171,11 +172,8 @@ mod tests {
             axes: vec![axis("x", 3, DVec3::X), axis("y", 2, DVec3::Y)],
             origin: DVec3::ZERO,
         };
-        let row = |row| NodeRow {
-            start: grid.row_start(row),
-            step: DVec3::X,
-            wanted: vec![true, true, row == 0],
-        };
+        let row =
+            |row| NodeRow { start: grid.row_start(row), step: DVec3::X, wanted: vec![true, true, row == 0] };
         let rows = vec![row(0), row(1)];
         FieldNodes { dimensions: 2, grids: vec![grid], rows, ..FieldNodes::default() }
     }
@@ -207,7 +205,8 @@ mod tests {
         let means = averages.means((0.0, 4.0));
         let mean = |f: &dyn Fn(f64) -> f64| samples.iter().map(|&(w, u)| w * f(u)).sum::<f64>() / 4.0;
         let (u, v) = (mean(&|u| u), mean(&|u| u * u));
-        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found}, {expected}");
+        let near =
+            |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found}, {expected}");
         let columns = &means.grids[0];
         near(columns[0][4], u + 2.0);
         near(columns[1][0], v);

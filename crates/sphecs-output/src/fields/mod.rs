@@ -4,6 +4,7 @@
 //! - [`averages`]: means and Reynolds stresses, accumulated while the run goes on
 //! - `quantities`: names and units
 //! - [`packing`]: the file of all times
+//! - [`resampling`]: grids from the frames of a run that wrote none
 
 //!
 //! A node inside a wall, or around which less than half of the space between the walls is filled,
@@ -12,6 +13,7 @@
 pub mod averages;
 pub mod packing;
 pub(crate) mod quantities;
+pub mod resampling;
 
 pub mod snapshot;
 
@@ -96,7 +98,11 @@ impl FieldNodes {
 }
 
 /// Returns mutable slices of the columns of a grid for each of its rows.
-fn row_slices<'a, T: Send>(columns: &'a mut [Vec<T>], row_length: usize, rows: usize) -> Vec<Vec<&'a mut [T]>> {
+fn row_slices<'a, T: Send>(
+    columns: &'a mut [Vec<T>],
+    row_length: usize,
+    rows: usize,
+) -> Vec<Vec<&'a mut [T]>> {
     let mut slices: Vec<Vec<&'a mut [T]>> = (0..rows).map(|_| Vec::with_capacity(columns.len())).collect();
     for column in columns {
         for (row, slice) in slices.iter_mut().zip(column.chunks_mut(row_length)) {

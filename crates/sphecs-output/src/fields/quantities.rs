@@ -34,9 +34,8 @@ fn vorticities(dimensions: usize) -> Vec<Quantity> {
     if dimensions == 2 {
         return vec![Quantity::new("vorticity", "s-1", "vorticity")];
     }
-    let along = |axis: &str| {
-        Quantity::new(format!("vorticity_{axis}"), "s-1", format!("vorticity along {axis}"))
-    };
+    let along =
+        |axis: &str| Quantity::new(format!("vorticity_{axis}"), "s-1", format!("vorticity along {axis}"));
     AXES.map(along).to_vec()
 }
 

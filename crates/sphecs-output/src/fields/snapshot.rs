@@ -46,7 +46,8 @@ impl FieldNodes {
             let sink = |(columns, row)| SnapshotRow { columns, row, dimensions, tagged };
             sinks.extend(slices.into_iter().zip(rows.by_ref()).map(sink));
         }
-        let mut sinks: Vec<&mut dyn RowSink> = sinks.iter_mut().map(|sink| sink as &mut dyn RowSink).collect();
+        let mut sinks: Vec<&mut dyn RowSink> =
+            sinks.iter_mut().map(|sink| sink as &mut dyn RowSink).collect();
         sample(&self.rows, &mut sinks);
         FieldSnapshot { time, step, grids }
     }

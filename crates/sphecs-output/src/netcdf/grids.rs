@@ -181,8 +181,7 @@ fn put_coordinates(
         let attributes = [text("units", "m"), text("long_name", format!("{name} coordinate"))];
         let along = "xyz".find(name).unwrap_or_default();
         if grid.is_aligned() {
-            add_to_group::<f64>(group, name, &[], &[], &attributes)?
-                .put_value(grid.origin[along], ())?;
+            add_to_group::<f64>(group, name, &[], &[], &attributes)?.put_value(grid.origin[along], ())?;
         } else {
             let values: Vec<f64> =
                 (0..grid.rows()).flat_map(|row| grid.row_points(row)).map(|point| point[along]).collect();
@@ -323,8 +322,9 @@ impl FieldFile {
             let at: Vec<usize> = std::iter::once(index).chain(grid.axes.iter().map(|_| 0)).collect();
             let extent: Vec<usize> = std::iter::once(1).chain(counts(grid)).collect();
             let columns = quantities(self.dimensions, self.fields.tagged);
-            let columns =
-                columns.iter().map(|quantity| self.values(&group, &quantity.name, (at.clone(), extent.clone())));
+            let columns = columns
+                .iter()
+                .map(|quantity| self.values(&group, &quantity.name, (at.clone(), extent.clone())));
             let skipped = usize::from(!self.fields.has_moving_walls);
             snapshot.grids.push(GridValues {
                 columns: columns.collect::<Result<_, _>>()?,

@@ -13,6 +13,7 @@ use crate::memory_estimate::{bytes_of_fields, memory};
 use crate::model::{FieldOutput, FieldPlane, Scene};
 use crate::notation::tree::Span;
 use crate::notation::typed::Spanned;
+use crate::result_name::result_name;
 use crate::schema::{FieldPlaneFile, FieldsFile, SceneFile};
 use crate::summary::estimated_volume;
 
@@ -39,6 +40,10 @@ pub fn fields(
     }
     let given: Vec<_> = file.planes.iter().map(|plane| Named::Given(&plane.name)).collect();
     names(&given, "planes", check);
+    for plane in file.planes.iter().filter(|plane| is_taken(&result_name(&plane.name.value))) {
+        let label = "is the name of a variable of the file";
+        check.report(Fault::new("a plane needs another name", plane.name.span, label));
+    }
     if check.dimensions == 2 {
         for plane in &file.planes {
             let label = "has no meaning in 2D, where the grid is a plane already";
@@ -56,6 +61,33 @@ pub fn fields(
     let planes: Vec<FieldPlane> = file.planes.iter().map(|plane| field_plane(plane, check)).collect();
     let volume = file.volume.unwrap_or(planes.is_empty());
     FieldOutput { spacing, every, mean, mean_every, volume, planes }
+}
+
+/// Names of variables besides means and covariances, with which the groups of planes may not share
+/// theirs.
+const TAKEN: [&str; 17] = [
+    "x",
+    "y",
+    "z",
+    "time",
+    "step",
+    "u",
+    "v",
+    "w",
+    "pressure",
+    "density",
+    "vorticity_x",
+    "vorticity_y",
+    "vorticity_z",
+    "tag",
+    "fluid_fraction",
+    "solid",
+    "fluid_time",
+];
+
+fn is_taken(name: &str) -> bool {
+    let endings = ["_mean", "_covariance", "_variance"];
+    TAKEN.contains(&name) || endings.iter().any(|ending| name.ends_with(ending))
 }
 
 fn field_plane(file: &FieldPlaneFile, check: &mut Checker<'_>) -> FieldPlane {

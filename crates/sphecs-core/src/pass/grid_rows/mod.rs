@@ -14,6 +14,11 @@
 //! Where the quadratic fit would amplify noise, the fit is linear; where the neighbours do not span
 //! all directions, it is the Shepard mean, without a curl.
 
+mod near;
+mod node_sums;
+#[cfg(test)]
+mod tests;
+
 use std::marker::PhantomData;
 
 use glam::DVec3;
@@ -21,28 +26,15 @@ use rayon::iter::{
     IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
 };
 
-use super::density::LEAST_Q2;
+use near::{Gathered, Group};
+use node_sums::{Sums, solved};
+
 use super::settings::PairSettings;
-use crate::math::factors::Factors;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, MOST_LANES, Vectorised};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
-use crate::particles::zone::Zone;
-
-/// Determinant of the scaled linear moments below which the neighbours do not span all directions,
-/// as in [`sampling`](super::sampling).
-const SMALLEST_DETERMINANT: f64 = 1e-6;
-
-/// Pivot of the scaled quadratic moments below which the neighbours do not span that basis.
-///
-/// It is 0.01 within the fluid and 1e-4 on a flat wall.
-const SMALLEST_PIVOT: f64 = 1e-6;
-
-/// Largest bound V W(0) (M⁻¹)_00 on the gain of a quadratic fit: the variance of its value over
-/// that of the particles, for independent noise.
-const MOST_GAIN: f64 = 12.0;
 
 /// Index of the pressure among the fields; the velocity is before it.
 const PRESSURE: usize = 3;
@@ -209,206 +201,6 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<f64> for VectorRow<'_, 
     }
 }
 
-/// Nodes of one vector.
-#[derive(Clone, Copy, Debug)]
-struct Group {
-    start: DVec3,
-    step: DVec3,
-    /// Distance of the last node from the first, m.
-    length: f64,
-}
-
-/// Particle near a group of nodes.
-#[derive(Clone, Copy, Debug)]
-struct Near<const D: usize> {
-    /// (x_b − x)/h from the first node.
-    offset: [f64; D],
-    /// Volume of a particle of the flow, m³ (m² in 2D); 0 for walls.
-    flow: f64,
-    /// Volume of a wall particle, m³ (m² in 2D); 0 for others.
-    solid: f64,
-    /// True for fluid, whose fields are fitted.
-    is_fluid: bool,
-    /// Fields relative to those of the first fluid particle.
-    values: [f64; FIELDS],
-}
-
-/// Particles near a group of nodes.
-#[derive(Clone, Debug)]
-struct Gathered<const D: usize> {
-    near: Vec<Near<D>>,
-    /// Fields of the first fluid particle.
-    reference: Option<[f64; FIELDS]>,
-}
-
-impl<R: Real, const D: usize> RowSampler<'_, R, D> {
-    /// Collects the particles within the support of the line of nodes. It is not vectorised, so that
-    /// the closures need not be inlined into code for the instruction set.
-    fn gather(&self, group: &Group, gathered: &mut Gathered<D>) {
-        gathered.near.clear();
-        gathered.reference = None;
-        let support = self.grid.support();
-        let direction = group.step.normalize();
-        let end = group.start + group.length * direction;
-        let (low, high) = (group.start.min(end), group.start.max(end));
-        let corner = |at: DVec3| std::array::from_fn(|d| at[d]);
-        self.grid.for_each_run_near(corner(low), corner(high), |rows, shift| {
-            for row in rows {
-                let (mut square, mut along) = (0.0, 0.0);
-                let mut relative = [0.0; D];
-                for d in 0..D {
-                    relative[d] = self.particles.position[d][row] + shift[d] - group.start[d];
-                    square += relative[d] * relative[d];
-                    along += relative[d] * direction[d];
-                }
-                let is_across = square - along * along < support * support;
-                if is_across && along > -support && along < group.length + support {
-                    self.add(row, relative, gathered);
-                }
-            }
-        });
-    }
-
-    fn add(&self, row: usize, relative: [f64; D], gathered: &mut Gathered<D>) {
-        let (particles, discretisation) = (self.particles, &self.pair.discretisation);
-        let (zone, density) = (particles.zone[row], particles.density[row].to_f64());
-        let offset = relative.map(|x| x / discretisation.smoothing_length);
-        let mut near = Near { offset, flow: 0.0, solid: 0.0, is_fluid: false, values: [0.0; FIELDS] };
-        if zone == Zone::Wall {
-            near.solid = discretisation.cell_volume();
-        } else {
-            near.flow = discretisation.mass / density;
-        }
-        if zone == Zone::Fluid {
-            let mut values = [0.0; FIELDS];
-            for d in 0..D {
-                values[d] = particles.velocity[d][row].to_f64();
-            }
-            values[PRESSURE] = particles.pressure[row].to_f64();
-            values[PRESSURE + 1] = density;
-            values[PRESSURE + 2] = self.tags.get(row).map_or(0.0, |tag| f64::from(*tag));
-            let reference = gathered.reference.get_or_insert(values);
-            near.is_fluid = true;
-            near.values = std::array::from_fn(|field| values[field] - reference[field]);
-        }
-        gathered.near.push(near);
-    }
-}
-
-/// Sums over the neighbours of a group, one node per lane.
-struct Sums<L, const N: usize> {
-    /// Σ V w φ_i φ_j, upper triangle.
-    moments: [[L; N]; N],
-    /// Σ V w φ_i (f − f_reference); of pressure, density and tag only for the linear functions.
-    right: [[L; N]; FIELDS],
-    /// Σ V w over the flow, zones of inlets and outlets included.
-    flow: L,
-    /// Σ V w over walls.
-    solid: L,
-}
-
-impl<L: Lanes<Real = f64>, const N: usize> Sums<L, N> {
-    /// Sums over particles near a group whose nodes are `step`/h apart.
-    ///
-    /// Loops in place of iterators, which would be calls of functions without the instructions.
-    #[inline(always)]
-    fn of<K: KernelShape, const D: usize>(near: &[Near<D>], step: [f64; D]) -> Self {
-        let zero = L::constant(0.0);
-        let mut sums =
-            Self { moments: [[zero; N]; N], right: [[zero; N]; FIELDS], flow: zero, solid: zero };
-        let mut numbers = [0.0; MOST_LANES];
-        for lane in 0..L::COUNT {
-            numbers[lane] = lane as f64;
-        }
-        let lane = L::first_of(&numbers);
-        for particle in near {
-            let mut offset = [zero; D];
-            let mut q2 = L::constant(LEAST_Q2);
-            for d in 0..D {
-                offset[d] = L::constant(-step[d]).mul_add(lane, L::constant(particle.offset[d]));
-                q2 = offset[d].mul_add(offset[d], q2);
-            }
-            let weight = K::value(q2.roots().0);
-            sums.flow = weight.mul_add(L::constant(particle.flow), sums.flow);
-            sums.solid = weight.mul_add(L::constant(particle.solid), sums.solid);
-            if !particle.is_fluid {
-                continue;
-            }
-            let weight = weight * L::constant(particle.flow);
-            let basis = basis::<L, D, N>(offset);
-            for i in 0..N {
-                let weighted = weight * basis[i];
-                for j in i..N {
-                    sums.moments[i][j] = weighted.mul_add(basis[j], sums.moments[i][j]);
-                }
-                for d in 0..D {
-                    let value = L::constant(particle.values[d]);
-                    sums.right[d][i] = weighted.mul_add(value, sums.right[d][i]);
-                }
-                if i <= D {
-                    for field in PRESSURE..FIELDS {
-                        let value = L::constant(particle.values[field]);
-                        sums.right[field][i] = weighted.mul_add(value, sums.right[field][i]);
-                    }
-                }
-            }
-        }
-        sums
-    }
-}
-
-/// Fits of all lanes.
-struct Fits<L, const D: usize> {
-    /// Fields relative to the reference.
-    values: [L; FIELDS],
-    /// Derivative of a component of velocity along an axis, times h; NaN without a linear fit.
-    slopes: [[L; D]; D],
-}
-
-/// Solves the equations of all lanes.
-#[inline(always)]
-fn solved<K: KernelShape, L: Lanes<Real = f64>, const D: usize, const N: usize>(
-    sums: &Sums<L, N>,
-    cell_volume: f64,
-) -> Fits<L, D> {
-    let total = sums.moments[0][0];
-    let factors = Factors::of(&sums.moments, total * L::constant(1e-12));
-    let inverse_total = L::constant(1.0) / total;
-    let (mut determinant, mut smallest) = (L::constant(1.0), L::constant(1.0));
-    for i in 0..N {
-        let pivot = factors.pivots[i] * inverse_total;
-        smallest = smallest.min(pivot);
-        if i <= D {
-            determinant = determinant * pivot;
-        }
-    }
-    let central = K::value(L::constant(0.0)) * L::constant(cell_volume);
-    let gain = factors.first_of_inverse() * central;
-    let is_linear = L::constant(SMALLEST_DETERMINANT).less(determinant);
-    let is_spanned = L::constant(SMALLEST_PIVOT).less(smallest);
-    let is_calm = gain.less(L::constant(MOST_GAIN));
-    let mut fits = Fits { values: [L::constant(0.0); FIELDS], slopes: [[L::constant(0.0); D]; D] };
-    for field in 0..FIELDS {
-        if (D..PRESSURE).contains(&field) {
-            continue;
-        }
-        let forward = factors.forward(&sums.right[field]);
-        let mut fit = factors.solution(&forward, 1 + D);
-        if field < D {
-            let quadratic = factors.solution(&forward, N);
-            for i in 0..=D {
-                let spanned = L::select(is_spanned, quadratic[i], fit[i]);
-                fit[i] = L::select(is_calm, spanned, fit[i]);
-            }
-            for j in 0..D {
-                fits.slopes[field][j] = L::select(is_linear, fit[1 + j], L::constant(f64::NAN));
-            }
-        }
-        fits.values[field] = L::select(is_linear, fit[0], sums.right[field][0] * inverse_total);
-    }
-    fits
-}
-
 impl<R: Real, const D: usize> RowSampler<'_, R, D> {
     #[inline(always)]
     fn group<K: KernelShape, L: Lanes<Real = f64>, const N: usize>(
@@ -474,23 +266,3 @@ impl<const D: usize> Lane<'_, D> {
         [node.pressure, node.density, node.tag] = [0, 1, 2].map(|scalar| value(PRESSURE + scalar));
     }
 }
-
-/// Returns 1, the coordinates and their products.
-#[inline(always)]
-fn basis<L: Lanes, const D: usize, const N: usize>(offset: [L; D]) -> [L; N] {
-    let mut basis = [L::constant(1.0); N];
-    let mut next = D + 1;
-    for i in 0..D {
-        basis[1 + i] = offset[i];
-        for j in i..D {
-            if next < N {
-                basis[next] = offset[i] * offset[j];
-            }
-            next += 1;
-        }
-    }
-    basis
-}
-
-#[cfg(test)]
-mod tests;

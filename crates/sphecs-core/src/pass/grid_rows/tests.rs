@@ -4,25 +4,30 @@
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
+use crate::particles::zone::Zone;
 use crate::pass::samples::{SPACING, Sample as Particles, WATER, settings};
 use crate::pass::sampling::Sampler;
 
 /// Returns rows of nodes through a box of particles that begins at −0.3 m, at an angle to the axes.
 fn rows<const D: usize>(counts: [usize; D]) -> Vec<NodeRow> {
-    let step = if D == 2 { DVec3::new(0.9, 0.2, 0.0) } else { DVec3::new(0.8, 0.1, -0.3) } * SPACING;
+    let step = if D == 2 { DVec3::new(0.9, 0.2, 0.0) } else { DVec3::new(0.8, 0.1, 0.05) } * SPACING;
     let width = counts[0] as f64;
     (0..5)
         .map(|row| {
             let mut start = DVec3::ZERO;
             for d in 0..D {
-                start[d] = -0.3 + SPACING * (0.1 + f64::from(row) * 0.21 * width * f64::from(u8::from(d > 0)));
+                start[d] =
+                    -0.3 + SPACING * (0.1 + f64::from(row) * 0.21 * width * f64::from(u8::from(d > 0)));
             }
             NodeRow { start, step, wanted: (0..13).map(|node| node != 5).collect() }
         })
         .collect()
 }
 
-fn sampled<R: Real, const D: usize>(sampler: &RowSampler<'_, R, D>, rows: &[NodeRow]) -> Vec<Vec<NodeFields>> {
+fn sampled<R: Real, const D: usize>(
+    sampler: &RowSampler<'_, R, D>,
+    rows: &[NodeRow],
+) -> Vec<Vec<NodeFields>> {
     let mut found = vec![Vec::new(); rows.len()];
     sampler.sample(rows, &mut found, |sink, fields| sink.extend_from_slice(fields));
     found
@@ -118,7 +123,10 @@ fn agree<const D: usize>() {
     let probe = Sampler::new(&flow.grid, &flow.particles, &flow.pair, |zone| zone == Zone::Fluid);
     let rows = rows([12; D]);
     for (row, found) in rows.iter().zip(sampled(&sampler, &rows)) {
-        for (node, field) in found.iter().enumerate().filter(|&(node, _)| is_checked(row, node)) {
+        // In the corners one of them may be linear: each has its own bound of the gain.
+        let is_far = |node: usize| (0..D).all(|d| point(row, node)[d] > -0.3 + 1.2 * SPACING);
+        let checked = |&(node, _): &(usize, &NodeFields)| is_checked(row, node) && is_far(node);
+        for (node, field) in found.iter().enumerate().filter(checked) {
             let expected = probe.sample(&[point(row, node)])[0].expect("fluid");
             let velocity = DVec3::from_array(field.velocity);
             assert!((velocity - expected.velocity).length() < 1e-9, "{field:?}, not {expected:?}");
