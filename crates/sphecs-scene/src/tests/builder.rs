@@ -9,10 +9,10 @@ use serde::de::DeserializeOwned;
 use super::schema_fields::{self, Names};
 use super::shipped::scene;
 use crate::builder::{
-    BendSection, Body, Concentric, EdacTvf, Emitter, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice,
-    MassFlow, MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup, Probe, Reference,
-    Reservoir, Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted,
-    WallPart, Walls, Wcsph, ron_text,
+    BendSection, Body, Concentric, EdacTvf, Emitter, FieldPlane, Fields, Fluid, Formula, Initial, Inlet,
+    InletVelocity, Lattice, MassFlow, MassFlux, Motion, Mover, Number, Outlet, Output, PoiseuilleStartup,
+    Probe, Reference, Reservoir, Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill,
+    WallFitted, WallPart, Walls, Wcsph, ron_text,
 };
 use crate::expression::Constants;
 use crate::faults::SceneErrors;
@@ -64,7 +64,11 @@ fn quickstart() -> SceneBuilder {
         .time(Time::until(2.0))
         .reference(Reference::new().velocity("2/3*v0*D/d").length("d"))
         .output(
-            Output::at_interval(0.05).probe(section("inlet", 0.02)).probe(section("gap", 0.08)).probe(axis),
+            Output::at_interval(0.05)
+                .fields(Fields::default().mean((1.0, 2.0)))
+                .probe(section("inlet", 0.02))
+                .probe(section("gap", 0.08))
+                .probe(axis),
         )
 }
 
@@ -265,6 +269,15 @@ fn complete() -> SceneBuilder {
                 .monitor_every(0.01)
                 .forces(ForcesEvery::Row)
                 .checkpoint_every(60)
+                .fields(
+                    Fields::default()
+                        .spacing("R/10")
+                        .every(0.1)
+                        .mean((0.0, "R"))
+                        .mean_every(0.01)
+                        .volume(true)
+                        .plane(FieldPlane::new("mid", (0.0, 0.0), (1.0, 0.0))),
+                )
                 .probe(Probe::point("point", (0.0, "R")).sees(ProbeSight::Flow))
                 .probe(Probe::line("line", (0.0, 0.0), (1.0, 0.0), 11).every("R/10").mean((0.0, "R")))
                 .probe(Probe::section("section", (0.0, 0.0), (1.0, 0.0))),

@@ -48,6 +48,7 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
         gathered.near.clear();
         gathered.reference = None;
         let support = self.grid.support();
+        let inverse_h = 1.0 / self.pair.discretisation.smoothing_length;
         let direction = group.step.normalize();
         let end = group.start + group.length * direction;
         let (low, high) = (group.start.min(end), group.start.max(end));
@@ -63,16 +64,20 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
                 }
                 let is_across = square - along * along < support * support;
                 if is_across && along > -support && along < group.length + support {
-                    self.add(row, relative, gathered);
+                    self.add(row, relative, inverse_h, gathered);
                 }
             }
         });
     }
 
-    fn add(&self, row: usize, relative: [f64; D], gathered: &mut Gathered<D>) {
+    #[inline]
+    fn add(&self, row: usize, relative: [f64; D], inverse_h: f64, gathered: &mut Gathered<D>) {
         let (particles, discretisation) = (self.particles, &self.pair.discretisation);
         let (zone, density) = (particles.zone[row], particles.density[row].to_f64());
-        let offset = relative.map(|x| x / discretisation.smoothing_length);
+        let mut offset = [0.0; D];
+        for d in 0..D {
+            offset[d] = relative[d] * inverse_h;
+        }
         let mut near = Near { offset, flow: 0.0, solid: 0.0, is_fluid: false, values: [0.0; FIELDS] };
         if zone == Zone::Wall {
             near.solid = discretisation.cell_volume();
@@ -89,7 +94,9 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
             values[PRESSURE + 2] = self.tags.get(row).map_or(0.0, |tag| f64::from(*tag));
             let reference = gathered.reference.get_or_insert(values);
             near.is_fluid = true;
-            near.values = std::array::from_fn(|field| values[field] - reference[field]);
+            for field in 0..FIELDS {
+                near.values[field] = values[field] - reference[field];
+            }
         }
         gathered.near.push(near);
     }
