@@ -105,9 +105,9 @@ fn retire(folder: &Path, journal: &Path) -> Result<(), OutputError> {
     disk::sync_folder(folder)
 }
 
-/// Checks that the disk has space for `particles.nc`, which is about as large as the files of the
+/// Checks that the disk has space for a packed file, which is about as large as its files of the
 /// journal together.
-fn check_free_space(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
+pub(crate) fn check_free_space(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
     let size = |path: &PathBuf| fs::metadata(path).map_or(0, |data| data.len());
     let needed: u64 = frames.iter().map(size).sum();
     match disk::free_space(target.parent().unwrap_or(Path::new("."))) {

@@ -46,7 +46,7 @@ pub fn values_of_fields(scene: &Scene) -> f64 {
 /// Returns the number of means at a node: velocity, pressure, vorticity, fluid fraction, stresses,
 /// variance of the pressure and weight.
 pub fn means_of_fields(scene: &Scene) -> f64 {
-    if scene.dimensions == 2 { 10.0 } else { 17.0 }
+    if scene.dimensions == 2 { 10.0 } else { 16.0 }
 }
 
 /// Returns the memory of a node of the gridded fields, B: the values of a time being sampled and of

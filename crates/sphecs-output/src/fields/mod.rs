@@ -17,11 +17,15 @@ pub mod resampling;
 
 pub mod snapshot;
 
-use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use glam::DVec3;
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator,
+};
 
 use sphecs_core::pass::grid_rows::{NodeFields, NodeRow, RowSink};
 use sphecs_scene::field_grid::FieldGrid;
 use sphecs_scene::fill::periodic_distance;
+use sphecs_scene::geometry::Shape;
 use sphecs_scene::model::Scene;
 
 /// Fluid fraction below which a node has no values: that of the surface of a resting fluid.
@@ -43,6 +47,8 @@ pub struct FieldNodes {
     grids: Vec<FieldGrid>,
     /// Rows of all grids, one grid after the other.
     rows: Vec<NodeRow>,
+    /// Nodes of each row that no wall at rest covers; empty if all walls rest or move together.
+    outside_casing: Vec<Vec<bool>>,
     /// True if walls move, so that the nodes inside them change.
     has_moving_walls: bool,
 }
@@ -50,14 +56,25 @@ pub struct FieldNodes {
 impl FieldNodes {
     /// Returns the nodes of the gridded fields of a scene; without them there are none.
     pub fn new(scene: &Scene) -> Self {
-        let mut nodes = Self {
-            dimensions: scene.dimensions,
-            tagged: scene.has_tags(),
-            grids: scene.field_grids(),
-            rows: Vec::new(),
-            has_moving_walls: scene.has_moving_walls(),
+        let grids = scene.field_grids();
+        let inside = |point| periodic_distance(&scene.domain, &scene.periodic, point) < 0.0;
+        let row = |grid: &FieldGrid, row: usize| NodeRow {
+            start: grid.row_start(row),
+            step: grid.row_step(),
+            wanted: grid.row_points(row).map(inside).collect(),
         };
-        nodes.find(scene, 0.0);
+        let rows_of = |grid: &FieldGrid| -> Vec<NodeRow> {
+            (0..grid.rows()).into_par_iter().with_max_len(4).map(|index| row(grid, index)).collect()
+        };
+        let rows: Vec<NodeRow> = grids.iter().flat_map(rows_of).collect();
+        let has_moving_walls = scene.has_moving_walls();
+        // The distance to a casing of triangles takes far longer than that to the movers.
+        let is_casing_at_rest = has_moving_walls && scene.casing_motion.is_none();
+        let outside_casing =
+            rows.iter().filter(|_| is_casing_at_rest).map(|row| row.wanted.clone()).collect();
+        let (dimensions, tagged) = (scene.dimensions, scene.has_tags());
+        let mut nodes = Self { dimensions, tagged, grids, rows, outside_casing, has_moving_walls };
+        nodes.update(scene, 0.0);
         nodes
     }
 
@@ -73,27 +90,20 @@ impl FieldNodes {
 
     /// Finds the nodes outside walls at a time, s, if walls move.
     pub fn update(&mut self, scene: &Scene, time: f64) {
-        if self.has_moving_walls {
-            self.find(scene, time);
+        if !self.has_moving_walls {
+            return;
         }
-    }
-
-    fn find(&mut self, scene: &Scene, time: f64) {
         let poses = scene.wall_poses(time);
-        let is_still = !scene.has_moving_walls();
-        let inside = |point| match is_still {
-            true => periodic_distance(&scene.domain, &scene.periodic, point) < 0.0,
-            false => scene.nearest_wall(&scene.layout.casing.domain, &poses, point).0 < 0.0,
-        };
-        let row_of = |grid: &FieldGrid, row: usize| NodeRow {
-            start: grid.row_start(row),
-            step: grid.row_step(),
-            wanted: grid.row_points(row).map(inside).collect(),
-        };
-        let rows_of = |grid: &FieldGrid| -> Vec<NodeRow> {
-            (0..grid.rows()).into_par_iter().with_max_len(4).map(|row| row_of(grid, row)).collect()
-        };
-        self.rows = self.grids.iter().flat_map(rows_of).collect();
+        let everywhere = Shape::Ball { center: DVec3::ZERO, radius: f64::INFINITY };
+        let casing = if self.outside_casing.is_empty() { &scene.layout.casing.domain } else { &everywhere };
+        let outside_casing = &self.outside_casing;
+        self.rows.par_iter_mut().enumerate().with_max_len(4).for_each(|(index, row)| {
+            for node in 0..row.wanted.len() {
+                let point = row.start + node as f64 * row.step;
+                row.wanted[node] = outside_casing.get(index).is_none_or(|outside| outside[node])
+                    && scene.nearest_wall(casing, &poses, point).0 < 0.0;
+            }
+        });
     }
 }
 
