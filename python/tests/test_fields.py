@@ -67,12 +67,14 @@ def test_nodes_agree_with_a_line_probe(fields, run):
     probe = axis.isel(time=-1)
     inside = (probe.x > 0.01) & (probe.x < 0.19)
     on_grid = last.u.interp(x=probe.x.values[inside.values]).values
-    assert np.abs(on_grid - probe.u.values[inside.values]).max() < 0.02 * float(probe.u.max())
+    # The axis is between two rows of nodes, where a parabola in the gap with 8 nodes across is 1.6 % lower, and
+    # velocities of single particles deviate by as much.
+    assert np.abs(on_grid - probe.u.values[inside.values]).max() < 0.05 * float(probe.u.max())
 
 
 def test_means_cover_their_interval(fields):
-    assert fields.u_mean.attrs["cell_methods"] == "time: mean"
-    assert "from 0.2" in fields.u_mean.attrs["comment"] and "to 0.4" in fields.u_mean.attrs["comment"]
+    assert fields.u_mean.attrs["cell_methods"] == "mean_time: mean"
+    assert fields.mean_time_bounds.values == pytest.approx([0.2, 0.4])
     wet = fields.fluid_time.where(fields.solid == 0)
     assert float(wet.max()) == pytest.approx(0.2)
     # The flow starts smoothly, so that the mean of frames and that of all samples nearly agree.

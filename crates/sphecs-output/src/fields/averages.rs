@@ -67,15 +67,17 @@ impl FieldAverages {
     /// Returns the means, which cover the interval `covered`, s.
     pub fn means(&self, covered: (f64, f64)) -> FieldMeans {
         let mut grids = self.grids.clone();
-        let (first, second) = (mean_count(self.dimensions), pairs(self.dimensions).len());
+        let first = mean_count(self.dimensions);
         for columns in &mut grids {
             let Some((fraction, columns)) = columns.split_last_mut() else { continue };
             let Some((weights, columns)) = columns.split_last_mut() else { continue };
-            for (node, weight) in weights.iter().enumerate() {
-                // 0/0 is NaN, as wanted without any fluid.
-                let present = weight / weight;
-                columns[..first].iter_mut().for_each(|column| column[node] *= present);
-                columns[first..first + second].iter_mut().for_each(|column| column[node] /= weight);
+            let (columns, covariances) = columns.split_at_mut(first);
+            for (node, &weight) in weights.iter().enumerate() {
+                if weight <= 0.0 {
+                    columns.iter_mut().for_each(|column| column[node] = f64::NAN);
+                }
+                // Without any fluid it is 0/0, NaN.
+                covariances.iter_mut().for_each(|column| column[node] /= weight);
             }
             fraction.iter_mut().for_each(|sum| *sum /= self.duration);
         }

@@ -22,7 +22,6 @@ use crate::fields::averages::FieldMeans;
 use crate::fields::quantities::{Quantity, means, quantities};
 use crate::fields::snapshot::{FieldSnapshot, GridValues};
 use crate::header::{FieldsHeader, Header};
-use crate::table::number;
 use sphecs_scene::field_grid::FieldGrid;
 use sphecs_scene::result_name::result_name;
 
@@ -171,7 +170,6 @@ fn put_coordinates(
             )),
             name => {
                 attributes.push(text("long_name", format!("{name} coordinate")));
-                attributes.push(text("axis", name.to_uppercase()));
             }
         }
         add_to_group::<f64>(group, &axis.name, &[&axis.name], &[axis.count], &attributes)?
@@ -228,7 +226,7 @@ fn put<T: Stored>(
     variable(group, name)?.put_values(values, (at.to_vec(), vec![values.len(); at.len()]))
 }
 
-/// Defines and writes the means of a grid.
+/// Defines and writes the means of a grid, and the interval that they cover.
 fn put_means(
     group: &mut GroupMut<'_>,
     dimensions: usize,
@@ -236,17 +234,28 @@ fn put_means(
     columns: Option<((f64, f64), &[Vec<f64>])>,
 ) -> Result<(), ::netcdf::Error> {
     let Some(((from, to), columns)) = columns else { return Ok(()) };
+    let mut attributes =
+        TIME_ATTRIBUTES[..2].iter().map(|&(name, value)| text(name, value)).collect::<Vec<_>>();
+    attributes
+        .extend([text("long_name", "middle of the interval of the means"), text("bounds", MEAN_BOUNDS)]);
+    add_to_group::<f64>(group, MEAN_TIME, &[], &[], &attributes)?.put_value(0.5 * (from + to), ())?;
+    group.add_dimension("bounds", 2)?;
+    let attributes = [text("units", "s"), text("long_name", "interval of the means")];
+    add_to_group::<f64>(group, MEAN_BOUNDS, &["bounds"], &[2], &attributes)?.put_values(&[from, to], ..)?;
+    let coordinates: Vec<&str> = auxiliary(grid, dimensions).into_iter().chain([MEAN_TIME]).collect();
     for (quantity, values) in means(dimensions).iter().zip(columns) {
-        let mut attributes = attributes_of(quantity, grid, dimensions);
         let method = match quantity.name.as_str() {
             "fluid_time" => "sum",
             "uu_covariance" | "vv_covariance" | "ww_covariance" | "pressure_variance" => "variance",
             _ => "mean",
         };
-        attributes.extend([
-            text("cell_methods", format!("time: {method}")),
-            text("comment", format!("{COVERED}{} s to {} s", number(from), number(to))),
-        ]);
+        let attributes = [
+            text("units", quantity.unit),
+            text("long_name", quantity.long_name.clone()),
+            text("coordinates", coordinates.join(" ")),
+            text("cell_methods", format!("{MEAN_TIME}: {method}")),
+            text("comment", "weighted by the time between the samples"),
+        ];
         let values: Vec<f32> = values.iter().map(|&value| value as f32).collect();
         add_to_group::<f32>(group, &quantity.name, &shape(grid), &chunks(grid), &attributes)?
             .put_values(&values, ..)?;
@@ -254,8 +263,9 @@ fn put_means(
     Ok(())
 }
 
-/// Beginning of the comment of a mean, before its interval.
-const COVERED: &str = "from ";
+/// Scalar coordinate of the means, and its bounds.
+const MEAN_TIME: &str = "mean_time";
+const MEAN_BOUNDS: &str = "mean_time_bounds";
 
 /// Open file of the layout.
 #[derive(Debug)]
@@ -342,13 +352,11 @@ impl FieldFile {
         let mut read = FieldMeans::default();
         for grid in &self.fields.grids {
             let group = self.group(grid)?;
-            let Some(variable) = group.variable("u_mean") else { return Ok(None) };
-            let comment = variable.attribute_value("comment").and_then(Result::ok);
-            let covered = comment.and_then(|comment| match comment {
-                AttributeValue::Str(text) => covered(&text),
-                _ => None,
-            });
-            read.covered = covered.ok_or_else(|| self.damaged("has means without an interval"))?;
+            if group.variable(MEAN_BOUNDS).is_none() {
+                return Ok(None);
+            }
+            let bounds: Vec<f64> = self.values(&group, MEAN_BOUNDS, (vec![0], vec![2]))?;
+            read.covered = (bounds[0], bounds[1]);
             let place = (vec![0; grid.axes.len()], counts(grid));
             let column = |quantity: &Quantity| {
                 let values = self.values::<f32>(&group, &quantity.name, place.clone())?;
@@ -359,10 +367,4 @@ impl FieldFile {
         }
         Ok(Some(read))
     }
-}
-
-/// Returns the interval of the comment of a mean, s.
-fn covered(comment: &str) -> Option<(f64, f64)> {
-    let (from, to) = comment.strip_prefix(COVERED)?.strip_suffix(" s")?.split_once(" s to ")?;
-    Some((from.parse().ok()?, to.parse().ok()?))
 }

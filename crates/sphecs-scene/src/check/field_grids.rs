@@ -65,7 +65,7 @@ pub fn fields(
 
 /// Names of variables besides means and covariances, with which the groups of planes may not share
 /// theirs.
-const TAKEN: [&str; 17] = [
+const TAKEN: [&str; 20] = [
     "x",
     "y",
     "z",
@@ -83,6 +83,9 @@ const TAKEN: [&str; 17] = [
     "fluid_fraction",
     "solid",
     "fluid_time",
+    "mean_time",
+    "mean_time_bounds",
+    "bounds",
 ];
 
 fn is_taken(name: &str) -> bool {
