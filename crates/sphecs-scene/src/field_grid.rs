@@ -130,6 +130,11 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const ALIGNED: f64 = 1.0 - 1e-9;
 
 impl Scene {
+    /// Returns true if the tags of the particles may differ.
+    pub fn has_tags(&self) -> bool {
+        self.initial.tag.constant().is_none()
+    }
+
     /// Returns the grids of the gridded fields, that of the whole domain first.
     pub fn field_grids(&self) -> Vec<FieldGrid> {
         let Some(output) = &self.output.fields else { return Vec::new() };

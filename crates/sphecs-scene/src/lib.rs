@@ -66,6 +66,7 @@ pub mod notation;
 pub mod oblique_walls;
 pub mod opening_figures;
 pub mod outline;
+pub mod output_settings;
 pub mod passage;
 pub mod potential_flow;
 pub mod probe;

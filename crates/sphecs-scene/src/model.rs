@@ -16,6 +16,7 @@ use super::lattice::Lattice;
 use super::meshes::{MeshFile, MeshReport};
 use super::motion::Motion;
 pub use super::movers::Mover;
+pub use super::output_settings::OutputSettings;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
@@ -97,11 +98,6 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Returns true if the tags of the particles may differ.
-    pub fn has_tags(&self) -> bool {
-        self.initial.tag.constant().is_none()
-    }
-
     /// Distance between the outermost patches and movers along a direction, m, at least ten
     /// spacings.
     pub fn extent_along(&self, direction: DVec3) -> f64 {
@@ -367,23 +363,6 @@ pub struct TimeSettings {
     pub cfl: f64,
     /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
     pub viscous: f64,
-}
-
-/// Output of a run and its times.
-#[derive(Clone, Debug)]
-pub struct OutputSettings {
-    /// Interval between frames, s.
-    pub every: f64,
-    /// Interval between rows of `monitor.nc`, s.
-    pub monitor_every: f64,
-    /// Interval between checkpoints, s of wall time.
-    pub checkpoint_every: f64,
-    /// Interval at which the forces on bodies are written.
-    pub forces: ForcesEvery,
-    /// Probes.
-    pub probes: Vec<Probe>,
-    /// Fields on grids; None: not written.
-    pub fields: Option<FieldOutput>,
 }
 
 /// A particle at t = 0.

@@ -1,4 +1,4 @@
-//! Means, variances and Reynolds stresses on grids, accumulated while a run goes on.
+//! Means, variances and Reynolds stresses on grids, accumulated during a run.
 //!
 //! ```text
 //! w_k = t_k − t_(k−1), both limited to the interval of the mean,   W += w_k
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn restored_sums_go_on_bitwise_identically() {
+    fn restored_sums_continue_bitwise_identically() {
         let mut whole = FieldAverages::new(&nodes());
         add(&mut whole, 0.3, 1.7, true);
         let mut saved = Columns::default();

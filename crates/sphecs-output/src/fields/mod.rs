@@ -1,7 +1,7 @@
 //! Fields of the flow on regular grids, `fields.nc`, and their means over time.
 //!
 //! - [`snapshot`]: the fields at one time
-//! - [`averages`]: means and Reynolds stresses, accumulated while the run goes on
+//! - [`averages`]: means and Reynolds stresses, accumulated during a run
 //! - `quantities`: names and units
 //! - [`packing`]: the file of all times
 //! - [`resampling`]: grids from the frames of a run that wrote none

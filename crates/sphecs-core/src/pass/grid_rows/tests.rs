@@ -8,7 +8,7 @@ use crate::particles::zone::Zone;
 use crate::pass::samples::{SPACING, Sample as Particles, WATER, settings};
 use crate::pass::sampling::Sampler;
 
-/// Returns rows of nodes through a box of particles that begins at −0.3 m, at an angle to the axes.
+/// Returns rows of nodes oblique to the axes through a box of particles that begins at −0.3 m.
 fn rows<const D: usize>(counts: [usize; D]) -> Vec<NodeRow> {
     let step = if D == 2 { DVec3::new(0.9, 0.2, 0.0) } else { DVec3::new(0.8, 0.1, 0.05) } * SPACING;
     let width = counts[0] as f64;
