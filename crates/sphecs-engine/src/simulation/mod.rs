@@ -229,8 +229,8 @@ impl Simulation {
         (self.functions.pressure)(&self.world, points)
     }
 
-    /// Samples the fields of the fluid at the nodes of a grid, in parallel, and passes those of each
-    /// row to its sink; with `tagged`, the passive scalar too.
+    /// Samples the fields of the fluid at the nodes of a grid, in parallel, and passes those of
+    /// each row to its sink; with `tagged`, the passive scalar too.
     ///
     /// # Panics
     /// If there are not as many sinks as rows.

@@ -40,8 +40,8 @@ pub struct GridOptions {
 /// scene. Calls `done` with the number of frames written and of all.
 ///
 /// # Errors
-/// [`OutputError`] when the run has no frames, its scene cannot be read, or a file cannot be read or
-/// written.
+/// [`OutputError`] when the run has no frames, its scene cannot be read, or a file cannot be read
+/// or written.
 pub fn export_grid(
     results: &Results,
     target: &Path,

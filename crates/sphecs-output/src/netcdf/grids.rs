@@ -8,8 +8,8 @@
 //! step        i64 (time)
 //! ```
 //!
-//! The whole domain is in the root of the file, every plane in a group of its name. An oblique plane
-//! has the dimensions (time, b, a) and x, y, z as auxiliary coordinates over (b, a).
+//! The whole domain is in the root of the file, every plane in a group of its name. An oblique
+//! plane has the dimensions (time, b, a) and x, y, z as auxiliary coordinates over (b, a).
 
 use std::path::{Path, PathBuf};
 
@@ -234,14 +234,14 @@ fn put_means(
     columns: Option<((f64, f64), &[Vec<f64>])>,
 ) -> Result<(), ::netcdf::Error> {
     let Some(((from, to), columns)) = columns else { return Ok(()) };
-    let mut attributes =
-        TIME_ATTRIBUTES[..2].iter().map(|&(name, value)| text(name, value)).collect::<Vec<_>>();
-    attributes
-        .extend([text("long_name", "middle of the interval of the means"), text("bounds", MEAN_BOUNDS)]);
-    add_to_group::<f64>(group, MEAN_TIME, &[], &[], &attributes)?.put_value(0.5 * (from + to), ())?;
-    group.add_dimension("bounds", 2)?;
-    let attributes = [text("units", "s"), text("long_name", "interval of the means")];
-    add_to_group::<f64>(group, MEAN_BOUNDS, &["bounds"], &[2], &attributes)?.put_values(&[from, to], ..)?;
+    for (name, value, long_name) in [
+        (MEAN_TIME, 0.5 * (from + to), "middle of the interval of the means"),
+        (MEAN_START, from, "beginning of the interval of the means"),
+        (MEAN_END, to, "end of the interval of the means"),
+    ] {
+        let attributes = [text("units", "s"), text("long_name", long_name)];
+        add_to_group::<f64>(group, name, &[], &[], &attributes)?.put_value(value, ())?;
+    }
     let coordinates: Vec<&str> = auxiliary(grid, dimensions).into_iter().chain([MEAN_TIME]).collect();
     for (quantity, values) in means(dimensions).iter().zip(columns) {
         let method = match quantity.name.as_str() {
@@ -263,9 +263,12 @@ fn put_means(
     Ok(())
 }
 
-/// Scalar coordinate of the means, and its bounds.
+/// Scalar coordinate of the means.
 const MEAN_TIME: &str = "mean_time";
-const MEAN_BOUNDS: &str = "mean_time_bounds";
+
+/// Ends of their interval. The checker of CF wants bounds with a dimension that a scalar lacks.
+const MEAN_START: &str = "mean_start";
+const MEAN_END: &str = "mean_end";
 
 /// Open file of the layout.
 #[derive(Debug)]
@@ -352,11 +355,13 @@ impl FieldFile {
         let mut read = FieldMeans::default();
         for grid in &self.fields.grids {
             let group = self.group(grid)?;
-            if group.variable(MEAN_BOUNDS).is_none() {
+            if group.variable(MEAN_END).is_none() {
                 return Ok(None);
             }
-            let bounds: Vec<f64> = self.values(&group, MEAN_BOUNDS, (vec![0], vec![2]))?;
-            read.covered = (bounds[0], bounds[1]);
+            let end = |name: &str| -> Result<f64, OutputError> {
+                Ok(self.values(&group, name, (Vec::new(), Vec::new()))?[0])
+            };
+            read.covered = (end(MEAN_START)?, end(MEAN_END)?);
             let place = (vec![0; grid.axes.len()], counts(grid));
             let column = |quantity: &Quantity| {
                 let values = self.values::<f32>(&group, &quantity.name, place.clone())?;

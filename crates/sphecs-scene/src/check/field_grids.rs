@@ -84,8 +84,8 @@ const TAKEN: [&str; 20] = [
     "solid",
     "fluid_time",
     "mean_time",
-    "mean_time_bounds",
-    "bounds",
+    "mean_start",
+    "mean_end",
 ];
 
 fn is_taken(name: &str) -> bool {

@@ -31,8 +31,8 @@ pub struct OutputFile {
     pub fields: Option<Spanned<FieldsFile>>,
 }
 
-/// Fields of the flow on a regular grid: velocity, pressure, density, vorticity, fluid fraction and,
-/// if the scene has one, tag. Take it for maps, time means and Reynolds stresses.
+/// Fields of the flow on a regular grid: velocity, pressure, density, vorticity, fluid fraction
+/// and, if the scene has one, tag. Take it for maps, time means and Reynolds stresses.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Fields", deny_unknown_fields)]

@@ -42,8 +42,8 @@ pub(super) struct Gathered<const D: usize> {
 }
 
 impl<R: Real, const D: usize> RowSampler<'_, R, D> {
-    /// Collects the particles within the support of the line of nodes. It is not vectorised, so that
-    /// the closures need not be inlined into code for the instruction set.
+    /// Collects the particles within the support of the line of nodes. It is not vectorised, so
+    /// that the closures need not be inlined into code for the instruction set.
     pub(super) fn gather(&self, group: &Group, gathered: &mut Gathered<D>) {
         gathered.near.clear();
         gathered.reference = None;
