@@ -18,7 +18,7 @@ pub struct FieldSnapshot {
 /// Fields on one grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridValues {
-    /// Columns over the nodes in the order of [`quantities`](super::quantities); NaN without fluid.
+    /// Columns over the nodes in the order of their names in the file; NaN without fluid.
     pub columns: Vec<Vec<f32>>,
     /// 1 for the nodes inside walls or outside the domain.
     pub solid: Vec<u8>,
