@@ -13,7 +13,7 @@ const SCENE: &str = include_str!("../scenes/quickstart.ron");
 
 /// Text of the scene, text that a user wrote in its place, and text that the message must suggest;
 /// empty where nothing can be.
-const MISTAKES: [(&str, &str, &str); 79] = [
+const MISTAKES: [(&str, &str, &str); 86] = [
     // Names of fields.
     ("dimensions: 2,", "dimension: 2,", "did you mean `dimensions`"),
     ("spacing: 1.25e-3", "spaceing: 1.25e-3", "did you mean `spacing`"),
@@ -96,6 +96,18 @@ const MISTAKES: [(&str, &str, &str); 79] = [
     ("4*y^2/D^2)", "4*y^2/D^2", "`)`"),
     ("\"-D/2\"", "-D/2", "in quotes"),
     ("tag: \"y > 0\"", "tag: \"y >\"", ""),
+    // Gridded fields.
+    ("fields: (mean: (1.0, 2.0))", "grid: (mean: (1.0, 2.0))", "`fields`"),
+    ("fields: (mean: (1.0, 2.0))", "fields: (spacing: 0.0)", "must be finite and greater than 0"),
+    ("fields: (mean: (1.0, 2.0))", "fields: (spacing: 1e-7)", "give the fields a `spacing` of at least"),
+    ("fields: (mean: (1.0, 2.0))", "fields: (mean: (2.0, 1.0))", "must rise and end by the end of the run"),
+    ("fields: (mean: (1.0, 2.0))", "fields: (mean: (1.0, 3.0))", "must rise and end by the end of the run"),
+    ("fields: (mean: (1.0, 2.0))", "fields: (mean_every: 0.1)", "give the interval of time"),
+    (
+        "fields: (mean: (1.0, 2.0))",
+        "fields: (planes: [(name: \"mid\", at: (0, 0), normal: (1, 0))])",
+        "leave out `planes`",
+    ),
     // Notation.
     ("dimensions: 2,", "dimensions: 2", "`,`"),
     ("dimensions: 2,", "dimensions = 2,", "write `dimensions: …`"),

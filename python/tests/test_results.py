@@ -33,7 +33,7 @@ def test_folder_is_complete(run_folder):
 
 
 def test_every_variable_has_units_and_a_long_name(run_folder):
-    for file in ("particles.nc", "monitor.nc", "probes.nc"):
+    for file in ("particles.nc", "monitor.nc", "probes.nc", "fields.nc"):
         tree = xr.open_datatree(run_folder / file)
         assert tree.attrs["Conventions"] == "CF-1.11"
         for group in tree.subtree:

@@ -9,9 +9,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::help_arguments::{CompletionsArguments, ExplainArguments, ManArguments, NewArguments};
 use super::run_arguments::{ResumeArguments, RunArguments};
-use super::values::{
-    assignment, colours, fields, finite, picture_file, positive, range, result_folder, slice,
-};
+use super::values::{assignment, colours, export_path, fields, finite, picture_file, positive, range, slice};
 use sphecs_output::picture::{Colours, Field, Slice};
 
 /// Command line.
@@ -203,17 +201,25 @@ pub struct InfoArguments {
 
 /// `sphecs export`.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  sphecs export runs/quickstart --vtu -o quickstart_vtu\n\n\
-    Open the `.pvd` file of the folder in ParaView: it has the times of all frames.")]
+#[command(after_help = "Examples:\n  sphecs export runs/quickstart --vtu -o quickstart_vtu\n  \
+    sphecs export runs/quickstart --grid 1.25e-3 --mean 1,2\n\n\
+    Open the `.pvd` file of the folder in ParaView: it has the times of all frames. A grid is the file that \
+    `output: (fields: …)` of a scene writes during a run, from its frames.")]
 pub struct ExportArguments {
     /// Run folder
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
     /// VTK unstructured grids, one per frame, with a `.pvd` series for ParaView
-    #[arg(long, required = true)]
+    #[arg(long, required_unless_present = "grid")]
     pub vtu: bool,
-    /// Folder to write [default: vtu in the run folder]
-    #[arg(short, long, value_name = "DIR", value_parser = result_folder())]
+    /// Fields on a regular grid, NetCDF, with this distance of its nodes, m
+    #[arg(long, value_name = "SPACING", value_parser = positive, conflicts_with = "vtu")]
+    pub grid: Option<f64>,
+    /// Interval of means and Reynolds stresses on the grid, from the frames in it, s
+    #[arg(long, value_name = "FROM,TO", value_parser = range, requires = "grid")]
+    pub mean: Option<(f64, f64)>,
+    /// Folder, or file of a grid, to write [default: vtu or fields.nc in the run folder]
+    #[arg(short, long, value_name = "PATH", value_parser = export_path())]
     pub output: Option<PathBuf>,
 }
 

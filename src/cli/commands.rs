@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::arguments::{
     CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
@@ -15,6 +15,8 @@ use sphecs_bench::cases::BenchCase;
 use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk;
 use sphecs_output::error::OutputError;
+use sphecs_output::fields::resampling::{self, GridOptions};
+use sphecs_output::paths::FIELDS;
 use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
 use sphecs_output::{info as run_info, pack as packing, vtk};
@@ -160,18 +162,45 @@ pub fn info(arguments: &InfoArguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// Writes the frames of a run for ParaView.
+/// Writes the frames of a run for ParaView, or on a grid.
 ///
 /// # Errors
 /// [`Failure::Output`].
 pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
     let results = Results::open(&arguments.run)?;
+    let is_file = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("nc"));
+    if let Some(path) = arguments.output.as_ref().filter(|path| is_file(path) != arguments.grid.is_some()) {
+        let wanted = if arguments.grid.is_some() {
+            "a grid is a file that ends in `.nc`"
+        } else {
+            "`--vtu` writes a folder"
+        };
+        return Err(OutputError::Request(format!("`{}`: {wanted}", path.display())).into());
+    }
+    if let Some(spacing) = arguments.grid {
+        return export_grid(arguments, &results, spacing);
+    }
     let folder = arguments.output.clone().unwrap_or_else(|| arguments.run.join("vtu"));
     let export = vtk::export_vtu(&results, &folder, counter("frames"))?;
     if export.removed > 0 {
         Console::Normal.print(&format!("{} frames of an earlier, longer export removed", export.removed));
     }
     Console::Normal.print(&format!("{} frames, open {}", results.len(), export.series.display()));
+    Ok(DONE)
+}
+
+fn export_grid(arguments: &ExportArguments, results: &Results, spacing: f64) -> Result<u8, Failure> {
+    if results.header.fields.is_some() && arguments.output.is_none() {
+        return Err(OutputError::Request(format!(
+            "`{}`: has the `fields.nc` of its run, which is not replaced; give another file by `-o`",
+            arguments.run.display()
+        ))
+        .into());
+    }
+    let target = arguments.output.clone().unwrap_or_else(|| arguments.run.join(FIELDS));
+    let options = GridOptions { spacing, mean: arguments.mean, memory: memory::available() };
+    resampling::export_grid(results, &target, &options, counter("frames"))?;
+    Console::Normal.print(&format!("{} frames in {}", results.len(), target.display()));
     Ok(DONE)
 }
 

@@ -43,6 +43,17 @@ pub(super) fn result_folder() -> impl TypedValueParser<Value = PathBuf> {
     })
 }
 
+/// Returns the parser of the path of an export: a folder, or a NetCDF file.
+pub(super) fn export_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        match ending != "nc" && FILES.contains(&ending.as_str()) && !path.is_dir() {
+            true => Err(format!("is the name of a folder, or of a `.nc` file: must not end in `.{ending}`")),
+            false => Ok(path),
+        }
+    })
+}
+
 /// Returns a plane from `z` or `y=0.01`.
 pub(super) fn slice(text: &str) -> Result<Slice, String> {
     let (axis, at) = match text.split_once('=') {

@@ -22,7 +22,8 @@ pub(crate) const BODIES: [&str; 2] =
     ["--set", "bodies=[(part: \"walls\", velocity: 0.1, area: 0.04, mean: (0.0, 0.02))]"];
 
 /// Files of a finished run that depend only on the flow.
-pub(crate) const RESULTS: [&str; 11] = [
+pub(crate) const RESULTS: [&str; 12] = [
+    "fields.nc",
     "particles.nc",
     "monitor.nc",
     "monitor.csv",

@@ -38,6 +38,34 @@ fn resumed_run_is_bitwise_identical() {
     }
 }
 
+/// Means on grids are sums over all steps of their interval, so that a restart inside it shows.
+#[test]
+fn gridded_fields_and_their_means_resume_bitwise_identically() {
+    let folder = folder();
+    let planes = "output.fields=(every: 2e-3, volume: true, mean: (1e-3, 8e-3), mean_every: 1e-6, planes: [\
+                  (name: \"mid\", at: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0)), \
+                  (name: \"cut\", at: (0.0, 0.0, 0.0), normal: (1.0, 2.0, 0.0))])";
+    let plane = "output.fields=(every: 0.04, mean: (0.05, 0.2))";
+    let moving = "output.fields=(every: 0.02, mean: (0.01, 0.05), mean_every: 1e-6)";
+    let scenes = [
+        (QUICK, plane, "300", ["110", "173"]),
+        ("scenes/duct3d.ron", planes, "40", ["9", "23"]),
+        ("scenes/stirrer.ron", moving, "40", ["13", "29"]),
+    ];
+    for (scene, fields, end, cuts) in scenes {
+        let name = Path::new(scene).file_stem().expect("a name").to_string_lossy().into_owned();
+        let whole = folder.path().join(&name);
+        ends(run(scene, &whole, &["--set", fields, "--steps", end, "--threads", "1"]), 0);
+        let pieces = folder.path().join(format!("{name}_pieces"));
+        ends(run(scene, &pieces, &["--set", fields, "--steps", cuts[0], "--threads", "2"]), 0);
+        for (cut, threads) in [cuts[1], end].into_iter().zip(["3", "1"]) {
+            ends(resume(&pieces, &["--quiet", "--steps", cut, "--threads", threads]), 0);
+        }
+        assert!(whole.join("fields.nc").exists(), "{scene}");
+        same(&whole, &pieces, scene);
+    }
+}
+
 fn send(child: &Child, signal: i32) {
     let sent =
         Command::new("kill").arg(format!("-{signal}")).arg(child.id().to_string()).status().expect("kill");

@@ -10,6 +10,7 @@ use std::path::Path;
 use crate::checkpoint::Facts;
 use crate::disk::{self, remove_folder};
 use crate::error::OutputError;
+use crate::fields::packing;
 use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use crate::journal;
@@ -24,6 +25,10 @@ pub fn has_output(run: &Path, header: &Header, facts: &Facts) -> Result<(), Stri
     let frames = frames(run).map_err(|error| error.to_string())?;
     if frames < facts.frames {
         return Err(format!("counts {} frames, the run has {frames}", facts.frames));
+    }
+    let fields = packing::times(run, header).map_err(|error| error.to_string())?;
+    if fields < facts.fields {
+        return Err(format!("counts {} times of gridded fields, the run has {fields}", facts.fields));
     }
     let tables = [(paths::MONITOR_CSV, facts.monitor_bytes), (paths::FORCES_CSV, facts.forces_bytes)];
     let tables = tables.map(|(name, bytes)| (run.join(name), bytes));
@@ -57,20 +62,28 @@ fn frames(run: &Path) -> Result<u64, OutputError> {
 pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), OutputError> {
     let journal = run.join(JOURNAL);
     if !journal.exists() {
-        unpack(run, &journal, header, facts.frames)?;
+        unpack(run, &journal, header, facts)?;
     }
     for path in journal::frame_paths(&journal)? {
         if paths::frame_index(&path).is_none_or(|index| index >= facts.frames) {
             remove(&path)?;
         }
     }
+    for path in packing::time_paths(&journal)? {
+        if paths::fields_index(&path).is_none_or(|index| index >= facts.fields) {
+            remove(&path)?;
+        }
+    }
+    // The sums of the checkpoint replace them.
+    remove(&paths::fields_means(&journal))?;
     if facts.frames == 0 {
         remove(&paths::walls(&journal))?;
     }
     remove_partial(&journal)?;
     disk::sync_folder(&journal)?;
     remove_folder(&run.join(PACKED_JOURNAL))?;
-    let packed = [PARTICLES, paths::MONITOR_NETCDF, paths::PROBES_NETCDF, paths::PROBES_MEAN_CSV];
+    let packed =
+        [PARTICLES, paths::FIELDS, paths::MONITOR_NETCDF, paths::PROBES_NETCDF, paths::PROBES_MEAN_CSV];
     for name in packed.into_iter().chain([paths::FORCES_NETCDF, paths::FORCES_MEAN_CSV]) {
         remove(&run.join(name))?;
     }
@@ -78,8 +91,9 @@ pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), Output
     disk::sync_folder(run)
 }
 
-/// Writes the first `count` frames of `particles.nc` into a new journal.
-fn unpack(run: &Path, journal: &Path, header: &Header, count: u64) -> Result<(), OutputError> {
+/// Writes the frames and gridded fields that a checkpoint counts into a new journal.
+fn unpack(run: &Path, journal: &Path, header: &Header, facts: &Facts) -> Result<(), OutputError> {
+    let count = facts.frames;
     let partial = disk::partial_name(journal);
     remove_folder(&partial)?;
     fs::create_dir(&partial).map_err(OutputError::io(&partial, "make the folder"))?;
@@ -91,6 +105,7 @@ fn unpack(run: &Path, journal: &Path, header: &Header, count: u64) -> Result<(),
             unpack_frame(&packed, &paths::frame(&partial, index), header, index as usize, &walls)?;
         }
     }
+    packing::unpack(run, &partial, header, facts.fields)?;
     fs::rename(&partial, journal).map_err(OutputError::io(journal, "make the folder"))?;
     disk::sync_folder(run)
 }

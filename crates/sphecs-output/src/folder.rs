@@ -8,6 +8,8 @@ use super::cut_back::cut_back;
 use super::disk::remove_folder;
 use super::divergence;
 use super::error::OutputError;
+use super::fields::averages::FieldMeans;
+use super::fields::snapshot::FieldSnapshot;
 use super::forces::ForcesWriter;
 use super::frame::Frame;
 use super::header::Header;
@@ -38,6 +40,8 @@ pub struct RunFolder {
     forces: Option<ForcesWriter>,
     /// Number of frames submitted.
     submitted: u64,
+    /// Number of times of the gridded fields submitted.
+    fields: u64,
     _lock: Lock,
 }
 
@@ -96,6 +100,7 @@ impl RunFolder {
             probes,
             forces,
             submitted: facts.frames,
+            fields: facts.fields,
             path: path.to_path_buf(),
             header: header.clone(),
             _lock: lock,
@@ -137,6 +142,7 @@ impl RunFolder {
             time: clock.time,
             step: clock.step,
             frames: self.submitted,
+            fields: self.fields,
             monitor_bytes: self.monitor.table().length(),
             probes_bytes: self.probes.as_ref().map_or_else(Vec::new, ProbeWriter::lengths),
             forces_bytes: self.forces.as_ref().map_or(0, |forces| forces.table().length()),
@@ -145,6 +151,24 @@ impl RunFolder {
         let probes = self.probes.iter().flat_map(ProbeWriter::paths);
         let written = tables.map(|table| table.path().to_path_buf()).chain(probes).collect();
         frames.checkpoint(Checkpoint { facts, state }, written)
+    }
+
+    /// Submits gridded fields to the writer thread.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_fields(&mut self, fields: FieldSnapshot) -> Result<(), OutputError> {
+        let index = self.fields;
+        self.fields += 1;
+        self.frames.as_mut().map_or(Ok(()), |frames| frames.submit_fields(fields, index))
+    }
+
+    /// Submits the means of the gridded fields to the writer thread.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_field_means(&mut self, means: FieldMeans) -> Result<(), OutputError> {
+        self.frames.as_mut().map_or(Ok(()), |frames| frames.submit_field_means(means))
     }
 
     /// Returns the step of the last checkpoint that is complete and durable.

@@ -6,6 +6,7 @@ use sha2::{Digest, Sha256};
 use super::frame::Frame;
 use super::meshes::hash_of;
 use sphecs_core::particles::zone::Zone;
+use sphecs_scene::field_grid::FieldGrid;
 use sphecs_scene::meshes::MeshFile;
 use sphecs_scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
 
@@ -82,6 +83,35 @@ pub struct Header {
     /// Bodies whose forces are written.
     #[serde(default)]
     pub bodies: Vec<BodyHeader>,
+    /// Fields on grids.
+    #[serde(default)]
+    pub fields: Option<FieldsHeader>,
+}
+
+/// Grids of the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FieldsHeader {
+    /// Grids, that of the whole domain first.
+    pub grids: Vec<FieldGrid>,
+    /// True if the passive scalar is written.
+    pub tagged: bool,
+    /// True if the mask of the walls depends on time.
+    pub has_moving_walls: bool,
+    /// Interval of the means, s.
+    pub mean: Option<(f64, f64)>,
+}
+
+impl FieldsHeader {
+    /// Returns the header of the gridded fields of a scene; None without them.
+    pub fn of(scene: &Scene) -> Option<Self> {
+        let output = scene.output.fields.as_ref()?;
+        Some(Self {
+            grids: scene.field_grids(),
+            tagged: scene.has_tags(),
+            has_moving_walls: scene.has_moving_walls(),
+            mean: output.mean.map(|(from, to)| (finite(from), finite(to))),
+        })
+    }
 }
 
 /// Body of the walls whose forces are written.
@@ -193,6 +223,7 @@ impl Header {
                 })
                 .collect(),
             bodies: scene.bodies.iter().map(|body| BodyHeader::of(scene, body)).collect(),
+            fields: FieldsHeader::of(scene),
         }
     }
 

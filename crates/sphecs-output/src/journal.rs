@@ -14,6 +14,9 @@ use std::thread::JoinHandle;
 use super::checkpoint::Checkpoint;
 use super::checkpoint::store::Store;
 use super::error::OutputError;
+use super::fields::averages::FieldMeans;
+use super::fields::packing;
+use super::fields::snapshot::FieldSnapshot;
 use super::frame::Frame;
 use super::header::Header;
 use super::netcdf::particles;
@@ -40,6 +43,10 @@ pub fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
 /// Item for the writer thread.
 enum Item {
     Frame(Box<Frame>),
+    /// Gridded fields and the index of their time.
+    Fields(Box<FieldSnapshot>, u64),
+    /// Means of the gridded fields.
+    FieldMeans(Box<FieldMeans>),
     /// A checkpoint and the tables that must be durable before it.
     Checkpoint(Box<Checkpoint>, Vec<PathBuf>),
 }
@@ -97,6 +104,22 @@ impl FrameWriter {
     /// The error of an earlier frame that stopped the writer thread.
     pub fn submit(&mut self, frame: Frame) -> Result<(), OutputError> {
         self.send(Item::Frame(Box::new(frame)))
+    }
+
+    /// Submits gridded fields as the time `index`.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_fields(&mut self, fields: FieldSnapshot, index: u64) -> Result<(), OutputError> {
+        self.send(Item::Fields(Box::new(fields), index))
+    }
+
+    /// Submits the means of the gridded fields, which replace those submitted before.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_field_means(&mut self, means: FieldMeans) -> Result<(), OutputError> {
+        self.send(Item::FieldMeans(Box::new(means)))
     }
 
     /// Submits a checkpoint and the tables that must be durable before it.
@@ -165,6 +188,12 @@ impl WriterThread {
                     let path = paths::frame(&self.journal, index);
                     particles::write_frame(&path, &self.header, &frame, self.threads)?;
                     self.written.store(index + 1, Ordering::Release);
+                }
+                Item::Fields(fields, index) => {
+                    packing::write_time(&paths::fields(&self.journal, index), &self.header, *fields)?;
+                }
+                Item::FieldMeans(means) => {
+                    packing::write_means(&paths::fields_means(&self.journal), &self.header, &means)?;
                 }
                 Item::Checkpoint(checkpoint, tables) => {
                     for table in tables {

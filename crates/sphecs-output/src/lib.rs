@@ -15,6 +15,7 @@ pub mod cut_back;
 pub mod disk;
 pub mod divergence;
 pub mod error;
+pub mod fields;
 pub mod folder;
 pub mod forces;
 pub mod frame;

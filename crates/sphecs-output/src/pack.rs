@@ -1,5 +1,5 @@
-//! Packing of the journal and the CSV files into `particles.nc`, `monitor.nc`, `probes.nc` and
-//! `forces.nc`.
+//! Packing of the journal and the CSV files into `particles.nc`, `fields.nc`, `monitor.nc`,
+//! `probes.nc` and `forces.nc`.
 //!
 //! A file is removed only after its replacement is complete and durable. A kill during packing
 //! loses nothing: packing again starts from the journal.
@@ -17,7 +17,7 @@ use super::netcdf::particles::{self, ParticleFile};
 use super::netcdf::slots::Slots;
 use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 use super::results::read_header;
-use super::{forces, monitor, probes};
+use super::{fields, forces, monitor, probes};
 
 /// Files and frames that packing produced.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -56,6 +56,8 @@ pub fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError
         if packed.frames > 0 {
             packed.files.push(folder.join(PARTICLES));
         }
+        fields::packing::pack(folder, &journal, header, &mut packed)?;
+        retire(folder, &journal)?;
     }
     remove_folder(&folder.join(PACKED_JOURNAL))?;
     packed.files.extend(monitor::pack(folder, header)?);
@@ -91,17 +93,21 @@ fn pack_frames(folder: &Path, journal: &Path, header: &Header) -> Result<usize, 
             Ok(particles::compress(&frame, header, &slots))
         })?;
     }
+    Ok(paths.len())
+}
+
+/// Renames a journal whose files are complete elsewhere, before it is removed.
+fn retire(folder: &Path, journal: &Path) -> Result<(), OutputError> {
     let packed_journal = folder.join(PACKED_JOURNAL);
     // An earlier, interrupted removal may have left it.
     remove_folder(&packed_journal)?;
     fs::rename(journal, &packed_journal).map_err(OutputError::io(journal, "rename"))?;
-    disk::sync_folder(folder)?;
-    Ok(paths.len())
+    disk::sync_folder(folder)
 }
 
-/// Checks that the disk has space for `particles.nc`, which is about as large as the files of the
+/// Checks that the disk has space for a packed file, which is about as large as its files of the
 /// journal together.
-fn check_free_space(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
+pub(crate) fn check_free_space(target: &Path, frames: &[PathBuf]) -> Result<(), OutputError> {
     let size = |path: &PathBuf| fs::metadata(path).map_or(0, |data| data.len());
     let needed: u64 = frames.iter().map(size).sum();
     match disk::free_space(target.parent().unwrap_or(Path::new("."))) {

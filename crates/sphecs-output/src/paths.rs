@@ -42,6 +42,8 @@ pub const PROBES_POINTS_CSV: &str = "probes_points.csv";
 pub const PROBES_NETCDF: &str = "probes.nc";
 /// Time means of the probes, made when the run is packed.
 pub const PROBES_MEAN_CSV: &str = "probes_mean.csv";
+/// Fields on grids, made from the journal when the run is packed.
+pub const FIELDS: &str = "fields.nc";
 /// Forces and torques on the bodies over time.
 pub const FORCES_CSV: &str = "forces.csv";
 /// Forces, torques and means, made from the CSV file when the run is packed.
@@ -73,6 +75,23 @@ pub fn frame(journal: &Path, index: u64) -> PathBuf {
 pub fn frame_index(path: &Path) -> Option<u64> {
     let name = path.file_name()?.to_str()?;
     name.strip_prefix("frame-")?.strip_suffix(".nc")?.parse().ok()
+}
+
+/// Returns the path of the gridded fields at one time in a journal.
+pub fn fields(journal: &Path, index: u64) -> PathBuf {
+    journal.join(format!("fields-{index:08}.nc"))
+}
+
+/// Returns the path of the means of the gridded fields in a journal.
+pub fn fields_means(journal: &Path) -> PathBuf {
+    journal.join("means.nc")
+}
+
+/// Returns the index of a time of the gridded fields by the name of its file; None for any other
+/// file.
+pub fn fields_index(path: &Path) -> Option<u64> {
+    let name = path.file_name()?.to_str()?;
+    name.strip_prefix("fields-")?.strip_suffix(".nc")?.parse().ok()
 }
 
 /// Returns the file name of the checkpoint of a step.

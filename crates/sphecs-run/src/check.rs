@@ -312,9 +312,10 @@ fn early_mean_note(scene: &Scene, until: f64, path: &FlowPath) -> Option<String>
     let passes = path.passage_time();
     // The number of digits of the advice.
     let is_early = |from: f64| from < 0.95 * passes && passes < until;
-    let probes = scene.output.probes.iter().filter_map(|probe| Some((&probe.name, probe.mean?.0)));
+    let probes = scene.output.probes.iter().filter_map(|probe| Some((probe.name.as_str(), probe.mean?.0)));
     let bodies = scene.bodies.iter().filter(|body| body.reference.is_some());
-    let all = probes.chain(bodies.map(|body| (&body.name, body.mean.0)));
+    let fields = scene.output.fields.iter().filter_map(|fields| Some(("fields", fields.mean?.0)));
+    let all = probes.chain(bodies.map(|body| (body.name.as_str(), body.mean.0))).chain(fields);
     let early: Vec<String> =
         all.filter(|(_, from)| is_early(*from)).map(|(name, _)| format!("`{name}`")).collect();
     if early.is_empty() {
@@ -338,6 +339,7 @@ fn disk_text(disk: &DiskEstimate) -> String {
             parts.push(format!("{name} {}", size(bytes)));
         }
     };
+    add("fields", disk.field_bytes);
     add("probes", disk.probe_bytes);
     add("forces", disk.force_bytes);
     add("monitor", disk.monitor_bytes);

@@ -37,6 +37,7 @@ pub(crate) fn notes(
 ) -> Vec<String> {
     let mut notes: Vec<String> = kernel_note(scene).into_iter().collect();
     notes.extend(wall_function_note(scene));
+    notes.extend(field_spacing_note(scene));
     notes.extend(wall_velocity_notes(scene, seeds, until));
     notes.extend(scene.emitters.iter().filter_map(|emitter| emitter_note(scene, emitter)));
     for inlet in &scene.inlets {
@@ -72,6 +73,20 @@ fn kernel_note(scene: &Scene) -> Option<String> {
         "the smoothing length is {} Δ, {least} to {most} Δ is usual: {effect}; leave `smoothing_ratio` out for its default",
         significant(ratio)
     ))
+}
+
+/// Spacing of gridded fields over that of the particles below which nodes only interpolate.
+const LEAST_FIELD_SPACING: f64 = 0.5;
+
+fn field_spacing_note(scene: &Scene) -> Option<String> {
+    let spacing = scene.output.fields.as_ref()?.spacing;
+    (spacing < LEAST_FIELD_SPACING * scene.spacing).then(|| {
+        format!(
+            "the spacing of the gridded fields is {} Δ: nodes closer than particles only interpolate between them; leave \
+             `output.fields.spacing` out for that of the particles",
+            significant(spacing / scene.spacing)
+        )
+    })
 }
 
 fn wall_function_note(scene: &Scene) -> Option<String> {

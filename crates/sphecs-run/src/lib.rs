@@ -3,6 +3,7 @@
 //! - [`run_loop`]: steps, output, checkpoints and the reasons to stop
 //! - [`resume`]: continuation of a run from its last checkpoint
 //! - [`output_schedule`]: times of frames, rows and checkpoints, and the wall-time limit
+//! - [`gridded`]: gridded fields and their means
 //! - [`run_state`]: state of the loop that a checkpoint saves
 //! - [`report`]: summaries at the start and at the end, and the report on a flow that stopped
 //! - [`progress`]: speed, time left and their display
@@ -21,6 +22,7 @@ pub mod disk_check;
 mod doubtful;
 pub mod environment;
 pub mod error;
+pub mod gridded;
 pub mod memory;
 pub mod output_schedule;
 pub mod progress;

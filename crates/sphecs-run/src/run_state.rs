@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::close_pairs::CloseRows;
+use super::gridded::FieldSchedule;
 use super::output_schedule::OutputInterval;
 use sphecs_core::format::significant;
 use sphecs_engine::systems::monitor::MonitorRow;
-use sphecs_scene::model::{OutputSettings, Scene};
+use sphecs_scene::model::Scene;
 
 /// Column of a checkpoint that holds this state.
 pub const COLUMN: &str = "run.log";
@@ -32,6 +33,9 @@ pub struct RunState {
     pub last_samples: Vec<Option<u64>>,
     /// Step of the last frame; None before the first.
     pub last_frame: Option<u64>,
+    /// Schedule of the gridded fields; None without them.
+    #[serde(default)]
+    pub fields: Option<FieldSchedule>,
     /// Number of frames submitted.
     pub frame_count: u64,
     /// Last monitor row.
@@ -56,13 +60,15 @@ pub struct RunState {
 
 impl RunState {
     /// Returns the state before the first output.
-    pub fn new(output: &OutputSettings) -> Self {
+    pub fn new(scene: &Scene) -> Self {
+        let output = &scene.output;
         Self {
             frames: OutputInterval::every(output.every),
             rows: OutputInterval::every(output.monitor_every),
             probes: output.probes.iter().map(|probe| OutputInterval::every(probe.every)).collect(),
             last_samples: vec![None; output.probes.len()],
             last_frame: None,
+            fields: FieldSchedule::new(scene),
             frame_count: 0,
             last_row: MonitorRow::default(),
             last_row_step: None,
@@ -78,11 +84,13 @@ impl RunState {
 
     /// Returns the state of a run resumed at `time`, s, with intervals that may be new.
     #[must_use]
-    pub fn resumed(self, output: &OutputSettings, time: f64) -> Self {
+    pub fn resumed(self, scene: &Scene, time: f64) -> Self {
+        let output = &scene.output;
         let probes = self.probes.into_iter().zip(&output.probes);
         Self {
             frames: self.frames.resumed(output.every, time),
             rows: self.rows.resumed(output.monitor_every, time),
+            fields: self.fields.map(|fields| fields.resumed(scene, time)),
             probes: probes.map(|(interval, probe)| interval.resumed(probe.every, time)).collect(),
             ..self
         }
@@ -155,7 +163,7 @@ mod tests {
     fn lasting_speed_is_noted_once() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/quickstart.ron");
         let scene = Scene::from_file(&path).set("fluid.sound_speed", "10").load().expect("a scene");
-        let mut state = RunState::new(&scene.output);
+        let mut state = RunState::new(&scene);
         let mut notes = 0;
         for (row, speed) in [1.2, 0.9, 1.2, 1.2, 1.3, 1.4, 0.5, 1.2, 1.2, 1.2].into_iter().enumerate() {
             (state.last_row.time, state.last_row.largest_speed) = (row as f64, speed);

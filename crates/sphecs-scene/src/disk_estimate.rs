@@ -1,5 +1,6 @@
 //! Disk space of a run, estimated from its scene.
 
+use super::memory_estimate::{means_of_fields, nodes_of_fields, values_of_fields};
 use super::model::{Body, ForcesEvery, Probe, ProbeKind, Scene};
 use super::summary::{estimated_volume, frame_bytes, steps_to};
 
@@ -34,6 +35,10 @@ pub struct DiskEstimate {
     pub probe_bytes: f64,
     /// Part of them from probes at the interval of the frames.
     pub probe_bytes_with_frames: f64,
+    /// Bytes of the gridded fields, means included.
+    pub field_bytes: f64,
+    /// Part of them from times at the interval of the frames.
+    pub field_bytes_with_frames: f64,
     /// Bytes of the forces on bodies.
     pub force_bytes: f64,
     /// Bytes of the checkpoints.
@@ -76,7 +81,14 @@ impl DiskEstimate {
             ForcesEvery::Row => rows,
         };
         let frames = times_written(scene.output.every);
+        let fields = FieldBytes::of(scene);
+        let field_times =
+            scene.output.fields.as_ref().map(|fields| (fields.every, times_written(fields.every)));
+        let (field_every, field_times) = field_times.unwrap_or((f64::INFINITY, 0.0));
+        let has_frame_times = field_every.to_bits() == scene.output.every.to_bits();
         Self {
+            field_bytes: field_times * fields.time + fields.means,
+            field_bytes_with_frames: if has_frame_times { field_times * fields.time } else { 0.0 },
             frames,
             frame_bytes: frames * moving * frame_bytes(scene.dimensions),
             monitor_bytes: rows * NUMBER_BYTES * (MONITOR_COLUMNS + openings),
@@ -88,17 +100,17 @@ impl DiskEstimate {
             } else {
                 0.0
             },
-            checkpoint_bytes: CHECKPOINTS * all * checkpoint_bytes(scene.dimensions),
+            checkpoint_bytes: CHECKPOINTS * (all * checkpoint_bytes(scene.dimensions) + fields.sums),
         }
     }
 
     /// Returns the size of the folder after the run, B.
     pub fn total(&self) -> f64 {
-        self.frame_bytes + self.row_bytes() + self.checkpoint_bytes + EMPTY_BYTES
+        self.frame_bytes + self.field_bytes + self.row_bytes() + self.checkpoint_bytes + EMPTY_BYTES
     }
 
-    /// Returns the peak disk usage, B: frames exist twice while they are packed, and a third
-    /// checkpoint is written before the first is deleted.
+    /// Returns the peak disk usage, B: frames and gridded fields exist twice while they are packed,
+    /// and a third checkpoint is written before the first is deleted.
     pub fn bytes(&self) -> f64 {
         2.0 * self.frame_bytes + self.bytes_beside_frames()
     }
@@ -106,8 +118,9 @@ impl DiskEstimate {
     /// Returns the interval of frames, s, with which a run fits into `space` bytes; None if the
     /// rows alone do not fit.
     pub fn fitting_interval(&self, every: f64, space: f64) -> Option<f64> {
-        let left = space - (self.bytes_beside_frames() - self.probe_bytes_with_frames);
-        let at_interval = 2.0 * self.frame_bytes + self.probe_bytes_with_frames;
+        let others = self.probe_bytes_with_frames + 2.0 * self.field_bytes_with_frames;
+        let left = space - (self.bytes_beside_frames() - others);
+        let at_interval = 2.0 * self.frame_bytes + others;
         (left > 0.0).then(|| every * (at_interval / left).max(1.0))
     }
 
@@ -117,7 +130,26 @@ impl DiskEstimate {
 
     fn bytes_beside_frames(&self) -> f64 {
         let checkpoints = self.checkpoint_bytes * (CHECKPOINTS + 1.0) / CHECKPOINTS;
-        self.row_bytes() + checkpoints + EMPTY_BYTES
+        2.0 * self.field_bytes + self.row_bytes() + checkpoints + EMPTY_BYTES
+    }
+}
+
+/// Sizes of the gridded fields, B, before compression.
+struct FieldBytes {
+    /// One time.
+    time: f64,
+    /// Means.
+    means: f64,
+    /// Sums of the means in a checkpoint.
+    sums: f64,
+}
+
+impl FieldBytes {
+    fn of(scene: &Scene) -> Self {
+        let nodes = nodes_of_fields(scene);
+        let has_means = scene.output.fields.as_ref().is_some_and(|fields| fields.mean.is_some());
+        let means = if has_means { nodes * means_of_fields(scene) } else { 0.0 };
+        Self { time: nodes * (4.0 * values_of_fields(scene) + 1.0), means: 4.0 * means, sums: 8.0 * means }
     }
 }
 

@@ -10,11 +10,13 @@ use glam::DVec3;
 pub use super::body::{Body, BodyReference, ForcesEvery};
 pub use super::emitters::Emitter;
 use super::expression::Expression;
+pub use super::field_grid::{FieldOutput, FieldPlane};
 use super::geometry::Shape;
 use super::lattice::Lattice;
 use super::meshes::{MeshFile, MeshReport};
 use super::motion::Motion;
 pub use super::movers::Mover;
+pub use super::output_settings::OutputSettings;
 pub use super::probe::{Probe, ProbeKind, ProbeSight};
 pub use super::rings::Rings;
 pub use super::scheme::{EdacTvf, Scheme, Wcsph};
@@ -365,21 +367,6 @@ pub struct TimeSettings {
     pub cfl: f64,
     /// Viscous factor: Δt ≤ factor h²/ν, default 0.125.
     pub viscous: f64,
-}
-
-/// Output of a run and its times.
-#[derive(Clone, Debug)]
-pub struct OutputSettings {
-    /// Interval between frames, s.
-    pub every: f64,
-    /// Interval between rows of `monitor.nc`, s.
-    pub monitor_every: f64,
-    /// Interval between checkpoints, s of wall time.
-    pub checkpoint_every: f64,
-    /// Interval at which the forces on bodies are written.
-    pub forces: ForcesEvery,
-    /// Probes.
-    pub probes: Vec<Probe>,
 }
 
 /// A particle at t = 0.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::driven_flow::{largest_pressure, pressure_difference};
 use super::geometry::Shape;
 use super::given_speed::inlet_speed;
-use super::memory_estimate::memory;
+use super::memory_estimate::{memory, nodes_of_fields};
 use super::model::{ParticleSeed, Scene};
 use super::oblique_walls;
 use sphecs_core::boundary::inlet::Feed;
@@ -61,7 +61,7 @@ pub fn summary(scene: &Scene, seeds: &[ParticleSeed]) -> SceneSummary {
         courant_step,
         viscous_step,
         steps,
-        memory: memory(scene, seeds.len() as f64),
+        memory: memory(scene, seeds.len() as f64, nodes_of_fields(scene)),
         worst_fit,
         notes: notes(scene, seeds, worst_fit),
     }

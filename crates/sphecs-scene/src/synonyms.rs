@@ -1,7 +1,7 @@
 //! Names that other programs and papers use for fields and choices of a scene.
 
 /// Names of fields: the name given, the one of a scene, and what is to be known about it.
-const FIELDS: [(&str, &str, &str); 44] = [
+const FIELDS: [(&str, &str, &str); 46] = [
     ("gravity", "body_force", "the force per mass, m/s²: `body_force: (0.0, -9.81)`"),
     ("g", "body_force", "the force per mass, m/s²: `body_force: (0.0, -9.81)`"),
     ("acceleration", "body_force", "the force per mass, m/s²"),
@@ -39,6 +39,8 @@ const FIELDS: [(&str, &str, &str); 44] = [
     ("direction", "towards", "the direction of the flow"),
     ("type", "condition", "such as `WaveEquation()`"),
     ("interval", "every", "s"),
+    ("grid", "fields", "fields on a regular grid: `fields: (spacing: 0.01)`"),
+    ("average", "mean", "an interval of time, s: `mean: (1.0, 2.0)`"),
     ("centre", "center", "m"),
     ("start", "from", "m"),
     ("lower", "min", "the lower corner, m"),

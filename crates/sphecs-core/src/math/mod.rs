@@ -1,6 +1,7 @@
 //! Mathematics below the physics: it knows particles only as rows of numbers.
 //!
 //! - [`mod@column`]: named columns of numbers, the form in which a state is saved
+//! - [`factors`]: factors of small symmetric matrices, one per lane
 //! - [`grid`]: the cell grid, its counting sort and the search for neighbours
 //! - [`kernel`]: smoothing kernels
 //! - [`lanes`]: SIMD vectors of every instruction set behind one trait
@@ -10,6 +11,7 @@
 //! - [`symmetric`]: symmetric tensors by component
 
 pub mod column;
+pub mod factors;
 pub mod grid;
 pub mod kernel;
 pub mod lanes;

@@ -11,6 +11,7 @@
 //! | [`points`] | none | fits of the fluid's fields at the points of inlets and outlets, by [`fits`] |
 //! | [`waves`] | outflow | sums of an outlet's wave equation, and concentration gradient |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, vectorised over the neighbours |
+//! | [`grid_rows`] | none | the fluid's fields and their curl at the nodes of a grid, vectorised over the nodes |
 //! | [`section`] | none | mass flow through planes |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
 //! | [`wall_friction`] | fluid | friction of walls with a wall function |
@@ -42,6 +43,7 @@ pub mod edac;
 pub mod fits;
 pub(crate) mod fused;
 pub mod gradients;
+pub mod grid_rows;
 mod near_columns;
 pub mod neighbours;
 pub mod pack;

@@ -29,6 +29,7 @@ use crate::systems::monitor::{self, MonitorRow};
 use crate::systems::sampling;
 use sphecs_core::math::column::Columns;
 pub use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::grid_rows::{NodeRow, RowSink};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::section::Section;
 use sphecs_scene::model::{ProbeSight, Scene, Scheme};
@@ -54,6 +55,7 @@ struct TypedFunctions {
     gather: fn(&mut World),
     sample: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>>,
     pressure: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<f64>>,
+    sample_rows: fn(&World, &[NodeRow], &mut [&mut dyn RowSink], bool),
     mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
 }
 
@@ -71,6 +73,7 @@ impl TypedFunctions {
             gather: state_location::gather::<R, D>,
             sample: sampling::sample::<R, D>,
             pressure: sampling::pressure::<R, D>,
+            sample_rows: sampling::sample_rows::<R, D>,
             mass_flows: sampling::mass_flows::<R, D>,
         }
     }
@@ -235,6 +238,16 @@ impl Simulation {
     pub fn sample_pressure(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<f64>> {
         self.refresh();
         (self.functions.pressure)(&self.world, points)
+    }
+
+    /// Samples the fields of the fluid at the nodes of a grid, in parallel, and passes those of
+    /// each row to its sink; with `tagged`, the passive scalar too.
+    ///
+    /// # Panics
+    /// If there are not as many sinks as rows.
+    pub fn sample_rows(&mut self, rows: &[NodeRow], sinks: &mut [&mut dyn RowSink], tagged: bool) {
+        self.refresh();
+        (self.functions.sample_rows)(&self.world, rows, sinks, tagged);
     }
 
     /// Returns the mass flow through sections along their normals, kg/s (per metre of depth in 2D).

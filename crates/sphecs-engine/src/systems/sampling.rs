@@ -3,8 +3,11 @@
 
 use bevy_ecs::world::World;
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::arrays::Arrays;
+use crate::components::Tracer;
+use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::state_location;
@@ -13,6 +16,7 @@ use crate::systems::edac::sum_volumes;
 use crate::systems::neighbours::sort_particles;
 use crate::systems::wcsph::rates::{sum_density, sum_gradients};
 use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::grid_rows::{NodeRow, RowSampler, RowSink};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::sampling::Sampler;
 use sphecs_core::pass::section::{self, Section};
@@ -87,6 +91,35 @@ fn by_sight<R: PairReal<D>, T: Clone, const D: usize>(
     }
     found
 }
+
+/// Samples the fields of the fluid in rows of nodes and passes them to the sink of each row; with
+/// `tagged`, the passive scalar too.
+pub(crate) fn sample_rows<R: PairReal<D>, const D: usize>(
+    world: &World,
+    rows: &[NodeRow],
+    sinks: &mut [&mut dyn RowSink],
+    tagged: bool,
+) {
+    let arrays = world.resource::<Arrays<R, D>>();
+    let tags = if tagged { tags(world, &arrays.id) } else { Vec::new() };
+    let sampler = RowSampler {
+        grid: &world.resource::<Grid<D>>().0,
+        particles: arrays,
+        pair: &world.resource::<Pair>().0,
+        tags: &tags,
+    };
+    sampler.sample(rows, sinks, |sink, fields| sink.take(fields));
+}
+
+/// Returns the passive scalars of particles by their numbers, which only their components have.
+fn tags(world: &World, ids: &[u32]) -> Vec<f32> {
+    let entities = &world.resource::<EntityIndex>().0;
+    let tag = |&id: &u32| entities.get(id as usize).and_then(|&entity| world.get::<Tracer>(entity));
+    ids.par_iter().with_min_len(CHUNK).map(|id| tag(id).map_or(0.0, |tracer| tracer.tag)).collect()
+}
+
+/// Particles that a thread looks up at a time.
+const CHUNK: usize = 4096;
 
 /// Returns the mass flows through sections along their normals, kg/s (per metre of depth in 2D).
 pub(crate) fn mass_flows<R: PairReal<D>, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {

@@ -31,6 +31,9 @@ pub struct Facts {
     pub step: u64,
     /// Frames written up to the step.
     pub frames: u64,
+    /// Times of the gridded fields up to the step.
+    #[serde(default)]
+    pub fields: u64,
     /// Bytes of `monitor.csv` up to the step.
     pub monitor_bytes: u64,
     /// Bytes of the CSV file of each probe up to the step, in the order of the scene.

@@ -7,11 +7,13 @@
 //! - `layout`: dimensions, variables and attributes of `particles.nc`
 //! - [`particles`]: frames written and read in that layout
 //! - [`dataset`]: tables and probes
+//! - [`grids`]: fields on grids
 
 mod chunks;
 pub(crate) mod compression;
 pub(crate) mod dataset;
 mod file;
+pub(crate) mod grids;
 mod layout;
 pub(crate) mod particles;
 pub(crate) mod slots;

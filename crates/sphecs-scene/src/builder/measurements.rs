@@ -1,4 +1,4 @@
-//! Output and probes of a scene description.
+//! Output, probes and gridded fields of a scene description.
 
 use serde::Serialize;
 
@@ -18,6 +18,8 @@ description! {
         forces: ForcesEvery,
         /// Sets the interval between checkpoints, s of wall time, default 600.
         checkpoint_every: Number,
+        /// Sets the fields on a regular grid.
+        fields: Fields,
     } lists {
         /// Adds a probe.
         probe -> probes: Probe,
@@ -28,6 +30,45 @@ impl Output {
     /// Returns an output of frames at an interval, s.
     pub fn at_interval(every: impl Into<Number>) -> Self {
         Self::default().every(every)
+    }
+}
+
+description! {
+    /// Fields of the flow on a regular grid.
+    pub struct Fields {
+        /// Sets the distance of the nodes, m, default the particle spacing.
+        spacing: Number,
+        /// Sets the interval between the times that are written, s, default that of the frames.
+        every: Number,
+        /// Sets the interval of time means, variances and Reynolds stresses, s.
+        mean: Interval,
+        /// Sets the interval between the samples of the means, s, default the time in which the
+        /// reference velocity passes half a cell.
+        mean_every: Number,
+        /// Sets if the whole domain is written, default true without planes.
+        volume: bool,
+    } lists {
+        /// Adds a plane of a 3D scene with a grid of its own.
+        plane -> planes: FieldPlane,
+    }
+}
+
+description! {
+    /// A plane with a grid.
+    pub struct FieldPlane {
+        /// Sets the name, unique among the planes.
+        name: String,
+        /// Sets a point of the plane, m.
+        at: Vector,
+        /// Sets the direction of its normal.
+        normal: Vector,
+    }
+}
+
+impl FieldPlane {
+    /// Returns a plane of a name through a point, m, with a normal.
+    pub fn new(name: impl Into<String>, at: impl Into<Vector>, normal: impl Into<Vector>) -> Self {
+        Self::default().name(name).at(at).normal(normal)
     }
 }
 

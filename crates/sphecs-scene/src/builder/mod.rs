@@ -13,7 +13,7 @@
 //! * [`moving_bodies`]: bodies that move
 //! * [`scheme`]: fluid and numerical scheme
 //! * [`settings`]: filling, initial fields, reservoir, time, references
-//! * [`measurements`]: output and probes
+//! * [`measurements`]: output, probes and gridded fields
 
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
@@ -33,7 +33,7 @@ pub mod scheme;
 pub mod settings;
 pub mod walls;
 
-pub use measurements::{Output, Probe, ProbeKind};
+pub use measurements::{FieldPlane, Fields, Output, Probe, ProbeKind};
 pub use moving_bodies::{Motion, Mover, Translation, Turning};
 pub use numbers::{Components, Formula, Interval, Number, Vector, VectorFormula};
 pub use openings::{Emitter, Inlet, InletVelocity, MassFlow, MassFlux, Outlet, PoiseuilleStartup};

@@ -33,6 +33,7 @@ pub mod consistency;
 pub mod cut;
 pub mod driven;
 pub mod emitters;
+pub mod field_grids;
 pub mod layout;
 pub mod mass_flow;
 pub mod mesh_groups;
@@ -88,6 +89,9 @@ pub fn check(
     let mut faults = checker.faults;
     if let Some(scene) = &scene {
         consistency::check(scene, file, is_complete, &mut faults);
+        if is_complete && faults.is_empty() {
+            field_grids::check_scene(scene, file, source.memory, &mut faults);
+        }
     }
     (scene, faults)
 }

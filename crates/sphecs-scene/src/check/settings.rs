@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::checker::Checker;
+use super::field_grids;
 use super::names::{Named, names};
 use crate::expression::Expression;
 use crate::faults::Fault;
@@ -11,7 +12,8 @@ use crate::given_speed::largest_given_speed;
 use crate::model::{
     BodyForce, OutputSettings, Patch, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
 };
-use crate::schema::{OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
+use crate::notation::typed::Spanned;
+use crate::schema::{Number, OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
 use sphecs_core::boundary::inlet::Feed;
 
 /// Returns the number of dimensions, 2 or 3.
@@ -64,16 +66,7 @@ pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> O
     names(&given.collect::<Vec<_>>(), "probes", check);
     let mut probes: Vec<Probe> = Vec::new();
     for probe in &file.probes {
-        let mean = probe.mean.as_ref().map(|mean| {
-            let (from, to) = &mean.value;
-            let interval = (check.not_negative(from, "s"), check.positive(to, "s"));
-            let rises = interval.0 < interval.1;
-            if let Some(end) = end.filter(|end| !rises || interval.1 > end * (1.0 + 1e-9)) {
-                let label = format!("must rise and end by the end of the run, `{end}` s");
-                check.report(Fault::new("the interval of a time mean is wrong", mean.span, label));
-            }
-            interval
-        });
+        let mean = probe.mean.as_ref().map(|mean| mean_interval(mean, end, check));
         let kind = probe_kind(&probe.kind.value, check);
         let usual = if matches!(kind, ProbeKind::Line { .. }) { every } else { monitor_every };
         let every = probe.every.as_ref().map_or(usual, |number| check.positive(number, "s"));
@@ -81,7 +74,24 @@ pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> O
     }
     let checkpoint_every =
         file.checkpoint_every.as_ref().map_or(CHECKPOINT_EVERY, |number| check.positive(number, "s"));
-    OutputSettings { every, monitor_every, checkpoint_every, forces: file.forces, probes }
+    let fields = file.fields.as_ref().map(|fields| field_grids::fields(fields, every, end, check));
+    OutputSettings { every, monitor_every, checkpoint_every, forces: file.forces, probes, fields }
+}
+
+/// Returns the interval of a time mean, s, which must rise and end with the run.
+pub(super) fn mean_interval(
+    mean: &Spanned<(Number, Number)>,
+    end: Option<f64>,
+    check: &mut Checker<'_>,
+) -> (f64, f64) {
+    let (from, to) = &mean.value;
+    let interval = (check.not_negative(from, "s"), check.positive(to, "s"));
+    let rises = interval.0 < interval.1;
+    if let Some(end) = end.filter(|end| !rises || interval.1 > end * (1.0 + 1e-9)) {
+        let label = format!("must rise and end by the end of the run, `{end}` s");
+        check.report(Fault::new("the interval of a time mean is wrong", mean.span, label));
+    }
+    interval
 }
 
 fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {

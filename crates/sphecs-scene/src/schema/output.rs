@@ -26,6 +26,50 @@ pub struct OutputFile {
     /// Points, lines and sections at which the run measures, default none.
     #[serde(default)]
     pub probes: Vec<ProbeFile>,
+    /// Fields on a regular grid, default none.
+    #[serde(default)]
+    pub fields: Option<Spanned<FieldsFile>>,
+}
+
+/// Fields of the flow on a regular grid: velocity, pressure, density, vorticity, fluid fraction
+/// and, if the scene has one, tag. Take it for maps, time means and Reynolds stresses.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename = "Fields", deny_unknown_fields)]
+pub struct FieldsFile {
+    /// Distance of the nodes, m, default the particle spacing. It is adjusted along each axis so
+    /// that the cells fill the box around the domain.
+    #[serde(default)]
+    pub spacing: Option<Number>,
+    /// Interval between the times that are written, s, default that of the frames.
+    #[serde(default)]
+    pub every: Option<Number>,
+    /// Interval of time means, variances and Reynolds stresses, s, default none.
+    #[serde(default)]
+    pub mean: Option<Spanned<(Number, Number)>>,
+    /// Interval between the samples of the means, s, default the time in which the reference
+    /// velocity passes half a cell.
+    #[serde(default)]
+    pub mean_every: Option<Number>,
+    /// True to write the whole domain, default true without planes.
+    #[serde(default)]
+    pub volume: Option<bool>,
+    /// Planes of a 3D scene that have grids of their own, default none.
+    #[serde(default)]
+    pub planes: Vec<FieldPlaneFile>,
+}
+
+/// A plane with a grid.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename = "FieldPlane", deny_unknown_fields)]
+pub struct FieldPlaneFile {
+    /// Name, which must differ from the others in letters a to z or digits.
+    pub name: Text,
+    /// A point of the plane, m.
+    pub at: Vector,
+    /// Direction of its normal, dimensionless.
+    pub normal: Vector,
 }
 
 /// A declared measurement.

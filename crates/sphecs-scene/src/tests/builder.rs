@@ -6,13 +6,14 @@ use miette::NarratableReportHandler;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::gridded::gridded_fields;
 use super::schema_fields::{self, Names};
 use super::shipped::scene;
 use crate::builder::{
-    BendSection, Body, Concentric, EdacTvf, Emitter, Fluid, Formula, Initial, Inlet, InletVelocity, Lattice,
-    MassFlow, MassFlux, Motion, Mover, Number, Outlet, Output, Packed, PoiseuilleStartup, Probe, Reference,
-    Reservoir, Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill, WallFitted,
-    WallPart, Walls, Wcsph, ron_text,
+    BendSection, Body, Concentric, EdacTvf, Emitter, Fields, Fluid, Formula, Initial, Inlet, InletVelocity,
+    Lattice, MassFlow, MassFlux, Motion, Mover, Number, Outlet, Output, Packed, PoiseuilleStartup, Probe,
+    Reference, Reservoir, Rotation, SceneBuilder, Shape, Time, Translation, Turning, Vector, WallFill,
+    WallFitted, WallPart, Walls, Wcsph, ron_text,
 };
 use crate::expression::Constants;
 use crate::faults::SceneErrors;
@@ -41,6 +42,7 @@ fn quickstart() -> SceneBuilder {
     let block = |bottom, top| Shape::cuboid((0.06, bottom), (0.10, top));
     let inflow = "v0 * 0.5*(1 - cos(pi*min(t/t0, 1))) * (1 - 4*y^2/D^2)";
     let section = |name, x| Probe::section(name, (x, 0.0), (1.0, 0.0)).mean((1.0, 2.0));
+    let output = Output::at_interval(0.05).fields(Fields::default().mean((1.0, 2.0)));
     let axis = Probe::line("axis", (0.0, 0.0), ("L", 0.0), 81).mean((1.0, 2.0));
     Scene::builder(2)
         .name("quickstart")
@@ -63,9 +65,7 @@ fn quickstart() -> SceneBuilder {
         .outlet(Outlet::new(("L", 0.0), (1.0, 0.0)).condition(OutletCondition::default()))
         .time(Time::until(2.0))
         .reference(Reference::new().velocity("2/3*v0*D/d").length("d"))
-        .output(
-            Output::at_interval(0.05).probe(section("inlet", 0.02)).probe(section("gap", 0.08)).probe(axis),
-        )
+        .output(output.probe(section("inlet", 0.02)).probe(section("gap", 0.08)).probe(axis))
 }
 
 /// A closed box with what a scene requires and nothing more.
@@ -265,6 +265,7 @@ fn complete() -> SceneBuilder {
                 .monitor_every(0.01)
                 .forces(ForcesEvery::Row)
                 .checkpoint_every(60)
+                .fields(gridded_fields())
                 .probe(Probe::point("point", (0.0, "R")).sees(ProbeSight::Flow))
                 .probe(Probe::line("line", (0.0, 0.0), (1.0, 0.0), 11).every("R/10").mean((0.0, "R")))
                 .probe(Probe::section("section", (0.0, 0.0), (1.0, 0.0))),

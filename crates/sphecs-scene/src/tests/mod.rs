@@ -4,6 +4,7 @@ mod builder;
 mod emitters;
 mod faults;
 mod filling;
+mod gridded;
 #[cfg(feature = "schema")]
 mod manual;
 mod meshes;

@@ -1,14 +1,17 @@
 //! Loop of a run: steps, scheduled output, progress and the reasons to stop.
 
+mod writing;
+
 use std::time::Instant;
 
-use super::console::Console;
-use super::error::RunError;
-use super::output_schedule::WallClock;
-use super::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
-use super::run_state::{self, RunState};
-use super::signals::{Signal, Signals};
-use super::{Ending, RunOptions, report};
+use crate::console::Console;
+use crate::error::RunError;
+use crate::gridded::GriddedFields;
+use crate::output_schedule::WallClock;
+use crate::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
+use crate::run_state::{self, RunState};
+use crate::signals::{Signal, Signals};
+use crate::{Ending, RunOptions, report};
 use sphecs_core::format::{duration, grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
@@ -21,13 +24,14 @@ use sphecs_output::header::Header;
 use sphecs_output::pack::Packed;
 use sphecs_output::probes::ProbeSet;
 use sphecs_output::summary::{LedgerCounts, StageTime, Status, Summary, this_build};
-use sphecs_scene::model::{ForcesEvery, Scene};
+use sphecs_scene::model::Scene;
 
 /// A run in progress.
 pub struct RunLoop {
     simulation: Simulation,
     folder: RunFolder,
     probes: ProbeSet,
+    fields: GriddedFields,
     signals: Signals,
     console: Console,
     display: ProgressDisplay,
@@ -68,30 +72,30 @@ impl RunLoop {
         let until = options.until.unwrap_or(scene.time.end);
         let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
         options.console.print(&report::start_summary(scene, simulation.ledger(), until, options));
-        let state = RunState::new(&scene.output);
+        let state = RunState::new(scene);
+        let fields = GriddedFields::new(scene);
         let first_frame = Some(first);
-        Ok(Self { first_frame, ..Self::new(simulation, folder, state, None, options, signals) })
+        let run = Self::new(simulation, (folder, fields), state, None, options, signals);
+        Ok(Self { first_frame, ..run })
     }
 
     /// Continues a run whose folder is cut back to a checkpoint, from which simulation and state
     /// come; the header of the folder has the end of the run.
     pub(super) fn resume(
         simulation: Simulation,
-        folder: RunFolder,
+        (folder, fields): (RunFolder, GriddedFields),
         state: RunState,
         options: &RunOptions,
         signals: Signals,
     ) -> Self {
-        let scene = simulation.scene();
-        let time = simulation.clock().time;
-        let state = state.resumed(&scene.output, time);
+        let state = state.resumed(simulation.scene(), simulation.clock().time);
         let last = (simulation.clock().step > 0).then_some(simulation.clock().step);
-        Self::new(simulation, folder, state, last, options, signals)
+        Self::new(simulation, (folder, fields), state, last, options, signals)
     }
 
     fn new(
         simulation: Simulation,
-        folder: RunFolder,
+        (folder, fields): (RunFolder, GriddedFields),
         state: RunState,
         last_checkpoint: Option<u64>,
         options: &RunOptions,
@@ -113,6 +117,7 @@ impl RunLoop {
             notes_printed: simulation.notes().len(),
             simulation,
             folder,
+            fields,
             signals,
             console: options.console,
             display: ProgressDisplay::new(options.console),
@@ -207,6 +212,7 @@ impl RunLoop {
             stages: self.stages().into_iter().map(|(_, seconds)| seconds).collect(),
             ..self.state.clone()
         };
+        self.fields.save(&mut columns);
         columns.put(run_state::COLUMN, encode_record(&state));
         self.folder.checkpoint(&clock, columns)?;
         self.state.output_time += now.elapsed().as_secs_f64();
@@ -226,91 +232,6 @@ impl RunLoop {
     fn stages(&self) -> Vec<(&'static str, f64)> {
         let stages = self.simulation.stage_times().into_iter().enumerate();
         stages.map(|(index, (name, seconds))| (name, self.state.stage(index, seconds))).collect()
-    }
-
-    fn write_due_output(&mut self) -> Result<(), OutputError> {
-        let started = Instant::now();
-        let time = self.simulation.clock().time;
-        if self.state.rows.advance(time) {
-            self.write_row()?;
-        }
-        let due = self.state.probes_due(time);
-        self.write_samples(&due)?;
-        if self.state.frames.advance(time) {
-            self.write_frame()?;
-        }
-        self.state.output_time += started.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// Writes the forces of the last step if they are due in every step or with the monitor row at
-    /// its beginning.
-    fn write_forces(&mut self) -> Result<(), OutputError> {
-        let row = self.simulation.body_forces();
-        let every_step = self.simulation.scene().output.forces == ForcesEvery::Step;
-        if every_step || self.state.last_row_step == Some(row.step) {
-            self.folder.forces(row)?;
-        }
-        Ok(())
-    }
-
-    fn write_last_output(&mut self) -> Result<(), OutputError> {
-        let step = self.simulation.clock().step;
-        // A row may be written at this step without a frame; a second one would repeat its time.
-        if self.state.last_row_step != Some(step) {
-            self.write_row()?;
-        }
-        self.write_samples(&self.state.probes_without(step))?;
-        if self.state.last_frame != Some(step) {
-            self.write_frame()?;
-        }
-        Ok(())
-    }
-
-    fn write_row(&mut self) -> Result<(), OutputError> {
-        self.state.last_row = self.simulation.monitor_row();
-        self.state.last_row_step = Some(self.state.last_row.step);
-        self.folder.monitor(&self.state.last_row)?;
-        for note in self.state.record_row(self.simulation.scene()) {
-            self.display.print(&format!("note: {note}"));
-        }
-        Ok(())
-    }
-
-    /// Samples the probes that are due.
-    fn write_samples(&mut self, due: &[bool]) -> Result<(), OutputError> {
-        if !due.contains(&true) {
-            return Ok(());
-        }
-        let clock = self.simulation.clock();
-        let samples = self.simulation.sample_seeing(&self.probes.points(due));
-        let pressures = self.simulation.sample_pressure(&self.probes.section_points(due));
-        let flows = self.simulation.mass_flows(&self.probes.sections(due));
-        self.folder.probe(&self.probes.reduce(due, clock.time, &samples, &pressures, &flows))?;
-        self.state.record_samples(due, clock.step);
-        Ok(())
-    }
-
-    fn write_frame(&mut self) -> Result<(), OutputError> {
-        let clock = self.simulation.clock();
-        let first = self.first_frame.take().filter(|first| first.step == clock.step);
-        self.folder.submit(first.unwrap_or_else(|| Frame::from_world(self.simulation.world())))?;
-        if self.console == Console::Verbose {
-            let row = &self.state.last_row;
-            self.display.print(&format!(
-                "frame {:>4}  t = {:<10} step {:<9} largest speed {} m/s, |Δρ|/ρ0 {}, {} through walls, {} close pairs",
-                self.state.frame_count,
-                format!("{} s", significant(clock.time)),
-                grouped(clock.step),
-                significant(row.largest_speed),
-                significant(row.largest_density_deviation),
-                row.through_walls,
-                row.close_pairs,
-            ));
-        }
-        self.state.last_frame = Some(clock.step);
-        self.state.frame_count += 1;
-        Ok(())
     }
 
     fn update_progress(&mut self) {

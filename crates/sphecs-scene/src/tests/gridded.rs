@@ -1,0 +1,14 @@
+//! Gridded fields with every setting, for the tests of the builder.
+
+use crate::builder::{FieldPlane, Fields};
+
+/// Returns gridded fields with every setting.
+pub(super) fn gridded_fields() -> Fields {
+    Fields::default()
+        .spacing("R/10")
+        .every(0.1)
+        .mean((0.0, "R"))
+        .mean_every(0.01)
+        .volume(true)
+        .plane(FieldPlane::new("mid", (0.0, 0.0), (1.0, 0.0)))
+}
