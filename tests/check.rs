@@ -36,6 +36,8 @@ fn strict_check_has_an_exit_code_for_notes() {
         "--strict",
         "--set",
         "output.probes=[]",
+        "--set",
+        "output.fields=()",
     ];
     ends(0, sphecs(fine));
 }

@@ -43,11 +43,13 @@ def under_way(tmp_path):
 def test_a_run_has_all_its_files(run, bodies):
     assert set(run.probes.children) == {"inlet", "gap", "axis"}
     assert run.monitor.kinetic_energy[-1] > 0
+    assert run.fields.u.dims == ("time", "y", "x")
+    assert run.fields.u.isel(time=-1).max() > 0.1
     assert "cylinder" in bodies.forces.children
     with pytest.raises(FileNotFoundError, match="forces.nc"):
         _ = run.forces
     with pytest.raises(FileNotFoundError, match="fields.nc"):
-        _ = run.fields
+        _ = bodies.fields
     assert run.summary == json.loads((run.folder / "summary.json").read_text())
     assert isinstance(run.notes, list)
 

@@ -1,4 +1,6 @@
-//! Curves of equal distance from a surface in a plane, by marching squares, Lorensen & Cline (1987).
+//! Curves of equal distance from a surface in a plane, by marching squares.
+//!
+//! The squares are those of Lorensen & Cline (1987) in two dimensions.
 
 use std::collections::BTreeMap;
 

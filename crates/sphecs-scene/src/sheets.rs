@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! N_k = V_k/Δ³,   V_k: volume of the shell k Δ ≤ φ < (k + 1) Δ
-//! x_i += β Δ P Σ_j (1 − r_ij/R)² x_ij/r_ij,   R = 1.7 Δ,  P: projection onto the layer φ = (k + ½) Δ
+//! x_i += β Δ P Σ_j (1 − r_ij/R)² x_ij/r_ij,   R = 1.7 Δ
 //! ```
 //!
-//! The N_k particles start in cells of the lattice, by the shares of the cells in the shell. The sum
-//! runs over the neighbours in the same layer; φ is the signed distance behind the surface.
+//! The N_k particles start in cells of the lattice, by the shares of the cells in the shell. The
+//! sum runs over the neighbours in the same layer; φ is the signed distance behind the surface and
+//! P the projection onto the layer, φ = (k + ½) Δ.
 
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};

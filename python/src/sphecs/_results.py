@@ -101,7 +101,7 @@ class Run:
 
     @property
     def fields(self) -> xr.Dataset:
-        """Fields on a grid, if the scene writes `fields.nc`."""
+        """Fields on a grid and their means, if the scene asks for them; planes are groups of `fields.nc`."""
         return self._open("fields.nc")
 
     def _xarray(self) -> Any:
@@ -115,7 +115,7 @@ class Run:
         xarray = self._xarray()
         path = (folder or self.folder) / name
         if not path.exists():
-            raise FileNotFoundError(f"{path} does not exist: the scene writes none, or the run has just begun")
+            raise FileNotFoundError(f"{path} does not exist: the scene writes none, or the run is under way")
         return (xarray.open_datatree if tree else xarray.open_dataset)(path)
 
     def _table(self, name: str, tree: bool = False) -> Any:

@@ -114,8 +114,8 @@ impl Surface {
         if self.is_inside(point) { -distance } else { distance }
     }
 
-    /// Returns a distance from a point, m, within which there is no surface: between four fifths and
-    /// all of that of the nearest point.
+    /// Returns a distance from a point, m, within which there is no surface: between four fifths
+    /// and all of that of the nearest point.
     pub fn clearance(&self, point: DVec3) -> f64 {
         nearest::clearance(&self.bvh, &self.mesh, point, 1.25)
     }

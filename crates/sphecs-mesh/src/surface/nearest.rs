@@ -77,8 +77,8 @@ pub(crate) fn nearest_within(bvh: &Bvh, mesh: &Triangulation, query: DVec3, boun
 }
 
 /// Returns a distance from `query`, m, within which there is no surface: at least 1/`slack` of that
-/// of the nearest point. From near the centre of a round surface, to which all triangles are as far,
-/// the search for the nearest one would visit them all.
+/// of the nearest point. From near the centre of a round surface, to which all triangles are as
+/// far, the search for the nearest one would visit them all.
 pub(crate) fn clearance(bvh: &Bvh, mesh: &Triangulation, query: DVec3, slack: f64) -> f64 {
     let mut best = f64::INFINITY;
     let mut stack = [(0_u32, box_distance_squared(&bvh.nodes[0], query)); STACK];

@@ -64,8 +64,8 @@ description! {
     /// A lattice relaxed onto the walls, with layers of wall particles along all of them.
     pub struct Packed {
         /// Sets the angle by which the axes of the lattice in the midst of the fluid are turned
-        /// anticlockwise from those of the scene, degrees; default that of the walls where one angle
-        /// serves them.
+        /// anticlockwise from those of the scene, degrees; default that of the walls where one
+        /// angle serves them.
         angle: Number,
         /// Sets the axis of the rotation in 3D, default z.
         axis: Vector,

@@ -158,8 +158,8 @@ impl Shape {
         }
     }
 
-    /// Returns a distance from a point, m, within which no part has a surface. Where meshes are part
-    /// of the shape, it takes less time than the signed distance.
+    /// Returns a distance from a point, m, within which no part has a surface. Where meshes are
+    /// part of the shape, it takes less time than the signed distance.
     pub fn clearance(&self, point: DVec3) -> f64 {
         let of_all = |shapes: &[Shape]| {
             shapes.iter().map(|shape| shape.clearance(point)).fold(f64::INFINITY, f64::min)

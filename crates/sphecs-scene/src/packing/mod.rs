@@ -1,8 +1,8 @@
 //! Fill fitted to walls of any shape: zones, fluid and walls of even density, each of its volume.
 //!
 //! On a lattice the fluid before curved or oblique walls ends in stairs, its mass is off by some
-//! percent in narrow sections, and the first steps of a run smooth the stairs by sound. `Packed` has
-//! walls in [layers](super::layers), [columns](sections) in the zones of openings, and as much
+//! percent in narrow sections, and the first steps of a run smooth the stairs by sound. `Packed`
+//! has walls in [layers](super::layers), [columns](sections) in the zones of openings, and as much
 //! fluid as the domain has [volume](cell_shares). Where the density then differs from that of the
 //! lattice, the fluid is [relaxed](relaxation). A domain along the lattice keeps its lattice.
 

@@ -4,10 +4,10 @@
 //! x_i ← x_i − β h² Σ_j V ∇W_ij,   V = Δ^D
 //! ```
 //!
-//! This is the packing of Colagrossi et al. (2012) with the kernel of the scene and without inertia:
-//! particles go down the gradient of their concentration, C_i = Σ_j V W_ij, as they do in the
-//! shifting of a run. Wall and zone particles stay where they are. Sums run over sorted cells in a
-//! fixed order, so the result does not depend on the number of threads.
+//! This is the packing of Colagrossi et al. (2012) with the kernel of the scene and without
+//! inertia: particles go down the gradient of their concentration, C_i = Σ_j V W_ij, as they do in
+//! the shifting of a run. Wall and zone particles stay where they are. Sums run over sorted cells
+//! in a fixed order, so the result does not depend on the number of threads.
 
 use glam::DVec3;
 use rayon::iter::{
@@ -77,8 +77,8 @@ pub(super) fn concentrations<const D: usize>(
 
 /// Moves particles amid others that are fixed until their concentration is even.
 ///
-/// `held` takes a point and a bound of its signed distance behind the walls, m, and returns the point
-/// before walls and openings with its bound.
+/// `held` takes a point and a bound of its signed distance behind the walls, m, and returns the
+/// point before walls and openings with its bound.
 pub(super) fn relax<const D: usize>(
     moving: &mut [DVec3],
     fixed: &[DVec3],

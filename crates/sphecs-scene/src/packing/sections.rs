@@ -54,7 +54,7 @@ struct Section<'a> {
     number: usize,
     patch: &'a Patch,
     outwards: DVec3,
-    /// Distance beyond the plane at which walls are looked for, m.
+    /// Distance beyond the plane at which the walls are searched, m.
     middle: f64,
 }
 
@@ -162,7 +162,7 @@ impl Section<'_> {
     }
 }
 
-/// Axes of the cells in the plane of an opening, and of the rows across it.
+/// Axes of the cells in the plane of an opening, and the rows along its normal.
 struct Frame {
     axes: [DVec3; 2],
     /// Coordinate of an edge of the cells along each axis, m.

@@ -276,8 +276,8 @@ pub enum FillFile {
         jitter: Option<Number>,
     },
     /// A lattice relaxed onto the walls: layers of wall particles along all of them, and fluid and
-    /// zones of even density up to them, with the mass of their volume. Take it for curved or oblique
-    /// walls, above all in narrow sections and around bodies.
+    /// zones of even density up to them, with the mass of their volume. Take it for curved or
+    /// oblique walls, above all in narrow sections and around bodies.
     Packed {
         /// Angle of the lattice in the midst of the fluid, degrees, default as of `Lattice`.
         #[serde(default)]
