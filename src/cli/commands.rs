@@ -26,6 +26,7 @@ use sphecs_run::error::RunError;
 use sphecs_run::memory;
 use sphecs_run::resume::{self, ResumeOptions};
 use sphecs_run::threads::on_threads;
+use sphecs_run::waiting;
 use sphecs_run::{Ending, RunOptions, default_folder, report};
 use sphecs_scene::model::Scene;
 use sphecs_validate::schema::Tier;
@@ -102,15 +103,16 @@ fn code_of(ending: Ending) -> u8 {
 pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let scene = load(&arguments.input)?;
     let threads = arguments.threads.map(usize::from);
-    let seeds = on_threads(threads, || sphecs_scene::seeds(&scene)).map_err(RunError::Threads)?;
+    let seeds = || on_threads(threads, || sphecs_scene::seeds(&scene));
+    let seeds = waiting::during("placing the particles", seeds).map_err(RunError::Threads)?;
     if let Some(path) = &arguments.picture {
         make_parent(path)?;
         let options = RenderOptions { slice: arguments.slice, ..RenderOptions::default() };
         picture::render_plan(&scene, &seeds, &options, &disk::target(path))?;
     }
     let options = CheckOptions { until: arguments.until, timed: !arguments.no_timing };
-    let report =
-        on_threads(threads, || scene_check::check(&scene, seeds, &options)).map_err(RunError::Threads)?;
+    let report = || on_threads(threads, || scene_check::check(&scene, seeds, &options));
+    let report = waiting::during("measuring the scene", report).map_err(RunError::Threads)?;
     Console::Normal.print(&report.text);
     if let Some(path) = &arguments.picture {
         Console::Normal.print(&format!("\nthe picture is {}", path.display()));
@@ -275,7 +277,8 @@ fn load(input: &SceneArguments) -> Result<Scene, Failure> {
 
 fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Failure> {
     let loader = Scene::from_file(&input.scene).sets(&input.sets).memory(memory);
-    Ok(if input.smoke { loader.smoke() } else { loader }.load()?)
+    let loader = if input.smoke { loader.smoke() } else { loader };
+    Ok(waiting::during("reading the scene", || loader.load())?)
 }
 
 /// Makes the folder of a file.

@@ -6,7 +6,7 @@
 //! - [`gridded`]: gridded fields and their means
 //! - [`run_state`]: state of the loop that a checkpoint saves
 //! - [`report`]: summaries at the start and at the end, and the report on a flow that stopped
-//! - [`progress`]: speed, time left and their display
+//! - [`progress`]: speed, time left and their display; [`waiting`]: a spinner before the first step
 //! - [`check`]: figures and cost of a run before it starts
 //! - `doubtful`: notes on choices that are seldom meant
 //! - [`disk_check`]: free disk space before the start
@@ -33,6 +33,7 @@ pub mod run_loop;
 pub mod run_state;
 pub mod signals;
 pub mod threads;
+pub mod waiting;
 
 use std::path::{Component, Path, PathBuf};
 

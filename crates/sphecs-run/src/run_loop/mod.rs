@@ -11,7 +11,7 @@ use crate::output_schedule::WallClock;
 use crate::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
 use crate::run_state::{self, RunState};
 use crate::signals::{Signal, Signals};
-use crate::{Ending, RunOptions, report};
+use crate::{Ending, RunOptions, report, waiting};
 use sphecs_core::format::{duration, grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
@@ -63,7 +63,7 @@ impl RunLoop {
     /// # Errors
     /// [`RunError::Output`] when the folder cannot be made.
     pub fn start(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Self, RunError> {
-        let mut simulation = Simulation::builder(scene).build()?;
+        let mut simulation = waiting::during("placing the particles", || Simulation::builder(scene).build())?;
         let first = Frame::from_world(simulation.world());
         let scene = simulation.scene();
         let mut header = Header::new(scene, &first);
