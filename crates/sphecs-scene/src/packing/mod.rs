@@ -2,9 +2,9 @@
 //!
 //! On a lattice the fluid before curved or oblique walls ends in stairs, its mass is off by some
 //! percent in narrow sections, and the first steps of a run smooth the stairs by sound. `Packed`
-//! has walls in [layers](super::layers), [columns](sections) in the zones of openings, and as much
-//! fluid as the domain has [volume](cell_shares). Where the density then differs from that of the
-//! lattice, the fluid is [relaxed](relaxation). A domain along the lattice keeps its lattice.
+//! has walls in [layers](super::layers), columns (`sections`) in the zones of openings, and as much
+//! fluid as the domain has volume (`cell_shares`). Where the density then differs from that of the
+//! lattice, the fluid is relaxed (`relaxation`). A domain along the lattice keeps its lattice.
 
 mod cell_shares;
 mod relaxation;
