@@ -16,7 +16,8 @@ pub(crate) struct Triangulation {
 impl Triangulation {
     /// Returns the corners of a triangle, m.
     pub(crate) fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     /// Returns the area of a triangle times its unit normal, m².

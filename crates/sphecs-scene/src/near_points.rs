@@ -72,8 +72,12 @@ impl<const D: usize> NearPoints<D> {
         let reach = self.grid.support().powi(2);
         self.grid.for_each_run_near(at, at, |rows, shift| {
             for other in &self.positions[rows] {
-                let way: [f64; D] = std::array::from_fn(|axis| at[axis] - other[axis] - shift[axis]);
-                let square = way.iter().map(|part| part * part).sum::<f64>();
+                // Plain loops: closures over arrays are calls in builds without full optimisation.
+                let (mut way, mut square) = ([0.0; D], 0.0);
+                for axis in 0..D {
+                    way[axis] = at[axis] - other[axis] - shift[axis];
+                    square += way[axis] * way[axis];
+                }
                 if square < reach {
                     visit(way, square.sqrt());
                 }

@@ -64,12 +64,10 @@ pub(crate) fn nearest_within(bvh: &Bvh, mesh: &Triangulation, query: DVec3, boun
             }
             continue;
         }
-        let children = [index + 1, node.first]
-            .map(|child| (child, box_distance_squared(&bvh.nodes[child as usize], query)));
-        let is_first_nearer = children[0].1 < children[1].1;
-        let [near, far] = if is_first_nearer { children } else { [children[1], children[0]] };
-        stack[held] = far;
-        stack[held + 1] = near;
+        let of = |child: u32| (child, box_distance_squared(&bvh.nodes[child as usize], query));
+        let (first, second) = (of(index + 1), of(node.first));
+        let is_first_nearer = first.1 < second.1;
+        (stack[held], stack[held + 1]) = if is_first_nearer { (second, first) } else { (first, second) };
         held += 2;
     }
     best.distance = best.distance.sqrt();
@@ -97,12 +95,10 @@ pub(crate) fn clearance(bvh: &Bvh, mesh: &Triangulation, query: DVec3, slack: f6
             }
             continue;
         }
-        let children = [index + 1, node.first]
-            .map(|child| (child, box_distance_squared(&bvh.nodes[child as usize], query)));
-        let is_first_nearer = children[0].1 < children[1].1;
-        let [near, far] = if is_first_nearer { children } else { [children[1], children[0]] };
-        stack[held] = far;
-        stack[held + 1] = near;
+        let of = |child: u32| (child, box_distance_squared(&bvh.nodes[child as usize], query));
+        let (first, second) = (of(index + 1), of(node.first));
+        let is_first_nearer = first.1 < second.1;
+        (stack[held], stack[held + 1]) = if is_first_nearer { (second, first) } else { (first, second) };
         held += 2;
     }
     best.sqrt() / slack

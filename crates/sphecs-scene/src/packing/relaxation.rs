@@ -48,7 +48,9 @@ impl<const D: usize> WithShape for Gradient<'_, D> {
         self.sorted.for_each_near(self.point, |way, distance| {
             let q = distance * inverse;
             let Array([slope]) = K::slope(Array([q]), Array([1.0 / q.max(f64::MIN_POSITIVE.sqrt())]));
-            (0..D).for_each(|axis| sums[axis] += way[axis] * slope);
+            for axis in 0..D {
+                sums[axis] += way[axis] * slope;
+            }
         });
         let mut gradient = DVec3::ZERO;
         (0..D).for_each(|axis| gradient[axis] = sums[axis]);
