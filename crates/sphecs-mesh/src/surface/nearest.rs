@@ -49,27 +49,11 @@ pub(crate) fn nearest_within(bvh: &Bvh, mesh: &Triangulation, query: DVec3, boun
         // The square of the distance until the end.
         distance: bound * bound * (1.0 + ROUNDING),
     };
-    let mut stack = [(0_u32, box_distance_squared(&bvh.nodes[0], query)); STACK];
-    let mut held = 1;
-    while held > 0 {
-        held -= 1;
-        let (index, distance) = stack[held];
-        if distance > best.distance {
-            continue;
-        }
-        let node = &bvh.nodes[index as usize];
-        if node.count > 0 {
-            for triangle in bvh.leaf(node) {
-                take_nearer(&mut best, mesh, *triangle, query);
-            }
-            continue;
-        }
-        let of = |child: u32| (child, box_distance_squared(&bvh.nodes[child as usize], query));
-        let (first, second) = (of(index + 1), of(node.first));
-        let is_first_nearer = first.1 < second.1;
-        (stack[held], stack[held + 1]) = if is_first_nearer { (second, first) } else { (first, second) };
-        held += 2;
-    }
+    let limit = best.distance;
+    visit_near(bvh, query, 1.0, limit, |triangle| {
+        take_nearer(&mut best, mesh, triangle, query);
+        best.distance
+    });
     best.distance = best.distance.sqrt();
     (best.triangle != u32::MAX && best.distance <= bound).then_some(best)
 }
@@ -79,19 +63,31 @@ pub(crate) fn nearest_within(bvh: &Bvh, mesh: &Triangulation, query: DVec3, boun
 /// far, the search for the nearest one would visit them all.
 pub(crate) fn clearance(bvh: &Bvh, mesh: &Triangulation, query: DVec3, slack: f64) -> f64 {
     let mut best = f64::INFINITY;
+    visit_near(bvh, query, slack, best, |triangle| {
+        let (point, _) = closest(mesh.corners(triangle as usize), query);
+        best = best.min(point.distance_squared(query));
+        best
+    });
+    best.sqrt() / slack
+}
+
+/// Calls `visit` with the triangles that may be nearer to `query` than a limit, nearer boxes first.
+///
+/// The limit is the square of a distance, m², and `visit` returns the next one. Boxes whose
+/// distance times `slack` is more than that are left out.
+fn visit_near(bvh: &Bvh, query: DVec3, slack: f64, mut limit: f64, mut visit: impl FnMut(u32) -> f64) {
     let mut stack = [(0_u32, box_distance_squared(&bvh.nodes[0], query)); STACK];
     let mut held = 1;
     while held > 0 {
         held -= 1;
         let (index, distance) = stack[held];
-        if distance * slack * slack > best {
+        if distance * slack * slack > limit {
             continue;
         }
         let node = &bvh.nodes[index as usize];
         if node.count > 0 {
             for triangle in bvh.leaf(node) {
-                let (point, _) = closest(mesh.corners(*triangle as usize), query);
-                best = best.min(point.distance_squared(query));
+                limit = visit(*triangle);
             }
             continue;
         }
@@ -101,7 +97,6 @@ pub(crate) fn clearance(bvh: &Bvh, mesh: &Triangulation, query: DVec3, slack: f6
         (stack[held], stack[held + 1]) = if is_first_nearer { (second, first) } else { (first, second) };
         held += 2;
     }
-    best.sqrt() / slack
 }
 
 /// Replaces the best point, with the square of its distance, by that of a triangle if it is nearer.

@@ -72,6 +72,9 @@ fn compare_with_all_triangles(name: &str, surface: &Surface, count: usize) {
         let bounded = surface.nearest_within(query, found.distance);
         assert_eq!(bounded.map(|near| near.triangle), Some(found.triangle), "{name} {query}");
         assert_eq!(surface.nearest_within(query, 0.999 * found.distance), None, "{name} {query}");
+        let clear = surface.clearance(query);
+        let allowed = 0.8 * least - tolerance..=least + tolerance;
+        assert!(allowed.contains(&clear), "{name} {query}: clear by {clear}, nearest is {least}");
         let exact = winding(surface, query);
         assert_eq!(surface.is_inside(query), exact > 0.5, "{name} {query}: {exact}");
         assert_eq!(surface.signed_distance(query) < 0.0, exact > 0.5, "{name} {query}");
