@@ -212,7 +212,7 @@ fn names_do_not_lead_out_of_the_folder() {
         fs::write(
             inner.join(name),
             format!(
-                "Case(title: \"t\", source: \"s\", setting: \"s\", runs: [(name: \"{runs}\", scene: \"{quick}\", tier: Quick, set: [(\"time.end\", \"0.005\"), (\"output.probes\", \"[]\")])], figures: [], {more})"
+                "Case(title: \"t\", source: \"s\", setting: \"s\", runs: [(name: \"{runs}\", scene: \"{quick}\", tier: Quick, set: [(\"time.end\", \"0.005\"), (\"output.probes\", \"[]\"), (\"output.fields\", \"()\")])], figures: [], {more})"
             ),
         )
         .expect("written");
