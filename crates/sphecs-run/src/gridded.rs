@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn the_end_of_a_run_is_sampled() {
         let mut schedule = schedule(10.0, 1.0);
-        assert!(schedule.sample((1.0, 9.0), 1.5, false).is_some());
+        assert_eq!(schedule.sample((1.0, 9.0), 1.5, false), Some(0.5));
         assert_eq!(schedule.sample((1.0, 9.0), 3.0, false), None);
         assert_eq!(schedule.sample((1.0, 9.0), 3.0, true), Some(1.5));
         assert_eq!(schedule.sample((1.0, 9.0), 3.0, true), None);

@@ -1,10 +1,11 @@
 //! Selection of lattice cells that together have the volume of the fluid.
 //!
 //! A cell cut by a wall or by the plane of an opening counts with the share of its volume that is
-//! fluid, from 4 points along each axis in 3D and 8 in 2D, where the distance
-//! follows from those of the corners and of the centre. Going through the cells in their order,
-//! a particle is placed whenever the volume passed so far exceeds that of the particles by half of
-//! one. So every stretch of the surface has its mass to within a particle, and all of the fluid to
+//! fluid. The share is that of 4 points along each axis in 3D, 8 in 2D. The distance at a point
+//! follows from those of the corners and of the centre.
+//!
+//! The cells are visited in their order, and a particle is placed whenever the volume so far
+//! exceeds that of the particles by half of one. So every stretch of the surface has its mass to within a particle, and all of the fluid to
 //! within half of one.
 
 use glam::DVec3;

@@ -133,12 +133,13 @@ fn even<const D: usize>(
     });
     others.extend(fluid.iter());
     let held = |to: DVec3, bound: f64| {
-        let (mut to, bound) = held_by(to, bound, spacing, D, &|point| confined_distance(scene, point));
+        let (mut to, mut bound) = held_by(to, bound, spacing, D, &|point| confined_distance(scene, point));
         for (number, (patch, is_inlet, columns)) in zones.iter().enumerate() {
             let past = beyond(patch, *is_inlet, to) - columns.start + KEPT_FROM_WALLS * spacing;
             if past > 0.0 && is_before_zone(scene, number, patch, *is_inlet, to) {
                 let outwards = if *is_inlet { -patch.towards } else { patch.towards };
                 to -= outwards * past;
+                bound += past;
             }
         }
         (to, bound)

@@ -17,6 +17,7 @@ use crate::lattice::Lattice;
 use crate::model::{Patch, Scene};
 use crate::near_points::Region;
 use sphecs_core::discretisation::Discretisation;
+use sphecs_core::math::lattice::LatticeSums;
 
 /// Cells of the grid for the walls' layers per spacing.
 const CELLS: f64 = 4.0;
@@ -129,10 +130,11 @@ impl Section<'_> {
         let walls: Vec<DVec3> = layers.flat_map(|curve| spread(&curve, spacing)).collect();
         let lengths = scene.discretisation;
         let lengths = Discretisation::new(lengths.kernel, 2, spacing, lengths.smoothing_ratio, 1.0);
+        let lattice = LatticeSums::new(lengths.kernel, lengths.smoothing_ratio, 2).density;
         let all: Vec<DVec3> = feet.iter().chain(&walls).copied().collect();
         if concentrations::<2>(&feet, &all, &region, &lengths)
             .iter()
-            .any(|share| (share - 1.0).abs() > DISTURBED)
+            .any(|share| (share / lattice - 1.0).abs() > DISTURBED)
         {
             let held = |to: DVec3, bound: f64| held_by(to, bound, spacing, 2, &distance);
             relax::<2>(&mut feet, &walls, &region, &lengths, held);
