@@ -5,8 +5,8 @@
 //! follows from those of the corners and of the centre.
 //!
 //! The cells are visited in their order, and a particle is placed whenever the volume so far
-//! exceeds that of the particles by half of one. So every stretch of the surface has its mass to within a particle, and all of the fluid to
-//! within half of one.
+//! exceeds that of the particles by half of one. So every stretch of the surface has its mass to
+//! within a particle, and all of the fluid to within half of one.
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
