@@ -12,9 +12,9 @@ sys.path.insert(0, str(ROOT / "python"))
 
 
 def binary():
-    """Returns the program under test: `$SPHECS`, or the latest build of cargo."""
+    """Returns the absolute path of the program under test: `$SPHECS`, or the latest build of cargo."""
     if "SPHECS" in os.environ:
-        return Path(os.environ["SPHECS"])
+        return Path(os.environ["SPHECS"]).resolve()
     built = [path for kind in ("release", "debug") if (path := ROOT / "target" / kind / "sphecs").exists()]
     if not built:
         pytest.exit("no program to test: run `cargo build --release`, or set SPHECS to its path", 2)
