@@ -30,13 +30,13 @@ def run_with_all_files(tmp_path_factory):
     """Runs some steps of a scene with bodies, probes, means, an inlet and an outlet."""
     folder = tmp_path_factory.mktemp("cf") / "run"
     mean = ["--set", "bodies.0.mean=(0.0, 0.5)", "--set", "output.probes.0.mean=(0.0, 0.5)"]
-    mean += ["--set", "output.fields=(mean: (0.0, 0.5))"]
+    mean += ["--set", "output.fields=(mean: (0.0, 0.5))", "--set", "output.walls=(mean: (0.0, 0.5))"]
     output = ["--set", "output.every=0.1", "--set", "output.monitor_every=0.05"]
     sphecs("run", "scenes/cylinder_re20.ron", "--smoke", "--until", 0.5, *mean, *output, "--out", folder, "--quiet")
     return folder
 
 
-@pytest.mark.parametrize("file", ["particles.nc", "monitor.nc", "probes.nc", "forces.nc", "fields.nc"])
+@pytest.mark.parametrize("file", ["particles.nc", "monitor.nc", "probes.nc", "forces.nc", "fields.nc", "walls.nc"])
 def test_files_follow_cf(run_with_all_files, file, tmp_path):
     report = tmp_path / "report.json"
     command = [CHECKER, "--test=cf:1.11", "--criteria=strict", "--format=json", f"--output={report}"]

@@ -9,6 +9,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::help_arguments::{CompletionsArguments, ExplainArguments, ManArguments, NewArguments};
 use super::run_arguments::{ResumeArguments, RunArguments};
+use super::sweep::SweepArguments;
 use super::values::{assignment, colours, export_path, fields, finite, picture_file, positive, range, slice};
 use sphecs_output::picture::{Colours, Field, Slice};
 
@@ -78,6 +79,8 @@ pub enum Command {
     Run(RunArguments),
     /// Resume a run that was stopped or killed, with bitwise identical results
     Resume(ResumeArguments),
+    /// Run a scene for each combination of values, several runs at once
+    Sweep(SweepArguments),
     /// Check a scene before its run: resolution, speeds, time scales, run time, memory and disk
     Check(CheckArguments),
     /// Draw a field of a run

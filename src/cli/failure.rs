@@ -7,6 +7,7 @@ use miette::{Diagnostic, MietteHandlerOpts, Report};
 use sphecs_bench::BenchError;
 use sphecs_output::error::OutputError;
 use sphecs_run::error::RunError;
+use sphecs_run::sweep::SweepError;
 use sphecs_scene::faults::SceneErrors;
 use sphecs_scene::manual::UnknownPath;
 use sphecs_validate::ValidateError;
@@ -44,6 +45,10 @@ pub enum Failure {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Run(#[from] RunError),
+    /// A sweep was stopped by an error.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sweep(#[from] SweepError),
     /// A file could not be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -63,11 +68,16 @@ impl Failure {
         match self {
             Failure::Scene(_)
             | Failure::Path(_)
+            | Failure::Sweep(SweepError::Scene { .. })
             | Failure::Validate(ValidateError::Case(_) | ValidateError::Scene(_))
             | Failure::Bench(BenchError::Scene(_) | BenchError::Threads(_)) => BAD_INPUT,
             Failure::Bench(BenchError::Flow { .. }) => FLOW,
-            Failure::Run(error) | Failure::Validate(ValidateError::Run(error)) => code_of_run(error),
-            Failure::Output(error) | Failure::Validate(ValidateError::Output(error)) => code_of_output(error),
+            Failure::Run(error)
+            | Failure::Validate(ValidateError::Run(error))
+            | Failure::Sweep(SweepError::Run(error)) => code_of_run(error),
+            Failure::Output(error)
+            | Failure::Validate(ValidateError::Output(error))
+            | Failure::Sweep(SweepError::Output(error)) => code_of_output(error),
         }
     }
 

@@ -5,6 +5,7 @@
 //! - [`check_arguments`]: arguments of `bench` and `validate`
 //! - [`help_arguments`]: arguments of `explain`, `new`, `completions` and `man`
 //! - [`commands`]: one function for each command
+//! - [`sweep`]: the command `sweep` with its arguments
 //! - [`explain`], [`new_scene`], [`shell`]: commands that help to write scenes and command lines
 //! - `command_line_page`: page of the manual
 //! - `values`: values of arguments
@@ -21,6 +22,7 @@ pub mod help_arguments;
 pub mod new_scene;
 pub mod run_arguments;
 pub mod shell;
+pub mod sweep;
 mod values;
 
 use std::ffi::OsString;
@@ -55,6 +57,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     let result = match arguments.command {
         Command::Run(run) => commands::run(&run),
         Command::Resume(resume) => commands::resume(&resume),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Check(check) => commands::check(&check),
         Command::Render(render) => commands::render(&render),
         Command::Info(info) => commands::info(&info),

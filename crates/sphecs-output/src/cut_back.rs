@@ -16,6 +16,7 @@ use crate::header::Header;
 use crate::journal;
 use crate::netcdf::particles::{self, ParticleFile};
 use crate::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
+use crate::walls::files;
 
 /// Checks that the output counted by a checkpoint exists.
 ///
@@ -29,6 +30,10 @@ pub fn has_output(run: &Path, header: &Header, facts: &Facts) -> Result<(), Stri
     let fields = packing::times(run, header).map_err(|error| error.to_string())?;
     if fields < facts.fields {
         return Err(format!("counts {} times of gridded fields, the run has {fields}", facts.fields));
+    }
+    let walls = files::times(run, header).map_err(|error| error.to_string())?;
+    if walls < facts.walls {
+        return Err(format!("counts {} times at the walls, the run has {walls}", facts.walls));
     }
     let tables = [(paths::MONITOR_CSV, facts.monitor_bytes), (paths::FORCES_CSV, facts.forces_bytes)];
     let tables = tables.map(|(name, bytes)| (run.join(name), bytes));
@@ -74,24 +79,30 @@ pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), Output
             remove(&path)?;
         }
     }
+    for path in files::wall_paths(&journal)? {
+        if paths::surface_index(&path).is_none_or(|index| index >= facts.walls) {
+            remove(&path)?;
+        }
+    }
     // The sums of the checkpoint replace them.
     remove(&paths::fields_means(&journal))?;
+    remove(&paths::surface_means(&journal))?;
     if facts.frames == 0 {
         remove(&paths::walls(&journal))?;
     }
     remove_partial(&journal)?;
     disk::sync_folder(&journal)?;
     remove_folder(&run.join(PACKED_JOURNAL))?;
-    let packed =
-        [PARTICLES, paths::FIELDS, paths::MONITOR_NETCDF, paths::PROBES_NETCDF, paths::PROBES_MEAN_CSV];
-    for name in packed.into_iter().chain([paths::FORCES_NETCDF, paths::FORCES_MEAN_CSV]) {
+    let packed = [PARTICLES, paths::FIELDS, paths::WALLS, paths::MONITOR_NETCDF, paths::PROBES_NETCDF];
+    let others = [paths::PROBES_MEAN_CSV, paths::FORCES_NETCDF, paths::FORCES_MEAN_CSV];
+    for name in packed.into_iter().chain(others) {
         remove(&run.join(name))?;
     }
     remove_partial(run)?;
     disk::sync_folder(run)
 }
 
-/// Writes the frames and gridded fields that a checkpoint counts into a new journal.
+/// Writes the frames, gridded fields and quantities at the walls that a checkpoint counts into a new journal.
 fn unpack(run: &Path, journal: &Path, header: &Header, facts: &Facts) -> Result<(), OutputError> {
     let count = facts.frames;
     let partial = disk::partial_name(journal);
@@ -106,6 +117,7 @@ fn unpack(run: &Path, journal: &Path, header: &Header, facts: &Facts) -> Result<
         }
     }
     packing::unpack(run, &partial, header, facts.fields)?;
+    files::unpack(run, &partial, header, facts.walls)?;
     fs::rename(&partial, journal).map_err(OutputError::io(journal, "make the folder"))?;
     disk::sync_folder(run)
 }

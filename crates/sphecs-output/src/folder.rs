@@ -23,6 +23,8 @@ use super::probes::ProbeSet;
 use super::probes::writer::ProbeWriter;
 use super::start::start;
 use super::summary::Summary;
+use super::walls::at_time::WallSnapshot;
+use super::walls::over_time::WallMeans;
 use sphecs_core::math::column::Columns;
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_engine::resources::clock::Clock;
@@ -42,6 +44,8 @@ pub struct RunFolder {
     submitted: u64,
     /// Number of times of the gridded fields submitted.
     fields: u64,
+    /// Number of times of the quantities at the walls submitted.
+    walls: u64,
     _lock: Lock,
 }
 
@@ -101,6 +105,7 @@ impl RunFolder {
             forces,
             submitted: facts.frames,
             fields: facts.fields,
+            walls: facts.walls,
             path: path.to_path_buf(),
             header: header.clone(),
             _lock: lock,
@@ -143,6 +148,7 @@ impl RunFolder {
             step: clock.step,
             frames: self.submitted,
             fields: self.fields,
+            walls: self.walls,
             monitor_bytes: self.monitor.table().length(),
             probes_bytes: self.probes.as_ref().map_or_else(Vec::new, ProbeWriter::lengths),
             forces_bytes: self.forces.as_ref().map_or(0, |forces| forces.table().length()),
@@ -169,6 +175,24 @@ impl RunFolder {
     /// As [`Self::submit`].
     pub fn submit_field_means(&mut self, means: FieldMeans) -> Result<(), OutputError> {
         self.frames.as_mut().map_or(Ok(()), |frames| frames.submit_field_means(means))
+    }
+
+    /// Submits quantities at the walls to the writer thread.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_walls(&mut self, walls: WallSnapshot) -> Result<(), OutputError> {
+        let index = self.walls;
+        self.walls += 1;
+        self.frames.as_mut().map_or(Ok(()), |frames| frames.submit_walls(walls, index))
+    }
+
+    /// Submits the means at the walls to the writer thread.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_wall_means(&mut self, means: WallMeans) -> Result<(), OutputError> {
+        self.frames.as_mut().map_or(Ok(()), |frames| frames.submit_wall_means(means))
     }
 
     /// Returns the step of the last checkpoint that is complete and durable.

@@ -86,6 +86,27 @@ pub struct Header {
     /// Fields on grids.
     #[serde(default)]
     pub fields: Option<FieldsHeader>,
+    /// Quantities at the walls.
+    #[serde(default)]
+    pub wall_quantities: Option<WallsHeader>,
+}
+
+/// Quantities at the walls of the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WallsHeader {
+    /// True if a wall with points changes its place.
+    pub moves: bool,
+    /// Interval of the means, s.
+    pub mean: Option<(f64, f64)>,
+}
+
+impl WallsHeader {
+    /// Returns the header of the quantities at the walls of a scene; None without them.
+    pub fn of(scene: &Scene) -> Option<Self> {
+        let output = scene.output.walls.as_ref()?;
+        let mean = output.mean.map(|(from, to)| (finite(from), finite(to)));
+        Some(Self { moves: scene.has_moving_wall_points(), mean })
+    }
 }
 
 /// Grids of the scene.
@@ -224,6 +245,7 @@ impl Header {
                 .collect(),
             bodies: scene.bodies.iter().map(|body| BodyHeader::of(scene, body)).collect(),
             fields: FieldsHeader::of(scene),
+            wall_quantities: WallsHeader::of(scene),
         }
     }
 

@@ -21,6 +21,9 @@ use super::frame::Frame;
 use super::header::Header;
 use super::netcdf::particles;
 use super::paths;
+use super::walls::at_time::WallSnapshot;
+use super::walls::files;
+use super::walls::over_time::WallMeans;
 
 /// Largest number of waiting frames, so that one is ready while another is written. More would only
 /// hide a slow disk.
@@ -47,6 +50,10 @@ enum Item {
     Fields(Box<FieldSnapshot>, u64),
     /// Means of the gridded fields.
     FieldMeans(Box<FieldMeans>),
+    /// Quantities at the walls and the index of their time.
+    Walls(Box<WallSnapshot>, u64),
+    /// Means at the walls.
+    WallMeans(Box<WallMeans>),
     /// A checkpoint and the tables that must be durable before it.
     Checkpoint(Box<Checkpoint>, Vec<PathBuf>),
 }
@@ -122,6 +129,22 @@ impl FrameWriter {
         self.send(Item::FieldMeans(Box::new(means)))
     }
 
+    /// Submits quantities at the walls as the time `index`.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_walls(&mut self, walls: WallSnapshot, index: u64) -> Result<(), OutputError> {
+        self.send(Item::Walls(Box::new(walls), index))
+    }
+
+    /// Submits the means at the walls, which replace those submitted before.
+    ///
+    /// # Errors
+    /// As [`Self::submit`].
+    pub fn submit_wall_means(&mut self, means: WallMeans) -> Result<(), OutputError> {
+        self.send(Item::WallMeans(Box::new(means)))
+    }
+
     /// Submits a checkpoint and the tables that must be durable before it.
     ///
     /// # Errors
@@ -194,6 +217,12 @@ impl WriterThread {
                 }
                 Item::FieldMeans(means) => {
                     packing::write_means(&paths::fields_means(&self.journal), &self.header, &means)?;
+                }
+                Item::Walls(walls, index) => {
+                    files::write_time(&paths::surface(&self.journal, index), &self.header, *walls)?;
+                }
+                Item::WallMeans(means) => {
+                    files::write_means(&paths::surface_means(&self.journal), &self.header, &means)?;
                 }
                 Item::Checkpoint(checkpoint, tables) => {
                     for table in tables {

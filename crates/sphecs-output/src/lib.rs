@@ -36,3 +36,4 @@ pub mod start;
 pub mod summary;
 mod table;
 pub mod vtk;
+pub mod walls;

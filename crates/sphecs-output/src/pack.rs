@@ -1,5 +1,5 @@
-//! Packing of the journal and the CSV files into `particles.nc`, `fields.nc`, `monitor.nc`,
-//! `probes.nc` and `forces.nc`.
+//! Packing of the journal and the CSV files into `particles.nc`, `fields.nc`, `walls.nc`,
+//! `monitor.nc`, `probes.nc` and `forces.nc`.
 //!
 //! A file is removed only after its replacement is complete and durable. A kill during packing
 //! loses nothing: packing again starts from the journal.
@@ -17,7 +17,7 @@ use super::netcdf::particles::{self, ParticleFile};
 use super::netcdf::slots::Slots;
 use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 use super::results::read_header;
-use super::{fields, forces, monitor, probes};
+use super::{fields, forces, monitor, probes, walls};
 
 /// Files and frames that packing produced.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -57,6 +57,7 @@ pub fn pack_locked(folder: &Path, header: &Header) -> Result<Packed, OutputError
             packed.files.push(folder.join(PARTICLES));
         }
         fields::packing::pack(folder, &journal, header, &mut packed)?;
+        walls::files::pack(folder, &journal, header, &mut packed)?;
         retire(folder, &journal)?;
     }
     remove_folder(&folder.join(PACKED_JOURNAL))?;

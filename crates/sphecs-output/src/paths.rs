@@ -44,6 +44,8 @@ pub const PROBES_NETCDF: &str = "probes.nc";
 pub const PROBES_MEAN_CSV: &str = "probes_mean.csv";
 /// Fields on grids, made from the journal when the run is packed.
 pub const FIELDS: &str = "fields.nc";
+/// Pressure and shear stress at the walls, made from the journal when the run is packed.
+pub const WALLS: &str = "walls.nc";
 /// Forces and torques on the bodies over time.
 pub const FORCES_CSV: &str = "forces.csv";
 /// Forces, torques and means, made from the CSV file when the run is packed.
@@ -92,6 +94,23 @@ pub fn fields_means(journal: &Path) -> PathBuf {
 pub fn fields_index(path: &Path) -> Option<u64> {
     let name = path.file_name()?.to_str()?;
     name.strip_prefix("fields-")?.strip_suffix(".nc")?.parse().ok()
+}
+
+/// Returns the path of the quantities at the walls at one time in a journal.
+pub fn surface(journal: &Path, index: u64) -> PathBuf {
+    journal.join(format!("surface-{index:08}.nc"))
+}
+
+/// Returns the path of the means at the walls in a journal.
+pub fn surface_means(journal: &Path) -> PathBuf {
+    journal.join("surface_means.nc")
+}
+
+/// Returns the index of a time of the quantities at the walls by the name of its file; None for any
+/// other file.
+pub fn surface_index(path: &Path) -> Option<u64> {
+    let name = path.file_name()?.to_str()?;
+    name.strip_prefix("surface-")?.strip_suffix(".nc")?.parse().ok()
 }
 
 /// Returns the file name of the checkpoint of a step.

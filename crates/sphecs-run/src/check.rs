@@ -315,7 +315,9 @@ fn early_mean_note(scene: &Scene, until: f64, path: &FlowPath) -> Option<String>
     let probes = scene.output.probes.iter().filter_map(|probe| Some((probe.name.as_str(), probe.mean?.0)));
     let bodies = scene.bodies.iter().filter(|body| body.reference.is_some());
     let fields = scene.output.fields.iter().filter_map(|fields| Some(("fields", fields.mean?.0)));
-    let all = probes.chain(bodies.map(|body| (body.name.as_str(), body.mean.0))).chain(fields);
+    let walls = scene.output.walls.iter().filter_map(|walls| Some(("walls", walls.mean?.0)));
+    let bodies = bodies.map(|body| (body.name.as_str(), body.mean.0));
+    let all = probes.chain(bodies).chain(fields).chain(walls);
     let early: Vec<String> =
         all.filter(|(_, from)| is_early(*from)).map(|(name, _)| format!("`{name}`")).collect();
     if early.is_empty() {
@@ -340,6 +342,7 @@ fn disk_text(disk: &DiskEstimate) -> String {
         }
     };
     add("fields", disk.field_bytes);
+    add("walls", disk.wall_bytes);
     add("probes", disk.probe_bytes);
     add("forces", disk.force_bytes);
     add("monitor", disk.monitor_bytes);

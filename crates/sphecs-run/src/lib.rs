@@ -3,7 +3,8 @@
 //! - [`run_loop`]: steps, output, checkpoints and the reasons to stop
 //! - [`resume`]: continuation of a run from its last checkpoint
 //! - [`output_schedule`]: times of frames, rows and checkpoints, and the wall-time limit
-//! - [`gridded`]: gridded fields and their means
+//! - [`gridded`], [`wall_output`]: gridded fields and quantities at the walls, with their means
+//! - [`sample_schedule`]: the times of both
 //! - [`run_state`]: state of the loop that a checkpoint saves
 //! - [`report`]: summaries at the start and at the end, and the report on a flow that stopped
 //! - [`progress`]: speed, time left and their display; [`waiting`]: a spinner before the first step
@@ -12,11 +13,13 @@
 //! - [`disk_check`]: free disk space before the start
 //! - [`memory`]: memory of the machine
 //! - [`environment`]: environment variables
+//! - [`concurrent`], [`sweep`]: several runs at once, and one for each combination of values
 //! - [`console`], [`signals`], [`threads`], [`error`]: terminal, signals, threads and errors of the
 //!   process
 
 pub mod check;
 pub mod close_pairs;
+pub mod concurrent;
 pub mod console;
 pub mod disk_check;
 mod doubtful;
@@ -31,9 +34,12 @@ pub mod report;
 pub mod resume;
 pub mod run_loop;
 pub mod run_state;
+pub mod sample_schedule;
 pub mod signals;
+pub mod sweep;
 pub mod threads;
 pub mod waiting;
+pub mod wall_output;
 
 use std::path::{Component, Path, PathBuf};
 

@@ -13,6 +13,7 @@ use super::run_loop::RunLoop;
 use super::run_state::{self, RunState};
 use super::signals::Signals;
 use super::threads::on_threads;
+use super::wall_output::WallQuantities;
 use super::{Ending, RunOptions, report};
 use sphecs_core::format::{grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
@@ -76,13 +77,13 @@ fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>,
     let lock = Lock::acquire_without_links(path)?;
     let status = Summary::read(path)?.status;
     let (scene, changes) = changed_scene(options, &header)?;
-    let (last, facts, simulation, (state, fields)) = match latest(options, &header)? {
+    let (last, facts, simulation, (state, sampled)) = match latest(options, &header)? {
         Some((last, checkpoint)) => {
             let (facts, simulation, state) = restored(scene, checkpoint)?;
             (Some(last), facts, simulation, state)
         }
         None => {
-            let state = (RunState::new(&scene), GriddedFields::new(&scene));
+            let state = (RunState::new(&scene), (GriddedFields::new(&scene), WallQuantities::new(&scene)));
             (None, Facts::default(), Simulation::builder(scene).build()?, state)
         }
     };
@@ -113,7 +114,7 @@ fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>,
     });
     Store::of(path).cut_back(last.as_deref())?;
     let folder = RunFolder::resume(path, &header, &ProbeSet::new(scene), &facts, lock)?;
-    Ok(Some(RunLoop::resume(simulation, (folder, fields), state, &options.run, signals)))
+    Ok(Some(RunLoop::resume(simulation, (folder, sampled), state, &options.run, signals)))
 }
 
 /// Returns the scene of the run with all changes, and the changes.
@@ -201,7 +202,7 @@ fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<(PathBuf, C
 fn restored(
     scene: Scene,
     checkpoint: Checkpoint,
-) -> Result<(Facts, Simulation, (RunState, GriddedFields)), RunError> {
+) -> Result<(Facts, Simulation, (RunState, (GriddedFields, WallQuantities))), RunError> {
     let Checkpoint { facts, mut state } = checkpoint;
     let mismatch = |what: String| {
         request(format!("the checkpoint of step {} does not match the scene: {what}", facts.step))
@@ -209,9 +210,10 @@ fn restored(
     let run_state = state.take::<u8>(run_state::COLUMN).map_err(|error| mismatch(error.to_string()))?;
     let run_state = decode_record(&run_state).map_err(mismatch)?;
     let fields = GriddedFields::restore(&scene, &mut state).map_err(|error| mismatch(error.to_string()))?;
+    let walls = WallQuantities::restore(&scene, &mut state).map_err(|error| mismatch(error.to_string()))?;
     let simulation = Simulation::builder(scene).state(state).build();
     let simulation = simulation.map_err(|error| mismatch(error.to_string()))?;
-    Ok((facts, simulation, (run_state, fields)))
+    Ok((facts, simulation, (run_state, (fields, walls))))
 }
 
 fn request(what: String) -> RunError {

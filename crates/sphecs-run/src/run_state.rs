@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::close_pairs::CloseRows;
-use super::gridded::FieldSchedule;
 use super::output_schedule::OutputInterval;
+use super::sample_schedule::SampleSchedule;
 use sphecs_core::format::significant;
 use sphecs_engine::systems::monitor::MonitorRow;
 use sphecs_scene::model::Scene;
@@ -35,7 +35,10 @@ pub struct RunState {
     pub last_frame: Option<u64>,
     /// Schedule of the gridded fields; None without them.
     #[serde(default)]
-    pub fields: Option<FieldSchedule>,
+    pub fields: Option<SampleSchedule>,
+    /// Schedule of the quantities at the walls; None without them.
+    #[serde(default)]
+    pub walls: Option<SampleSchedule>,
     /// Number of frames submitted.
     pub frame_count: u64,
     /// Last monitor row.
@@ -62,13 +65,18 @@ impl RunState {
     /// Returns the state before the first output.
     pub fn new(scene: &Scene) -> Self {
         let output = &scene.output;
+        let fields = output.fields.as_ref().map(|fields| (fields.every, fields.mean, scene.mean_interval()));
+        let walls = output.walls.as_ref().map(|walls| (walls.every, walls.mean, scene.wall_mean_interval()));
+        let [fields, walls] = [fields, walls]
+            .map(|times| times.map(|(every, mean, mean_every)| SampleSchedule::new(every, mean, mean_every)));
         Self {
             frames: OutputInterval::every(output.every),
             rows: OutputInterval::every(output.monitor_every),
             probes: output.probes.iter().map(|probe| OutputInterval::every(probe.every)).collect(),
             last_samples: vec![None; output.probes.len()],
             last_frame: None,
-            fields: FieldSchedule::new(scene),
+            fields,
+            walls,
             frame_count: 0,
             last_row: MonitorRow::default(),
             last_row_step: None,
@@ -87,10 +95,15 @@ impl RunState {
     pub fn resumed(self, scene: &Scene, time: f64) -> Self {
         let output = &scene.output;
         let probes = self.probes.into_iter().zip(&output.probes);
+        let resumed = |schedule: Option<SampleSchedule>, every: Option<f64>| match (schedule, every) {
+            (Some(schedule), Some(every)) => Some(schedule.resumed(every, time)),
+            (schedule, _) => schedule,
+        };
         Self {
             frames: self.frames.resumed(output.every, time),
             rows: self.rows.resumed(output.monitor_every, time),
-            fields: self.fields.map(|fields| fields.resumed(scene, time)),
+            fields: resumed(self.fields, output.fields.as_ref().map(|fields| fields.every)),
+            walls: resumed(self.walls, output.walls.as_ref().map(|walls| walls.every)),
             probes: probes.map(|(interval, probe)| interval.resumed(probe.every, time)).collect(),
             ..self
         }

@@ -39,6 +39,8 @@ pub struct DiskEstimate {
     pub field_bytes: f64,
     /// Part of them from times at the interval of the frames.
     pub field_bytes_with_frames: f64,
+    /// Bytes of the quantities at the walls, means included.
+    pub wall_bytes: f64,
     /// Bytes of the forces on bodies.
     pub force_bytes: f64,
     /// Bytes of the checkpoints.
@@ -85,10 +87,13 @@ impl DiskEstimate {
         let field_times =
             scene.output.fields.as_ref().map(|fields| (fields.every, times_written(fields.every)));
         let (field_every, field_times) = field_times.unwrap_or((f64::INFINITY, 0.0));
+        let walls = WallBytes::of(scene);
+        let wall_times = scene.output.walls.as_ref().map_or(0.0, |walls| times_written(walls.every));
         let has_frame_times = field_every.to_bits() == scene.output.every.to_bits();
         Self {
             field_bytes: field_times * fields.time + fields.means,
             field_bytes_with_frames: if has_frame_times { field_times * fields.time } else { 0.0 },
+            wall_bytes: wall_times * walls.time + walls.means,
             frames,
             frame_bytes: frames * moving * frame_bytes(scene.dimensions),
             monitor_bytes: rows * NUMBER_BYTES * (MONITOR_COLUMNS + openings),
@@ -100,13 +105,19 @@ impl DiskEstimate {
             } else {
                 0.0
             },
-            checkpoint_bytes: CHECKPOINTS * (all * checkpoint_bytes(scene.dimensions) + fields.sums),
+            checkpoint_bytes: CHECKPOINTS
+                * (all * checkpoint_bytes(scene.dimensions) + fields.sums + walls.sums),
         }
     }
 
     /// Returns the size of the folder after the run, B.
     pub fn total(&self) -> f64 {
-        self.frame_bytes + self.field_bytes + self.row_bytes() + self.checkpoint_bytes + EMPTY_BYTES
+        self.frame_bytes
+            + self.field_bytes
+            + self.wall_bytes
+            + self.row_bytes()
+            + self.checkpoint_bytes
+            + EMPTY_BYTES
     }
 
     /// Returns the peak disk usage, B: frames and gridded fields exist twice while they are packed,
@@ -130,7 +141,7 @@ impl DiskEstimate {
 
     fn bytes_beside_frames(&self) -> f64 {
         let checkpoints = self.checkpoint_bytes * (CHECKPOINTS + 1.0) / CHECKPOINTS;
-        2.0 * self.field_bytes + self.row_bytes() + checkpoints + EMPTY_BYTES
+        2.0 * (self.field_bytes + self.wall_bytes) + self.row_bytes() + checkpoints + EMPTY_BYTES
     }
 }
 
@@ -150,6 +161,31 @@ impl FieldBytes {
         let has_means = scene.output.fields.as_ref().is_some_and(|fields| fields.mean.is_some());
         let means = if has_means { nodes * means_of_fields(scene) } else { 0.0 };
         Self { time: nodes * (4.0 * values_of_fields(scene) + 1.0), means: 4.0 * means, sums: 8.0 * means }
+    }
+}
+
+/// Sizes of the quantities at the walls, B, before compression.
+#[derive(Default)]
+struct WallBytes {
+    /// One time.
+    time: f64,
+    /// Means.
+    means: f64,
+    /// Sums of the means in a checkpoint.
+    sums: f64,
+}
+
+impl WallBytes {
+    fn of(scene: &Scene) -> Self {
+        let Some(output) = &scene.output.walls else { return Self::default() };
+        let points = scene.wall_points().len() as f64;
+        let axes = scene.dimensions as f64;
+        // Pressure, y⁺ and shear stress, with place and normal if the walls move.
+        let moving = if scene.has_moving_wall_points() { 2.0 * axes } else { 0.0 };
+        let time = 4.0 * points * (2.0 + axes + moving);
+        // Pressure and its variance, mean stress and its mean magnitude, shear index, y⁺, weight.
+        let means = if output.mean.is_some() { points * (6.0 + axes) } else { 0.0 };
+        Self { time, means: 4.0 * means, sums: 8.0 * means }
     }
 }
 

@@ -205,8 +205,13 @@ impl Scene {
     /// their passage.
     pub fn mean_interval(&self) -> f64 {
         let Some(output) = &self.output.fields else { return f64::INFINITY };
+        output.mean_every.unwrap_or_else(|| self.sampling_interval(output.spacing.max(self.spacing)))
+    }
+
+    /// Returns the time in which the reference velocity passes half of a length in m, s.
+    pub(crate) fn sampling_interval(&self, length: f64) -> f64 {
         let speed = self.reference_velocity.max(SLOWEST * self.fluid.sound_speed);
-        output.mean_every.unwrap_or(CELLS_BETWEEN_SAMPLES * output.spacing.max(self.spacing) / speed)
+        CELLS_BETWEEN_SAMPLES * length / speed
     }
 }
 

@@ -94,10 +94,14 @@ fn is_fitted(scene: &Scene, wall: Wall, point: DVec3) -> bool {
     })
 }
 
+/// Depth at which the curves of a surface are sought, in spacings.
+const BESIDE_SEAMS: f64 = 1e-6;
+
 /// Returns the curves of the surface of a wall at the start in 2D, m; a closed curve ends at its
 /// first point.
 pub fn surface_curves(scene: &Scene, wall: Wall) -> Vec<Vec<DVec3>> {
-    let curves = distance_grid(scene, wall).curves(0.0).into_iter();
+    // The seam of a period has the distance 0, too, but is no surface.
+    let curves = distance_grid(scene, wall).curves(BESIDE_SEAMS * scene.spacing).into_iter();
     let moved =
         |curve: Vec<DVec3>| curve.into_iter().map(|point| moved_to(scene, wall, point, 0.0)).collect();
     curves.map(moved).collect()

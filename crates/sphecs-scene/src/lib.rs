@@ -26,6 +26,7 @@
 //! * [`motion`]: prescribed motions of walls
 //! * [`movers`], [`mover_places`]: walls that move, and their particles
 //! * [`displaced_flow`]: the flow that they displace
+//! * [`wall_points`]: points of its walls at which pressure and shear stress are measured
 //! * [`thin_walls`]: solid that is thinner than the kernel reaches
 //! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
 //!   are sought
@@ -88,6 +89,7 @@ pub mod thin_walls;
 pub mod time_value;
 mod units;
 pub mod wall_particles;
+pub mod wall_points;
 
 #[cfg(test)]
 mod tests;

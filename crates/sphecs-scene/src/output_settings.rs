@@ -3,6 +3,7 @@
 use super::body::ForcesEvery;
 use super::field_grid::FieldOutput;
 use super::probe::Probe;
+use super::wall_points::WallOutput;
 
 /// Output of a run and its times.
 #[derive(Clone, Debug)]
@@ -19,4 +20,6 @@ pub struct OutputSettings {
     pub probes: Vec<Probe>,
     /// Fields on grids; None: not written.
     pub fields: Option<FieldOutput>,
+    /// Pressure and shear stress at the walls; None: not written.
+    pub walls: Option<WallOutput>,
 }

@@ -104,6 +104,11 @@ class Run:
         """Fields on a grid and their means, if the scene asks for them; planes are groups of `fields.nc`."""
         return self._open("fields.nc")
 
+    @property
+    def walls(self) -> xr.Dataset:
+        """Pressure and shear stress at the walls and their means, if the scene asks for them."""
+        return self._open("walls.nc")
+
     def _xarray(self) -> Any:
         xarray = needs("xarray", "results", "reading results")
         needs("netCDF4", "results", "reading results")

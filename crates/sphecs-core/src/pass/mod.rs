@@ -12,6 +12,7 @@
 //! | [`waves`] | outflow | sums of an outlet's wave equation, and concentration gradient |
 //! | [`sampling`] | none | the fluid's fields at arbitrary points, vectorised over the neighbours |
 //! | [`grid_rows`] | none | the fluid's fields and their curl at the nodes of a grid, vectorised over the nodes |
+//! | [`surface_flow`] | none | pressure and shear stress at points of the walls |
 //! | [`section`] | none | mass flow through planes |
 //! | [`rates`] | fluid | acceleration, shifting vector, divergence, time-step signal: one fused pair loop |
 //! | [`wall_friction`] | fluid | friction of walls with a wall function |
@@ -59,6 +60,7 @@ pub mod settings;
 pub mod strain;
 pub mod stress;
 pub mod sums;
+pub mod surface_flow;
 pub mod wall_distance;
 pub mod wall_friction;
 pub mod wall_velocity;

@@ -32,6 +32,7 @@ pub use sphecs_core::particles::sample::Sample;
 use sphecs_core::pass::grid_rows::{NodeRow, RowSink};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::section::Section;
+use sphecs_core::pass::surface_flow::{SurfaceFlow, SurfacePoint};
 use sphecs_scene::model::{ProbeSight, Scene, Scheme};
 
 /// Simulation of a scene.
@@ -56,6 +57,7 @@ struct TypedFunctions {
     sample: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>>,
     pressure: fn(&World, &[(DVec3, ProbeSight)]) -> Vec<Option<f64>>,
     sample_rows: fn(&World, &[NodeRow], &mut [&mut dyn RowSink], bool),
+    sample_surface: fn(&World, &[SurfacePoint], f64) -> Vec<Option<SurfaceFlow>>,
     mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
 }
 
@@ -74,6 +76,7 @@ impl TypedFunctions {
             sample: sampling::sample::<R, D>,
             pressure: sampling::pressure::<R, D>,
             sample_rows: sampling::sample_rows::<R, D>,
+            sample_surface: sampling::sample_surface::<R, D>,
             mass_flows: sampling::mass_flows::<R, D>,
         }
     }
@@ -149,6 +152,11 @@ impl Simulation {
     /// Returns the scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// Returns the scene as a reference of its own, so that the simulation can be changed beside it.
+    pub fn shared_scene(&self) -> Arc<Scene> {
+        Arc::clone(&self.scene)
     }
 
     /// Returns the world with up-to-date components, density and pressure at the present positions
@@ -248,6 +256,13 @@ impl Simulation {
     pub fn sample_rows(&mut self, rows: &[NodeRow], sinks: &mut [&mut dyn RowSink], tagged: bool) {
         self.refresh();
         (self.functions.sample_rows)(&self.world, rows, sinks, tagged);
+    }
+
+    /// Returns pressure and shear stress at points of the walls; None at a point without fluid
+    /// nearby.
+    pub fn sample_surface(&mut self, points: &[SurfacePoint]) -> Vec<Option<SurfaceFlow>> {
+        self.refresh();
+        (self.functions.sample_surface)(&self.world, points, self.scene.fluid.viscosity)
     }
 
     /// Returns the mass flow through sections along their normals, kg/s (per metre of depth in 2D).

@@ -20,6 +20,7 @@ use sphecs_core::pass::grid_rows::{NodeRow, RowSampler, RowSink};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::sampling::Sampler;
 use sphecs_core::pass::section::{self, Section};
+use sphecs_core::pass::surface_flow::{SurfaceFlow, SurfacePoint, SurfaceSampler};
 use sphecs_scene::model::ProbeSight;
 
 /// Sorts the particles at their present positions and sums their density, so that all values belong
@@ -109,6 +110,18 @@ pub(crate) fn sample_rows<R: PairReal<D>, const D: usize>(
         tags: &tags,
     };
     sampler.sample(rows, sinks, |sink, fields| sink.take(fields));
+}
+
+/// Returns the flow at points of the walls of a fluid of a kinematic viscosity, m²/s; None at a
+/// point without fluid nearby.
+pub(crate) fn sample_surface<R: PairReal<D>, const D: usize>(
+    world: &World,
+    points: &[SurfacePoint],
+    viscosity: f64,
+) -> Vec<Option<SurfaceFlow>> {
+    let arrays = world.resource::<Arrays<R, D>>();
+    let pair = &world.resource::<Pair>().0;
+    SurfaceSampler::new(&world.resource::<Grid<D>>().0, arrays, pair, viscosity).sample(points)
 }
 
 /// Returns the passive scalars of particles by their numbers, which only their components have.

@@ -34,6 +34,9 @@ pub struct Facts {
     /// Times of the gridded fields up to the step.
     #[serde(default)]
     pub fields: u64,
+    /// Times of the quantities at the walls up to the step.
+    #[serde(default)]
+    pub walls: u64,
     /// Bytes of `monitor.csv` up to the step.
     pub monitor_bytes: u64,
     /// Bytes of the CSV file of each probe up to the step, in the order of the scene.

@@ -11,6 +11,7 @@ use crate::output_schedule::WallClock;
 use crate::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
 use crate::run_state::{self, RunState};
 use crate::signals::{Signal, Signals};
+use crate::wall_output::WallQuantities;
 use crate::{Ending, RunOptions, report, waiting};
 use sphecs_core::format::{duration, grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
@@ -32,6 +33,7 @@ pub struct RunLoop {
     folder: RunFolder,
     probes: ProbeSet,
     fields: GriddedFields,
+    walls: WallQuantities,
     signals: Signals,
     console: Console,
     display: ProgressDisplay,
@@ -73,9 +75,9 @@ impl RunLoop {
         let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
         options.console.print(&report::start_summary(scene, simulation.ledger(), until, options));
         let state = RunState::new(scene);
-        let fields = GriddedFields::new(scene);
+        let sampled = (GriddedFields::new(scene), WallQuantities::new(scene));
         let first_frame = Some(first);
-        let run = Self::new(simulation, (folder, fields), state, None, options, signals);
+        let run = Self::new(simulation, (folder, sampled), state, None, options, signals);
         Ok(Self { first_frame, ..run })
     }
 
@@ -83,19 +85,19 @@ impl RunLoop {
     /// come; the header of the folder has the end of the run.
     pub(super) fn resume(
         simulation: Simulation,
-        (folder, fields): (RunFolder, GriddedFields),
+        (folder, sampled): (RunFolder, (GriddedFields, WallQuantities)),
         state: RunState,
         options: &RunOptions,
         signals: Signals,
     ) -> Self {
         let state = state.resumed(simulation.scene(), simulation.clock().time);
         let last = (simulation.clock().step > 0).then_some(simulation.clock().step);
-        Self::new(simulation, (folder, fields), state, last, options, signals)
+        Self::new(simulation, (folder, sampled), state, last, options, signals)
     }
 
     fn new(
         simulation: Simulation,
-        (folder, fields): (RunFolder, GriddedFields),
+        (folder, (fields, walls)): (RunFolder, (GriddedFields, WallQuantities)),
         state: RunState,
         last_checkpoint: Option<u64>,
         options: &RunOptions,
@@ -118,6 +120,7 @@ impl RunLoop {
             simulation,
             folder,
             fields,
+            walls,
             signals,
             console: options.console,
             display: ProgressDisplay::new(options.console),
@@ -213,6 +216,7 @@ impl RunLoop {
             ..self.state.clone()
         };
         self.fields.save(&mut columns);
+        self.walls.save(&mut columns);
         columns.put(run_state::COLUMN, encode_record(&state));
         self.folder.checkpoint(&clock, columns)?;
         self.state.output_time += now.elapsed().as_secs_f64();

@@ -19,6 +19,7 @@ impl RunLoop {
         let due = self.state.probes_due(time);
         self.write_samples(&due)?;
         self.fields.write(&mut self.simulation, (&mut self.folder, &mut self.state), false)?;
+        self.walls.write(&mut self.simulation, (&mut self.folder, &mut self.state), false)?;
         if self.state.frames.advance(time) {
             self.write_frame()?;
         }
@@ -45,6 +46,7 @@ impl RunLoop {
         }
         self.write_samples(&self.state.probes_without(step))?;
         self.fields.write(&mut self.simulation, (&mut self.folder, &mut self.state), true)?;
+        self.walls.write(&mut self.simulation, (&mut self.folder, &mut self.state), true)?;
         if self.state.last_frame != Some(step) {
             self.write_frame()?;
         }

@@ -20,6 +20,8 @@ description! {
         checkpoint_every: Number,
         /// Sets the fields on a regular grid.
         fields: Fields,
+        /// Sets the quantities at the walls.
+        walls: WallQuantities,
     } lists {
         /// Adds a probe.
         probe -> probes: Probe,
@@ -50,6 +52,22 @@ description! {
     } lists {
         /// Adds a plane of a 3D scene with a grid of its own.
         plane -> planes: FieldPlane,
+    }
+}
+
+description! {
+    /// Pressure, wall shear stress and y⁺ at points of the walls.
+    pub struct WallQuantities {
+        /// Sets the interval between the times that are written, s, default that of the frames.
+        every: Number,
+        /// Sets the interval of time means and of the oscillatory shear index, s.
+        mean: Interval,
+        /// Sets the interval between the samples of the means, s, default the time in which the
+        /// reference velocity passes half a spacing.
+        mean_every: Number,
+    } lists {
+        /// Adds a wall part; all parts without any.
+        part -> parts: String,
     }
 }
 

@@ -33,7 +33,7 @@ pub mod scheme;
 pub mod settings;
 pub mod walls;
 
-pub use measurements::{FieldPlane, Fields, Output, Probe, ProbeKind};
+pub use measurements::{FieldPlane, Fields, Output, Probe, ProbeKind, WallQuantities};
 pub use moving_bodies::{Motion, Mover, Translation, Turning};
 pub use numbers::{Components, Formula, Interval, Number, Vector, VectorFormula};
 pub use openings::{Emitter, Inlet, InletVelocity, MassFlow, MassFlux, Outlet, PoiseuilleStartup};

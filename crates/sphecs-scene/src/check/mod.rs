@@ -3,7 +3,8 @@
 //! 1. [`checker`]: single numbers, vectors and expressions
 //! 2. [`shapes`], [`meshes`], [`outlines`], [`outline_points`], [`boundaries`], [`movers`],
 //!    [`bodies`], [`patches`], [`mesh_groups`], [`cut`], [`driven`], [`section`], [`tables`],
-//!    [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names): one section each
+//!    [`layout`], [`walls`], [`scheme`], [`settings`], [`names`](mod@names),
+//!    [`wall_quantities`]: one section each
 //! 3. [`mass_flow`]: speeds of the inlets with a prescribed mass flow, for the rows of the fill;
 //!    [`emitters`], on the walls of the scene
 //! 4. [`consistency`], [`mover_paths`]: faults that only the complete scene shows, once its parts
@@ -49,6 +50,7 @@ pub mod section;
 pub mod settings;
 pub mod shapes;
 pub mod tables;
+pub mod wall_quantities;
 pub mod walls;
 
 use checker::Checker;
@@ -110,10 +112,11 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     let before_time = check.fault_count();
     let time = settings::time(&file.time, &scheme, check);
     let end = (check.fault_count() == before_time).then_some(time.end);
-    let output = settings::output(&file.output, end, check);
     let course = movers::Course { folder: source.folder, end: time.end };
     let Solids { walls, wall_layout, movers, casing_motion, bodies } =
         solids(file, (&domain, spacing), course, check);
+    let walled = file.walls.is_some();
+    let output = settings::output(&file.output, end, (&walls, walled), check);
     let periodic = layout::periodic(&file.periodic, (&domain, spacing), is_valid, check);
     let site = patches::Site {
         domain: &domain,
@@ -133,7 +136,6 @@ fn check_sections(file: &SceneFile, check: &mut Checker<'_>, source: SceneSource
     }
     let regions = boundary_zones(&inlets, &outlets, &site);
     let patches = patches_of(&inlets, &outlets);
-    let walled = file.walls.is_some();
     let fill = layout::fill((file.fill.as_ref(), walled), &site, &patches, check)?;
     let unopened = unopened(check, &patches, spacing);
     let mut scene = Scene {

@@ -5,12 +5,14 @@ use glam::DVec3;
 use super::checker::Checker;
 use super::field_grids;
 use super::names::{Named, names};
+use super::wall_quantities::wall_quantities;
 use crate::expression::Expression;
 use crate::faults::Fault;
 use crate::fill;
 use crate::given_speed::largest_given_speed;
 use crate::model::{
-    BodyForce, OutputSettings, Patch, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, WhenEmpty,
+    BodyForce, OutputSettings, Patch, Probe, ProbeKind, Reservoir, Scene, Scheme, TimeSettings, Walls,
+    WhenEmpty,
 };
 use crate::notation::typed::Spanned;
 use crate::schema::{Number, OutputFile, ProbeKindFile, ReservoirFile, SceneFile, TimeFile};
@@ -57,8 +59,13 @@ pub fn time(file: &TimeFile, scheme: &Scheme, check: &mut Checker<'_>) -> TimeSe
 /// s of writing per million particles.
 const CHECKPOINT_EVERY: f64 = 600.0;
 
-/// Returns output and probes.
-pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> OutputSettings {
+/// Returns output and probes; `walls` are the walls, and false if there are none.
+pub fn output(
+    file: &OutputFile,
+    end: Option<f64>,
+    walls: (&Walls, bool),
+    check: &mut Checker<'_>,
+) -> OutputSettings {
     let every = check.positive(&file.every, "s");
     let monitor_every =
         file.monitor_every.as_ref().map_or(every / 10.0, |number| check.positive(number, "s"));
@@ -75,7 +82,9 @@ pub fn output(file: &OutputFile, end: Option<f64>, check: &mut Checker<'_>) -> O
     let checkpoint_every =
         file.checkpoint_every.as_ref().map_or(CHECKPOINT_EVERY, |number| check.positive(number, "s"));
     let fields = file.fields.as_ref().map(|fields| field_grids::fields(fields, every, end, check));
-    OutputSettings { every, monitor_every, checkpoint_every, forces: file.forces, probes, fields }
+    let at_walls = |written| wall_quantities(written, walls, (every, end), check);
+    let walls = file.walls.as_ref().map(at_walls);
+    OutputSettings { every, monitor_every, checkpoint_every, forces: file.forces, probes, fields, walls }
 }
 
 /// Returns the interval of a time mean, s, which must rise and end with the run.

@@ -21,6 +21,8 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Output.fields",
             "Fields",
             "FieldPlane",
+            "Output.walls",
+            "WallQuantities",
             "OutletCondition.Pressure",
             "OutletCondition.TotalPressure",
             "OutletCondition.Resistance",

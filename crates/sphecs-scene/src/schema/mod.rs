@@ -25,7 +25,7 @@ pub use bodies::BodyFile;
 pub use boundaries::{InletFile, InletVelocityFile, OutletFile, WallFillFile, WallPartFile, WallsFile};
 pub use emitter::EmitterFile;
 pub use movers::{MotionFile, MoverFile};
-pub use output::{FieldPlaneFile, FieldsFile, OutputFile, ProbeFile, ProbeKindFile};
+pub use output::{FieldPlaneFile, FieldsFile, OutputFile, ProbeFile, ProbeKindFile, WallQuantitiesFile};
 pub use shapes::{BendSectionFile, ShapeFile};
 
 /// A number with its position.

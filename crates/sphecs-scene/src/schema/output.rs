@@ -29,6 +29,30 @@ pub struct OutputFile {
     /// Fields on a regular grid, default none.
     #[serde(default)]
     pub fields: Option<Spanned<FieldsFile>>,
+    /// Pressure and shear stress at the walls, default none.
+    #[serde(default)]
+    pub walls: Option<Spanned<WallQuantitiesFile>>,
+}
+
+/// Pressure, wall shear stress and y⁺ at points of the walls about a spacing apart. Take it for
+/// pressure coefficients, separation, friction, and the shear indices of haemodynamics.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename = "WallQuantities", deny_unknown_fields)]
+pub struct WallQuantitiesFile {
+    /// Names of the wall parts, `walls` for what no part names, default all.
+    #[serde(default)]
+    pub parts: Option<Vec<Text>>,
+    /// Interval between the times that are written, s, default that of the frames.
+    #[serde(default)]
+    pub every: Option<Number>,
+    /// Interval of time means and of the oscillatory shear index, s, default none.
+    #[serde(default)]
+    pub mean: Option<Spanned<(Number, Number)>>,
+    /// Interval between the samples of the means, s, default the time in which the reference
+    /// velocity passes half a spacing.
+    #[serde(default)]
+    pub mean_every: Option<Number>,
 }
 
 /// Fields of the flow on a regular grid: velocity, pressure, density, vorticity, fluid fraction

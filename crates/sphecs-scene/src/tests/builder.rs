@@ -6,7 +6,7 @@ use miette::NarratableReportHandler;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::gridded::gridded_fields;
+use super::gridded::{gridded_fields, wall_quantities};
 use super::schema_fields::{self, Names};
 use super::shipped::scene;
 use crate::builder::{
@@ -266,6 +266,7 @@ fn complete() -> SceneBuilder {
                 .forces(ForcesEvery::Row)
                 .checkpoint_every(60)
                 .fields(gridded_fields())
+                .walls(wall_quantities())
                 .probe(Probe::point("point", (0.0, "R")).sees(ProbeSight::Flow))
                 .probe(Probe::line("line", (0.0, 0.0), (1.0, 0.0), 11).every("R/10").mean((0.0, "R")))
                 .probe(Probe::section("section", (0.0, 0.0), (1.0, 0.0))),

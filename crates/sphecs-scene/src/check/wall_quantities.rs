@@ -1,0 +1,52 @@
+//! Checks of the quantities at the walls: parts and intervals.
+
+use super::checker::Checker;
+use super::settings::mean_interval;
+use crate::faults::{Fault, advice};
+use crate::model::Walls;
+use crate::notation::typed::Spanned;
+use crate::schema::WallQuantitiesFile;
+use crate::wall_points::WallOutput;
+
+/// Returns the settings of the quantities at the walls; `every` is the interval of the frames, s.
+pub fn wall_quantities(
+    written: &Spanned<WallQuantitiesFile>,
+    (walls, walled): (&Walls, bool),
+    (every, end): (f64, Option<f64>),
+    check: &mut Checker<'_>,
+) -> WallOutput {
+    let file = &written.value;
+    if !walled {
+        let label = "has no meaning in a scene without walls";
+        check.report(Fault::new("there are no walls to measure at", written.head, label));
+    }
+    let every = file.every.as_ref().map_or(every, |number| check.positive(number, "s"));
+    let mean = file.mean.as_ref().map(|mean| mean_interval(mean, end, check));
+    let mean_every = file.mean_every.as_ref().map(|number| check.positive(number, "s"));
+    if let (Some(number), None) = (&file.mean_every, &file.mean) {
+        let label = "has no meaning without `mean`";
+        let fault = Fault::new("`mean_every` is given, but no mean", number.span, label);
+        check.report(fault.help("give the interval of time, `mean: (from, to)`, or leave out `mean_every`"));
+    }
+    let all = 0..walls.parts.len() as u16;
+    let Some(names) = &file.parts else {
+        return WallOutput { parts: all.collect(), every, mean, mean_every };
+    };
+    let mut parts: Vec<u16> = Vec::new();
+    for name in names {
+        let Some(part) = all.clone().find(|part| walls.parts[usize::from(*part)].name == name.value) else {
+            let known = walls.parts.iter().map(|part| part.name.as_str());
+            let label = "must be the name of a part of the walls";
+            let fault = Fault::new(format!("the walls have no part `{}`", name.value), name.span, label);
+            check.report(fault.help(advice(&name.value, known)));
+            continue;
+        };
+        if parts.contains(&part) {
+            let label = "every part must be named once";
+            check.report(Fault::new(format!("`{}` is named twice", name.value), name.span, label));
+        }
+        parts.push(part);
+    }
+    parts.sort_unstable();
+    WallOutput { parts, every, mean, mean_every }
+}
