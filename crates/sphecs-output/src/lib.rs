@@ -22,6 +22,7 @@ pub mod frame;
 pub mod header;
 pub mod info;
 pub mod journal;
+pub mod live;
 pub mod lock;
 mod mean_interval;
 mod meshes;

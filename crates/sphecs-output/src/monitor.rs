@@ -9,7 +9,7 @@ use super::error::OutputError;
 use super::header::Header;
 use super::netcdf::dataset::Dataset;
 use super::paths::{MONITOR_CSV, MONITOR_NETCDF};
-use super::table::{Table, TableColumn, TableWriter, number};
+use super::table::{Table, TableColumn, TableWriter, for_each_row, number, parsed};
 use sphecs_core::particles::zone::Zone;
 use sphecs_engine::systems::monitor::MonitorRow;
 use sphecs_scene::result_name::result_name;
@@ -67,6 +67,48 @@ fn columns(header: &Header) -> Vec<(TableColumn, String)> {
     add("through_walls".into(), "1", "fluid particles behind a wall surface".into());
     add("close_pairs".into(), "1", "pairs of fluid particles nearer than half a spacing".into());
     columns
+}
+
+/// Rows of `monitor.csv` as columns of numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MonitorRows {
+    columns: Vec<(TableColumn, Vec<f64>)>,
+}
+
+impl MonitorRows {
+    /// Returns a column.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|(column, _)| column.name == name).map(|(_, values)| values.as_slice())
+    }
+
+    /// Returns unit and sum of all columns whose names begin with `name`; None without any.
+    pub fn sum(&self, name: &str) -> Option<(String, Vec<f64>)> {
+        let mut columns = self.columns.iter().filter(|(column, _)| column.name.starts_with(name));
+        let (first, values) = columns.next()?;
+        let mut sum = values.clone();
+        for (_, values) in columns {
+            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        }
+        Some((first.unit.clone().unwrap_or_default(), sum))
+    }
+}
+
+/// Returns the rows written so far; none before the first.
+///
+/// # Errors
+/// [`OutputError`] with the path and the cause.
+pub fn read_rows(folder: &Path) -> Result<MonitorRows, OutputError> {
+    let path = folder.join(MONITOR_CSV);
+    if !path.exists() {
+        return Ok(MonitorRows::default());
+    }
+    let mut values: Vec<Vec<f64>> = Vec::new();
+    let columns = for_each_row(&path, |row| {
+        values.resize_with(row.len().max(values.len()), Vec::new);
+        values.iter_mut().zip(row).for_each(|(column, cell)| column.push(parsed(cell)));
+    })?;
+    values.resize_with(columns.len(), Vec::new);
+    Ok(MonitorRows { columns: columns.into_iter().zip(values).collect() })
 }
 
 impl MonitorWriter {

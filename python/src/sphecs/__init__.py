@@ -21,6 +21,7 @@ from ._results import Run
 from ._results import open_run as open  # noqa: A004 - `sphecs.open`, as `xarray` and `PIL` have it
 from ._running import Report, check, run
 from ._simulation import BodyForce, Sample, Simulation, State
+from ._sweep import open_sweep
 
 __version__: str = _sphecs.VERSION
 
@@ -41,6 +42,7 @@ __all__ = [
     "__version__",
     "check",
     "open",
+    "open_sweep",
     "run",
     "variant",
 ]

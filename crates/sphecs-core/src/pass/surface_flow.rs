@@ -42,7 +42,8 @@ const PRESSURE: usize = 3;
 /// On a flat wall it is 3 to 10 with h = 2.6 to 1.5 Δ in 2D, and 0.2 to 0.5 for a linear fit.
 const MOST_GAIN: f64 = 40.0;
 
-/// Cosine of the angle to the normal below which fluid is behind the surface.
+/// Cosine of the angle to the normal below which fluid is behind the surface: on the other side of a
+/// plate of one spacing, but not around a cylinder with a radius of six.
 const BEHIND: f64 = -0.35;
 
 /// Points that a thread takes at a time.
@@ -410,15 +411,19 @@ mod tests {
         assert!(found.shear.length() < 1e-9, "{found:?}");
     }
 
+    /// A plate of one spacing is between both fluids.
     #[test]
     fn fluid_behind_the_surface_does_not_count() {
         let pair = settings(Kernel::WendlandC2, 2, 2.0);
         let mut sample = Sample::<f64, 2>::lattice(pair, [12; 2], false);
-        let surface = -0.3 + 5.5 * SPACING;
+        let surface = -0.3 + 5.0 * SPACING;
         for row in 0..sample.particles.len() {
             let y = sample.particles.position[1][row] - surface;
             sample.particles.pressure[row] = if y > 0.0 { 5.0 } else { -1e4 };
             sample.particles.velocity[0][row] = if y > 0.0 { 2.0 * y } else { 1e3 };
+            if y < 0.0 && y > -1.1 * SPACING {
+                sample.particles.zone[row] = Zone::Wall;
+            }
         }
         let sampler = SurfaceSampler::new(&sample.grid, &sample.particles, &sample.pair, 0.01);
         let position = DVec3::new(-0.3 + 6.0 * SPACING, surface, 0.0);
