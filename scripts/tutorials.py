@@ -30,7 +30,7 @@ PAGES = ROOT / "docs" / "book" / "src" / "tutorials"
 
 # Words after `sphecs` that are commands; any other word is a scene, which runs.
 COMMANDS = {"run", "resume", "check", "render", "info", "export", "pack", "bench", "validate", "help"}
-COMMANDS |= {"schema", "explain", "new", "completions", "man"}
+COMMANDS |= {"schema", "explain", "new", "completions", "man", "plot", "sweep", "watch"}
 
 FENCE = re.compile(r"^\s*```\s*(\S*)\s*$")
 

@@ -68,7 +68,8 @@ def test_drag_is_the_integral_over_the_surface(cylinder):
     pressure = float((-walls.pressure_mean * walls.normal_x * walls.area).sum())
     friction = float((walls.wall_shear_stress_x_mean * walls.area).sum())
     late = forces.sel(time=slice(8.0, 12.0)).mean("time")
-    assert pressure == pytest.approx(float(late.pressure_force_x), rel=0.03)
+    # A linear fit over two spacings, with ten across.
+    assert pressure == pytest.approx(float(late.pressure_force_x), rel=0.05)
     assert friction == pytest.approx(float(late.viscous_force_x), rel=0.02)
 
 

@@ -17,7 +17,7 @@ use super::summary::{Status, Summary};
 /// Largest number of rows that are kept for curves.
 const MOST_POINTS: usize = 400;
 
-/// Part of the time so far over which the steadiness is judged.
+/// Part of the time so far over which the steadiness is evaluated.
 const LATE: f64 = 0.1;
 
 /// A quantity over time.

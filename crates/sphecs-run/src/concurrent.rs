@@ -53,7 +53,7 @@ pub fn on_all_threads<E: From<RunError> + Send>(
     Ok(signals.received())
 }
 
-/// Makes, resumes or uses again the run of a scene in a folder; with `reuse` false it is made again.
+/// Makes, resumes or uses again the run of a scene in a folder; without `reuse` it is made.
 ///
 /// # Errors
 /// [`RunError`] as of a run.

@@ -2,7 +2,7 @@
 //!
 //! In 2D they lie on the curves of the surface at equal distances of about a spacing. In 3D they
 //! are the pieces of [`outline`], moved onto the surface, one for each cell
-//! that the surface passes. The planes of openings are no walls.
+//! that the surface passes. The planes of openings are not walls.
 
 use glam::{DMat3, DVec3};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};

@@ -154,7 +154,8 @@ impl Simulation {
         &self.scene
     }
 
-    /// Returns the scene as a reference of its own, so that the simulation can be changed beside it.
+    /// Returns the scene as a reference of its own, which lets the simulation be changed beside
+    /// it.
     pub fn shared_scene(&self) -> Arc<Scene> {
         Arc::clone(&self.scene)
     }

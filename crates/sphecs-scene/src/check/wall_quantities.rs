@@ -18,7 +18,7 @@ pub fn wall_quantities(
     let file = &written.value;
     if !walled {
         let label = "has no meaning in a scene without walls";
-        check.report(Fault::new("there are no walls to measure at", written.head, label));
+        check.report(Fault::new("the scene lacks walls to measure at", written.head, label));
     }
     let every = file.every.as_ref().map_or(every, |number| check.positive(number, "s"));
     let mean = file.mean.as_ref().map(|mean| mean_interval(mean, end, check));
