@@ -35,4 +35,5 @@ pub mod results;
 pub mod start;
 pub mod summary;
 mod table;
+pub mod tracks;
 pub mod vtk;

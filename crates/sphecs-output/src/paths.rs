@@ -44,6 +44,8 @@ pub const PROBES_NETCDF: &str = "probes.nc";
 pub const PROBES_MEAN_CSV: &str = "probes_mean.csv";
 /// Fields on grids, made from the journal when the run is packed.
 pub const FIELDS: &str = "fields.nc";
+/// Particles as trajectories, by `sphecs export`.
+pub const TRACKS: &str = "tracks.nc";
 /// Forces and torques on the bodies over time.
 pub const FORCES_CSV: &str = "forces.csv";
 /// Forces, torques and means, made from the CSV file when the run is packed.

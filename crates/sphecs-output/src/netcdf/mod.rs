@@ -8,6 +8,7 @@
 //! - [`particles`]: frames written and read in that layout
 //! - [`dataset`]: tables and probes
 //! - [`grids`]: fields on grids
+//! - [`trajectories`]: particles as trajectories
 
 mod chunks;
 pub(crate) mod compression;
@@ -17,3 +18,4 @@ pub(crate) mod grids;
 mod layout;
 pub(crate) mod particles;
 pub(crate) mod slots;
+pub(crate) mod trajectories;
