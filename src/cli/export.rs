@@ -8,10 +8,10 @@ use super::failure::{DONE, Failure};
 use sphecs_core::format::grouped;
 use sphecs_output::error::OutputError;
 use sphecs_output::fields::resampling::{self, GridOptions};
-use sphecs_output::paths::{FIELDS, TRACKS};
+use sphecs_output::paths::{FIELDS, TRACKS, VTKHDF};
 use sphecs_output::results::Results;
 use sphecs_output::tracks::{self, TrackOptions};
-use sphecs_output::{disk, vtk};
+use sphecs_output::{disk, vtk, vtkhdf};
 use sphecs_run::console::Console;
 use sphecs_run::memory;
 
@@ -27,6 +27,7 @@ pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
     let text = match arguments.form.grid {
         Some(spacing) => export_grid(arguments, &results, spacing)?,
         None if arguments.form.tracks => export_tracks(arguments, &results)?,
+        None if arguments.form.vtkhdf => export_vtkhdf(arguments, &results)?,
         None => export_vtu(arguments, &results)?,
     };
     Console::Normal.print(&text);
@@ -67,6 +68,15 @@ fn export_tracks(arguments: &ExportArguments, results: &Results) -> Result<Strin
     let export = tracks::export_tracks(results, &disk::target(&target), &options, counter("frames"))?;
     let [tracks, frames] = [export.trajectories, export.frames].map(|count| grouped(count as u64));
     Ok(format!("{tracks} trajectories over {frames} frames in {}", target.display()))
+}
+
+fn export_vtkhdf(arguments: &ExportArguments, results: &Results) -> Result<String, Failure> {
+    let target = target_of(arguments, VTKHDF)?;
+    let every = arguments.every.get();
+    let export = vtkhdf::export_vtkhdf(results, &disk::target(&target), every, counter("frames"))?;
+    let walls = export.walls.map(|path| format!(", and the walls at rest {}", path.display()));
+    let frames = grouped(export.frames as u64);
+    Ok(format!("{frames} frames, open {}{}", target.display(), walls.unwrap_or_default()))
 }
 
 /// Returns the file to write, whose folder is made.

@@ -11,10 +11,11 @@ use sphecs_core::particles::zone::Zone;
 
 /// `sphecs export`.
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  sphecs export runs/quickstart --vtu -o quickstart_vtu\n  \
+#[command(after_help = "Examples:\n  sphecs export runs/quickstart --vtkhdf\n  \
+    sphecs export runs/quickstart --vtu -o quickstart_vtu\n  \
     sphecs export runs/quickstart --grid 1.25e-3 --mean 1,2\n  \
     sphecs export runs/quickstart --tracks --every 2 --box 0.06,-0.01,0.1,0.01\n\n\
-    Open the `.pvd` file of the folder in ParaView: it has the times of all frames. A grid is the file that \
+    ParaView opens the `.vtkhdf` file, or the `.pvd` file of the folder: both have the times of all frames. A grid is the file that \
     `output: (fields: …)` of a scene writes during a run, from its frames.")]
 pub struct ExportArguments {
     /// Run folder
@@ -29,8 +30,8 @@ pub struct ExportArguments {
     /// Interval of means and Reynolds stresses on the grid, from the frames in it, s
     #[arg(long, value_name = "FROM,TO", value_parser = range, requires = "grid")]
     pub mean: Option<(f64, f64)>,
-    /// Write every which frame of the tracks
-    #[arg(long, value_name = "N", default_value = "1", requires = "tracks")]
+    /// Write every N-th frame only
+    #[arg(long, value_name = "N", default_value = "1", conflicts_with_all = ["vtu", "grid"])]
     pub every: NonZeroUsize,
     /// Zones in which particles have tracks; of walls those that move
     #[arg(long, value_name = "ZONE,…", value_delimiter = ',', default_value = "fluid", value_parser = zones(), requires = "tracks")]
@@ -42,8 +43,8 @@ pub struct ExportArguments {
     /// everywhere]
     #[arg(long, value_name = "X,Y[,Z],X,Y[,Z]", value_parser = corners, requires = "tracks", allow_hyphen_values = true)]
     pub r#box: Option<[[f64; 3]; 2]>,
-    /// Folder of `--vtu`, or file of the others, to write [default: vtu, fields.nc or tracks.nc in
-    /// the run folder]
+    /// Folder of `--vtu`, or file of the others, to write [default: particles.vtkhdf, vtu,
+    /// fields.nc or tracks.nc in the run folder]
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
 }
@@ -52,7 +53,10 @@ pub struct ExportArguments {
 #[derive(Args, Debug)]
 #[group(required = true, multiple = false)]
 pub struct FormArguments {
-    /// VTK unstructured grids, one per frame, with a `.pvd` series for ParaView
+    /// One VTKHDF file of all frames for ParaView, and one of the walls at rest
+    #[arg(long)]
+    pub vtkhdf: bool,
+    /// VTK unstructured grids, one per frame, with a `.pvd` series for older programs
     #[arg(long)]
     pub vtu: bool,
     /// Fields on a regular grid, NetCDF, with this distance of its nodes, m
@@ -69,6 +73,8 @@ impl ExportArguments {
         let path = self.output.as_deref().filter(|path| !path.is_dir())?;
         let (wanted, is_right) = if self.form.vtu {
             ("`--vtu` writes a folder: the name must not end as a file does", !is_file(path))
+        } else if self.form.vtkhdf {
+            ("the name must end in `.vtkhdf`", has_ending(path, "vtkhdf"))
         } else {
             ("the name must end in `.nc`", has_ending(path, "nc"))
         };
@@ -77,7 +83,7 @@ impl ExportArguments {
 }
 
 /// Endings of files, by which a folder is not called.
-const FILES: [&str; 9] = ["ron", "nc", "csv", "json", "png", "vtu", "vtk", "pvd", "zip"];
+const FILES: [&str; 9] = ["ron", "nc", "csv", "json", "png", "vtu", "vtk", "pvd", "vtkhdf"];
 
 fn is_file(path: &Path) -> bool {
     FILES.iter().any(|ending| has_ending(path, ending))
@@ -130,6 +136,8 @@ mod tests {
         refused("sphecs export runs/a --vtu --tracks", "cannot be used with");
         refused("sphecs export runs/a --vtu -o flow.vtu", "a folder");
         refused("sphecs export runs/a --tracks -o flow", "`.nc`");
+        refused("sphecs export runs/a --vtkhdf -o flow.nc", "`.vtkhdf`");
+        refused("sphecs export runs/a --grid 1 --every 2", "cannot be used with");
         refused("sphecs export runs/a --tracks --ids 9-3", "above");
         refused("sphecs export runs/a --tracks --ids 1.5", "whole number");
         refused("sphecs export runs/a --tracks --box 0,0,1", "corner");

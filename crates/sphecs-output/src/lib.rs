@@ -37,3 +37,5 @@ pub mod summary;
 mod table;
 pub mod tracks;
 pub mod vtk;
+pub mod vtkhdf;
+mod zlib;

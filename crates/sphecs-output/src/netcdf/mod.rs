@@ -8,6 +8,7 @@
 //! - [`particles`]: frames written and read in that layout
 //! - [`dataset`]: tables and probes
 //! - [`grids`]: fields on grids
+//! - [`point_sets`]: point clouds in the layout of VTKHDF
 //! - [`trajectories`]: particles as trajectories
 
 mod chunks;
@@ -17,5 +18,6 @@ mod file;
 pub(crate) mod grids;
 mod layout;
 pub(crate) mod particles;
+pub(crate) mod point_sets;
 pub(crate) mod slots;
 pub(crate) mod trajectories;

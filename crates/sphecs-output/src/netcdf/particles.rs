@@ -239,6 +239,7 @@ impl ParticleFile {
         }
         place(&mut frame.zone, ids, &self.row("zone", index)?);
         place(&mut frame.passage, ids, &self.row("passage", index)?);
+        self.place_moving_walls(&mut frame);
         Ok(frame)
     }
 
