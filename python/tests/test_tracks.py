@@ -137,7 +137,7 @@ def test_selection_of_frames_numbers_zones_and_a_box(run, tracks, tmp_path):
     xr.testing.assert_equal(box.x, tracks.x[inside])
 
     zones = export("--zones", "fluid,inflow,outflow")
-    numbers, frames, slots = samples(run.particles, (0, 2, 3))
+    numbers = samples(run.particles, (0, 2, 3))[0]
     assert zones.zone.dtype == np.uint8
     assert int((zones.zone != 255).sum()) == len(numbers)
     np.testing.assert_array_equal(np.isfinite(zones.x), zones.zone != 255)
@@ -150,8 +150,8 @@ def test_run_that_was_killed_has_the_same_trajectories(run, tracks, tmp_path):
     """The journal of a run that has not ended gives the first columns of the whole run."""
     folder = tmp_path / "run"
     frame = folder / "journal" / "frame-00000005.nc"
-    command = [binary(), "run", QUICKSTART, "--smoke", "--until", "3", "--set", "output.fields=None", "--quiet", "--out"]
-    with subprocess.Popen([*map(str, command), str(folder)]) as killed:
+    options = ["--smoke", "--until", "3", "--set", "output.fields=None", "--quiet"]
+    with subprocess.Popen([str(binary()), "run", str(QUICKSTART), *options, "--out", str(folder)]) as killed:
         while not frame.exists() and killed.poll() is None:
             time.sleep(0.02)
         killed.kill()
