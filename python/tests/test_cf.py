@@ -33,10 +33,14 @@ def run_with_all_files(tmp_path_factory):
     mean += ["--set", "output.fields=(mean: (0.0, 0.5))", "--set", "output.walls=(mean: (0.0, 0.5))"]
     output = ["--set", "output.every=0.1", "--set", "output.monitor_every=0.05"]
     sphecs("run", "scenes/cylinder_re20.ron", "--smoke", "--until", 0.5, *mean, *output, "--out", folder, "--quiet")
+    sphecs("export", folder, "--tracks")
     return folder
 
 
-@pytest.mark.parametrize("file", ["particles.nc", "monitor.nc", "probes.nc", "forces.nc", "fields.nc", "walls.nc"])
+FILES = ["particles.nc", "tracks.nc", "monitor.nc", "probes.nc", "forces.nc", "fields.nc", "walls.nc"]
+
+
+@pytest.mark.parametrize("file", FILES)
 def test_files_follow_cf(run_with_all_files, file, tmp_path):
     report = tmp_path / "report.json"
     command = [CHECKER, "--test=cf:1.11", "--criteria=strict", "--format=json", f"--output={report}"]

@@ -149,16 +149,18 @@ def test_profile_agrees_with_the_probe(run):
         frame.sphecs.profile((0, 0), (1, 0), 1)
 
 
-def test_track_is_the_history_of_a_particle(run):
+def test_track_is_the_history_of_a_piece_of_fluid(run):
     particles = run.particles
     number = int(particles.particle_id[7])
-    track = particles.sphecs.track(number)
+    track = particles.sphecs.track(number, passage=0)
     assert track.x.dims == ("time",)
-    np.testing.assert_array_equal(track.x, particles.x.isel(particle=7))
+    here = particles.isel(particle=7)
+    fluid = ((here.zone == 0) & (here.passage == 0)).values
+    np.testing.assert_array_equal(track.x, np.where(fluid, here.x, np.nan))
     both = particles.sphecs.track([number, number + 1])
-    assert both.sizes["particle"] == 2
-    assert "wall_x" not in both
-    with pytest.raises(KeyError, match="no such number"):
+    assert set(both.particle_id.values) == {number, number + 1}
+    assert both.x.dims == ("trajectory", "time")
+    with pytest.raises(KeyError, match="none of these frames"):
         particles.sphecs.track(10**6)
 
 

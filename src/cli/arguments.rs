@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use super::check_arguments::{BenchArguments, ValidateArguments};
+use super::export_arguments::ExportArguments;
 use super::help_arguments::{CompletionsArguments, ExplainArguments, ManArguments, NewArguments};
 use super::run_arguments::{ResumeArguments, RunArguments};
 use super::sweep::SweepArguments;
-use super::values::{assignment, colours, export_path, fields, finite, picture_file, positive, range, slice};
+use super::values::{assignment, colours, fields, finite, picture_file, positive, range, slice};
 use super::watch::WatchArguments;
 use sphecs_output::picture::{Colours, Field, Slice};
 
@@ -205,30 +206,6 @@ pub struct InfoArguments {
     pub run: PathBuf,
 }
 
-/// `sphecs export`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  sphecs export runs/quickstart --vtu -o quickstart_vtu\n  \
-    sphecs export runs/quickstart --grid 1.25e-3 --mean 1,2\n\n\
-    Open the `.pvd` file of the folder in ParaView: it has the times of all frames. A grid is the file that \
-    `output: (fields: …)` of a scene writes during a run, from its frames.")]
-pub struct ExportArguments {
-    /// Run folder
-    #[arg(value_name = "RUN")]
-    pub run: PathBuf,
-    /// VTK unstructured grids, one per frame, with a `.pvd` series for ParaView
-    #[arg(long, required_unless_present = "grid")]
-    pub vtu: bool,
-    /// Fields on a regular grid, NetCDF, with this distance of its nodes, m
-    #[arg(long, value_name = "SPACING", value_parser = positive, conflicts_with = "vtu")]
-    pub grid: Option<f64>,
-    /// Interval of means and Reynolds stresses on the grid, from the frames in it, s
-    #[arg(long, value_name = "FROM,TO", value_parser = range, requires = "grid")]
-    pub mean: Option<(f64, f64)>,
-    /// Folder, or file of a grid, to write [default: vtu or fields.nc in the run folder]
-    #[arg(short, long, value_name = "PATH", value_parser = export_path())]
-    pub output: Option<PathBuf>,
-}
-
 /// `sphecs pack`.
 #[derive(Args, Debug)]
 pub struct PackArguments {
@@ -344,11 +321,9 @@ mod tests {
         refused("sphecs render runs/a --slice q", "`x`, `y` or `z`");
         refused("sphecs render runs/a --range 3,1", "below");
         refused("sphecs render runs/a --all --time 3", "cannot be used with");
-        refused("sphecs export runs/a", "--vtu");
         refused("sphecs render runs/a -o flow.svg", "`.png`");
         refused("sphecs render runs/a -o flow.v2", "`.png`");
         refused("sphecs check flow.ron --picture flow.jpg", "`.png`");
-        refused("sphecs export runs/a --vtu -o flow.vtu", "a folder");
         refused("sphecs flow.ron --out flow.nc", "a folder");
         refused("sphecs validate --out report.JSON", "a folder");
         refused("sphecs bench --case 4d", "3d-sps-f64");

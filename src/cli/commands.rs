@@ -2,11 +2,9 @@
 
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::arguments::{
-    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
-};
+use super::arguments::{CheckArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments};
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
 use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
@@ -15,11 +13,9 @@ use sphecs_bench::cases::BenchCase;
 use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk;
 use sphecs_output::error::OutputError;
-use sphecs_output::fields::resampling::{self, GridOptions};
-use sphecs_output::paths::FIELDS;
 use sphecs_output::picture::{self, RenderOptions};
 use sphecs_output::results::Results;
-use sphecs_output::{info as run_info, pack as packing, vtk};
+use sphecs_output::{info as run_info, pack as packing};
 use sphecs_run::check::{self as scene_check, CheckOptions};
 use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
@@ -164,48 +160,6 @@ pub fn info(arguments: &InfoArguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// Writes the frames of a run for ParaView, or on a grid.
-///
-/// # Errors
-/// [`Failure::Output`].
-pub fn export(arguments: &ExportArguments) -> Result<u8, Failure> {
-    let results = Results::open(&arguments.run)?;
-    let is_file = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("nc"));
-    if let Some(path) = arguments.output.as_ref().filter(|path| is_file(path) != arguments.grid.is_some()) {
-        let wanted = if arguments.grid.is_some() {
-            "a grid is a file that ends in `.nc`"
-        } else {
-            "`--vtu` writes a folder"
-        };
-        return Err(OutputError::Request(format!("`{}`: {wanted}", path.display())).into());
-    }
-    if let Some(spacing) = arguments.grid {
-        return export_grid(arguments, &results, spacing);
-    }
-    let folder = arguments.output.clone().unwrap_or_else(|| arguments.run.join("vtu"));
-    let export = vtk::export_vtu(&results, &folder, counter("frames"))?;
-    if export.removed > 0 {
-        Console::Normal.print(&format!("{} frames of an earlier, longer export removed", export.removed));
-    }
-    Console::Normal.print(&format!("{} frames, open {}", results.len(), export.series.display()));
-    Ok(DONE)
-}
-
-fn export_grid(arguments: &ExportArguments, results: &Results, spacing: f64) -> Result<u8, Failure> {
-    if results.header.fields.is_some() && arguments.output.is_none() {
-        return Err(OutputError::Request(format!(
-            "`{}`: has the `fields.nc` of its run, which is not replaced; give another file by `-o`",
-            arguments.run.display()
-        ))
-        .into());
-    }
-    let target = arguments.output.clone().unwrap_or_else(|| arguments.run.join(FIELDS));
-    let options = GridOptions { spacing, mean: arguments.mean, memory: memory::available() };
-    resampling::export_grid(results, &target, &options, counter("frames"))?;
-    Console::Normal.print(&format!("{} frames in {}", results.len(), target.display()));
-    Ok(DONE)
-}
-
 /// Packs the journal of a run.
 ///
 /// # Errors
@@ -282,7 +236,7 @@ fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Fai
 }
 
 /// Makes the folder of a file.
-fn make_parent(path: &Path) -> Result<(), OutputError> {
+pub(super) fn make_parent(path: &Path) -> Result<(), OutputError> {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => std::fs::create_dir_all(parent)
             .map_err(|cause| OutputError::Io { path: parent.to_owned(), doing: "make the folder", cause }),
@@ -291,7 +245,7 @@ fn make_parent(path: &Path) -> Result<(), OutputError> {
 }
 
 /// Returns a counter that overwrites one line of a terminal while a series is written.
-fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
+pub(super) fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
     let on_terminal = std::io::stderr().is_terminal();
     move |done, all| {
         if on_terminal {

@@ -3,10 +3,12 @@
 //! - [`arguments`]: commands and their arguments
 //! - [`run_arguments`]: arguments of `run` and `resume`
 //! - [`check_arguments`]: arguments of `bench` and `validate`
+//! - [`export_arguments`]: arguments of `export`
 //! - [`help_arguments`]: arguments of `explain`, `new`, `completions` and `man`
 //! - [`commands`]: one function for each command
 //! - [`watch`]: the command `watch` with its arguments
 //! - [`sweep`]: the command `sweep` with its arguments
+//! - [`export`]: the command `export`
 //! - [`explain`], [`new_scene`], [`shell`]: commands that help to write scenes and command lines
 //! - `command_line_page`: page of the manual
 //! - `values`: values of arguments
@@ -18,6 +20,8 @@ pub mod check_arguments;
 mod command_line_page;
 pub mod commands;
 pub mod explain;
+pub mod export;
+pub mod export_arguments;
 pub mod failure;
 pub mod help_arguments;
 pub mod new_scene;
@@ -64,7 +68,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Check(check) => commands::check(&check),
         Command::Render(render) => commands::render(&render),
         Command::Info(info) => commands::info(&info),
-        Command::Export(export) => commands::export(&export),
+        Command::Export(export) => export::export(&export),
         Command::Pack(pack) => commands::pack(&pack),
         Command::Bench(bench) => commands::bench(&bench),
         Command::Validate(validate) => commands::validate(&validate),

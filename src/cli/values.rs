@@ -1,9 +1,11 @@
 //! Values of command line arguments.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 
+use sphecs_core::particles::zone::Zone;
 use sphecs_output::picture::{Colours, Field, Slice};
 
 /// Returns the parser of a field, whose names stand in help and messages.
@@ -38,17 +40,6 @@ pub(super) fn result_folder() -> impl TypedValueParser<Value = PathBuf> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         match FILES.contains(&ending.as_str()) && !path.is_dir() {
             true => Err(format!("is the name of a folder: must not end in `.{ending}`")),
-            false => Ok(path),
-        }
-    })
-}
-
-/// Returns the parser of the path of an export: a folder, or a NetCDF file.
-pub(super) fn export_path() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(|path| {
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        match ending != "nc" && FILES.contains(&ending.as_str()) && !path.is_dir() {
-            true => Err(format!("is the name of a folder, or of a `.nc` file: must not end in `.{ending}`")),
             false => Ok(path),
         }
     })
@@ -96,4 +87,40 @@ pub(super) fn range(text: &str) -> Result<(f64, f64), String> {
     } else {
         Err(format!("the lower end `{lower}` must be below the upper end `{upper}`"))
     }
+}
+
+/// Returns the range of `100-200`, or of the single number `17`.
+pub(super) fn numbers(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let number =
+        |text: &str| text.trim().parse::<u32>().map_err(|_| format!("`{text}` is not a whole number"));
+    let (first, last) = (number(first)?, number(last)?);
+    if first <= last { Ok(first..=last) } else { Err(format!("{first} must not be above {last}")) }
+}
+
+/// Returns the lower and the upper corner of `0,0,0.1,0.04` or `0,0,0,0.1,0.04,0.04`, m; in 2D z is
+/// unlimited.
+pub(super) fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
+    let numbers = text.split(',').map(finite).collect::<Result<Vec<_>, _>>()?;
+    let (low, high) = match *numbers {
+        [x0, y0, x1, y1] => ([x0, y0, f64::NEG_INFINITY], [x1, y1, f64::INFINITY]),
+        [x0, y0, z0, x1, y1, z1] => ([x0, y0, z0], [x1, y1, z1]),
+        _ => {
+            return Err("must be the lower and the upper corner, as `0,0,0.1,0.04` or `0,0,0,0.1,0.04,0.04`"
+                .to_owned());
+        }
+    };
+    match (0..3).find(|&axis| low[axis] >= high[axis]) {
+        Some(axis) => {
+            Err(format!("the lower corner must be below the upper one along {}", ["x", "y", "z"][axis]))
+        }
+        None => Ok([low, high]),
+    }
+}
+
+/// Returns the parser of the zones whose particles have positions.
+pub(super) fn zones() -> impl TypedValueParser<Value = Zone> {
+    let placed = Zone::ALL.into_iter().filter(|&zone| zone != Zone::Reservoir);
+    PossibleValuesParser::new(placed.map(Zone::name))
+        .try_map(|name| Zone::ALL.into_iter().find(|zone| zone.name() == name).ok_or("is not a zone"))
 }

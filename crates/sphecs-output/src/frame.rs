@@ -95,6 +95,16 @@ impl Frame {
         self.slots_of(Zone::Wall).filter(|&slot| !self.moving_walls.contains(&(slot as u32)))
     }
 
+    /// Returns the slots of the particles that flow or move: all but walls at rest, the reservoir
+    /// and absent ones.
+    pub fn present(&self) -> Vec<usize> {
+        let is_present = |&slot: &usize| match Zone::from_number(self.zone[slot]) {
+            Some(Zone::Wall) => self.moving_walls.contains(&(slot as u32)),
+            zone => zone.is_some_and(Zone::flows),
+        };
+        (0..self.len()).filter(is_present).collect()
+    }
+
     /// Returns the number of slots by zone, in the order of [`Zone::ALL`].
     pub fn counts(&self) -> [u64; 5] {
         let mut counts = [0; 5];

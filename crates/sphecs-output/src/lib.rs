@@ -8,7 +8,7 @@
 //! A [checkpoint] is written after the frames that it counts and holds everything that the run
 //! needs to resume. A flow that diverged leaves the particles around the first invalid one
 //! ([`divergence`]). [`Results`](results::Results) reads packed and unfinished runs for pictures,
-//! export and `sphecs info`.
+//! `sphecs info` and the exports: [`tracks`], [`vtkhdf`], [`vtk`] and [grids](fields::resampling).
 
 pub mod checkpoint;
 pub mod cut_back;
@@ -36,5 +36,8 @@ pub mod results;
 pub mod start;
 pub mod summary;
 mod table;
+pub mod tracks;
 pub mod vtk;
+pub mod vtkhdf;
 pub mod walls;
+mod zlib;

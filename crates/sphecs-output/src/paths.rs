@@ -46,6 +46,10 @@ pub const PROBES_MEAN_CSV: &str = "probes_mean.csv";
 pub const FIELDS: &str = "fields.nc";
 /// Pressure and shear stress at the walls, made from the journal when the run is packed.
 pub const WALLS: &str = "walls.nc";
+/// Particles as trajectories, by `sphecs export`.
+pub const TRACKS: &str = "tracks.nc";
+/// Particles for ParaView, by `sphecs export`.
+pub const VTKHDF: &str = "particles.vtkhdf";
 /// Forces and torques on the bodies over time.
 pub const FORCES_CSV: &str = "forces.csv";
 /// Forces, torques and means, made from the CSV file when the run is packed.

@@ -7,8 +7,11 @@ use super::frame::Frame;
 use super::header::Header;
 use super::journal::frame_paths;
 use super::meshes;
-use super::netcdf::particles::ParticleFile;
-use super::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES, SCENE, SUMMARY, TABLES};
+use super::netcdf::particles::{FrameTime, ParticleFile};
+use super::paths::{
+    self, DIVERGENCE_NETCDF, FIELDS, FORCES_NETCDF, JOURNAL, MONITOR_NETCDF, PACKED_JOURNAL, PARTICLES,
+    PROBES_NETCDF, SCENE, SUMMARY, TABLES,
+};
 use super::summary::Summary;
 use sphecs_core::format::significant;
 
@@ -132,6 +135,23 @@ impl Results {
         )))
     }
 
+    /// Refuses to replace a file that the run itself has written.
+    ///
+    /// # Errors
+    /// [`OutputError::Request`] for such a file.
+    pub(crate) fn refuse_own_file(&self, path: &Path) -> Result<(), OutputError> {
+        let own = [PARTICLES, FIELDS, MONITOR_NETCDF, PROBES_NETCDF, FORCES_NETCDF, DIVERGENCE_NETCDF];
+        let Ok(found) = path.canonicalize() else { return Ok(()) };
+        let is_own = |name: &&str| self.folder.join(name).canonicalize().is_ok_and(|file| file == found);
+        match own.into_iter().find(is_own) {
+            Some(name) => Err(OutputError::Request(format!(
+                "`{}`: is the `{name}` of the run, which is not replaced; give another file by `-o`",
+                path.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Returns the error of a run without frames.
     pub fn no_frames(&self) -> OutputError {
         OutputError::Request(format!("`{}`: has no frames yet", self.folder.display()))
@@ -142,6 +162,31 @@ impl Results {
     /// # Errors
     /// [`OutputError`] with path and cause.
     pub fn frame(&self, index: usize) -> Result<Frame, OutputError> {
+        self.read(index, |file, at| file.frame(at, &self.walls))
+    }
+
+    /// Returns zones and passages of a frame, on request with positions.
+    ///
+    /// # Errors
+    /// [`OutputError`] with path and cause.
+    pub(crate) fn occupancy(&self, index: usize, with_positions: bool) -> Result<Frame, OutputError> {
+        self.read(index, |file, at| file.occupancy(at, with_positions))
+    }
+
+    /// Returns the time of a frame.
+    ///
+    /// # Errors
+    /// [`OutputError`] with path and cause.
+    pub(crate) fn frame_time(&self, index: usize) -> Result<FrameTime, OutputError> {
+        self.read(index, ParticleFile::frame_time)
+    }
+
+    /// Reads something of a frame from its file, in which it has another index.
+    fn read<T>(
+        &self,
+        index: usize,
+        from: impl Fn(&ParticleFile, usize) -> Result<T, OutputError>,
+    ) -> Result<T, OutputError> {
         let Some((source, _)) = self.frames.get(index) else {
             return Err(OutputError::Request(format!(
                 "`{}`: has no frame {index}, must be from 0 to {}",
@@ -150,11 +195,11 @@ impl Results {
             )));
         };
         match (source, &self.packed) {
-            (Source::Packed(index), Some(file)) => file.frame(*index, &self.walls),
+            (Source::Packed(index), Some(file)) => from(file, *index),
             (Source::Journal(path), _) => match ParticleFile::open(path) {
                 // The run was packed in the meantime.
-                Err(_) if !path.exists() => Results::open(&self.folder)?.frame(index),
-                file => file?.frame(0, &self.walls),
+                Err(_) if !path.exists() => from(&ParticleFile::open(&self.folder.join(PARTICLES))?, index),
+                file => from(&file?, 0),
             },
             (Source::Packed(_), None) => Err(self.no_frames()),
         }

@@ -1,9 +1,9 @@
 //! Particles as VTK unstructured grids with a `.pvd` series for ParaView.
 //!
 //! Each frame becomes a file of points without reservoir particles and absent slots; the walls at
-//! rest are written once, to `walls.vtu`. Arrays are inline base64: a third larger than appended
-//! raw bytes, but well-formed XML that every reader accepts. The positions are f64, as in
-//! `particles.nc`.
+//! rest are written once, to `walls.vtu`. Arrays are compressed by zlib in blocks, as inline base64:
+//! a third larger than appended raw bytes, but well-formed XML that every reader accepts. The
+//! positions are f64, as in `particles.nc`. One file of all frames is [`super::vtkhdf`].
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Read, Write};
@@ -11,12 +11,14 @@ use std::path::{Path, PathBuf};
 
 use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
+use rayon::iter::ParallelIterator;
+use rayon::slice::ParallelSlice;
 
 use super::disk;
 use super::error::OutputError;
-use super::frame::{ABSENT, Frame};
+use super::frame::Frame;
 use super::results::Results;
-use sphecs_core::particles::zone::Zone;
+use super::zlib::deflated;
 
 /// Files of an export.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,12 +53,7 @@ pub fn export_vtu(
             write_grid(&folder.join("walls.vtu"), &frame, &walls, false)?;
         }
         let name = frame_name(index);
-        let is_present = |&slot: &usize| match frame.zone[slot] {
-            zone if zone == Zone::Wall as u8 => frame.moving_walls.contains(&(slot as u32)),
-            zone => zone != Zone::Reservoir as u8 && zone != ABSENT,
-        };
-        let present: Vec<usize> = (0..frame.len()).filter(is_present).collect();
-        write_grid(&folder.join(&name), &frame, &present, true)?;
+        write_grid(&folder.join(&name), &frame, &frame.present(), true)?;
         series += &format!("<DataSet timestep=\"{}\" part=\"0\" file=\"{name}\"/>\n", frame.time);
         done(index + 1, results.len());
     }
@@ -90,13 +87,20 @@ fn remove_from(folder: &Path, first: usize) -> Result<usize, OutputError> {
 
 /// Returns true for a grid of moving particles that this module wrote.
 fn is_exported(path: &Path) -> bool {
-    let mut head = vec![0; HEAD.len()];
-    File::open(path).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == HEAD.as_bytes()
+    let begins = |text: &str| {
+        let mut head = vec![0; text.len()];
+        File::open(path).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == text.as_bytes()
+    };
+    begins(HEAD) || begins(&HEAD.replace(COMPRESSOR, ""))
 }
+
+/// Attribute of compressed files, which those of earlier versions lack.
+const COMPRESSOR: &str = " compressor=\"vtkZLibDataCompressor\"";
 
 /// First lines of a grid of moving particles.
 const HEAD: &str = "<?xml version=\"1.0\"?>\n\
-    <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+    <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" \
+    compressor=\"vtkZLibDataCompressor\">\n\
     <UnstructuredGrid>\n\
     <FieldData><DataArray type=\"Float64\" Name=\"TimeValue\"";
 
@@ -120,7 +124,7 @@ fn grid(out: &mut impl Write, frame: &Frame, slots: &[usize], moving: bool) -> s
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     writeln!(
         out,
-        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{COMPRESSOR}>"
     )?;
     writeln!(out, "<UnstructuredGrid>")?;
     if moving {
@@ -166,15 +170,15 @@ fn pick<T: Copy>(column: &[T], slots: &[usize]) -> Vec<T> {
 /// Number type of VTK.
 trait VtkNumber: Copy {
     const NAME: &'static str;
-    fn put(self, out: &mut impl Write) -> std::io::Result<()>;
+    fn put(self, out: &mut Vec<u8>);
 }
 
 macro_rules! vtk_number {
     ($($number:ty => $name:literal),*) => {
         $(impl VtkNumber for $number {
             const NAME: &'static str = $name;
-            fn put(self, out: &mut impl Write) -> std::io::Result<()> {
-                out.write_all(&self.to_le_bytes())
+            fn put(self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
             }
         })*
     };
@@ -182,7 +186,12 @@ macro_rules! vtk_number {
 
 vtk_number!(u8 => "UInt8", u16 => "UInt16", u32 => "UInt32", i64 => "Int64", f32 => "Float32", f64 => "Float64");
 
-/// Writes an array: its length in bytes as UInt64 and its bytes, as one base64 text.
+/// Bytes of a block that is compressed.
+const BLOCK: usize = 1 << 17;
+
+/// Writes an array: a head as base64, then its compressed blocks as base64. The head has the number
+/// of blocks, their length, that of the last one if it is shorter, else 0, and the compressed lengths
+/// of all, as UInt64.
 fn array<T: VtkNumber>(
     out: &mut impl Write,
     name: &str,
@@ -194,27 +203,54 @@ fn array<T: VtkNumber>(
         "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">",
         T::NAME
     )?;
-    let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
-    encoder.write_all(&(size_of_val(values) as u64).to_le_bytes())?;
-    for &value in values {
-        value.put(&mut encoder)?;
-    }
-    encoder.finish()?;
-    drop(encoder);
+    let mut bytes = Vec::with_capacity(size_of_val(values));
+    values.iter().for_each(|value| value.put(&mut bytes));
+    let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(deflated).collect();
+    let head = [blocks.len(), BLOCK, bytes.len() % BLOCK];
+    let lengths = head.into_iter().chain(blocks.iter().map(Vec::len));
+    let head: Vec<u8> = lengths.flat_map(|length| (length as u64).to_le_bytes()).collect();
+    encode(out, &[head])?;
+    encode(out, &blocks)?;
     writeln!(out, "</DataArray>")
+}
+
+/// Writes bytes as one base64 text.
+fn encode(out: &mut impl Write, parts: &[Vec<u8>]) -> std::io::Result<()> {
+    let mut encoder = EncoderWriter::new(out, &STANDARD);
+    parts.iter().try_for_each(|part| encoder.write_all(part))?;
+    encoder.finish().map(|_| ())
 }
 
 #[cfg(test)]
 mod tests {
+    use base64::Engine;
+
     use super::*;
 
     #[test]
-    fn array_is_its_length_and_its_bytes() {
+    fn array_is_a_head_and_compressed_blocks() {
         let mut text = Vec::new();
-        array(&mut text, "zone", 1, &[1_u8, 2, 255]).expect("written");
-        // 3 as eight bytes, then 01 02 ff.
-        let wanted = "<DataArray type=\"UInt8\" Name=\"zone\" NumberOfComponents=\"1\" format=\"binary\">AwAAAAAAAAABAv8=</DataArray>\n";
-        assert_eq!(String::from_utf8(text).expect("text"), wanted);
+        array(&mut text, "zone", 1, &vec![7_u8; BLOCK + 5]).expect("written");
+        let text = String::from_utf8(text).expect("text");
+        let inner = text.split(['>', '<']).nth(2).expect("the content");
+        let blocks = [deflated(&vec![7; BLOCK]), deflated(&[7; 5])];
+        let numbers = [2, BLOCK, 5, blocks[0].len(), blocks[1].len()];
+        let head: Vec<u8> = numbers.iter().flat_map(|&number| (number as u64).to_le_bytes()).collect();
+        assert_eq!(inner, STANDARD.encode(head) + &STANDARD.encode(blocks.concat()));
+    }
+
+    #[test]
+    fn grids_of_earlier_versions_are_known() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("particles-00000.vtu");
+        for (text, known) in [
+            (HEAD.to_owned(), true),
+            (HEAD.replace(COMPRESSOR, ""), true),
+            (HEAD.replace("1.0", "2.0"), false),
+        ] {
+            fs::write(&path, text).expect("written");
+            assert_eq!(is_exported(&path), known);
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
     frame = particles.sel(time=1.0, method="nearest")
     frame.sphecs.grid("speed", spacing=0.002).plot()
     frame.sphecs.profile((0.08, -0.01), (0.08, 0.01), 41)
-    particles.sphecs.track(17)
+    particles.sphecs.track(17, passage=0)
     frame.sphecs.plot("pressure")
 
 `grid` and `profile` fit polynomials to the particles of the flow within two smoothing lengths, as probes do. The file holds
@@ -24,6 +24,7 @@ import xarray as xr
 
 from ._exceptions import needs
 from ._sampling import Neighbours
+from ._tracks import track
 
 #: Zones of the flow: fluid, inflow and outflow.
 FLOW = (0, 2, 3)
@@ -135,24 +136,21 @@ class ParticlesAccessor:
         fields = {name: self._stacked(values[name], ("distance",), coordinates, name) for name in names}
         return xr.Dataset(fields)
 
-    def track(self, id: int | Sequence[int]) -> xr.Dataset:
-        """Returns the history of one particle or of several by their numbers; NaN while one is in the reservoir.
+    def track(
+        self, id: int | Sequence[int], passage: int | None = None, zones: Sequence[str] = ("fluid",)
+    ) -> xr.Dataset:
+        """Returns the trajectory of a piece of fluid over all frames, NaN where it is not in the flow.
 
-        A particle that leaves and enters again is another piece of fluid: `passage` then has another value.
+        It is the row of `tracks.nc` with the same number. A particle that leaves and enters again is another piece of
+        fluid, of another `passage`, so the history of a particle number may be several trajectories.
+
+        Parameters
+        ----------
+        id: number of the particle; with several numbers, the dataset has the dimension `trajectory`.
+        passage: times that the particle had entered again; None: the only one, or for several numbers all of them.
+        zones: zones in which the particle has a trajectory, as `flag_meanings` of `zone` names them.
         """
-        self.axes  # noqa: B018 - refuses other datasets
-        numbers = np.atleast_1d(np.asarray(id))
-        known = self._data.particle_id.values
-        order = np.argsort(known)
-        places = np.searchsorted(known, numbers, sorter=order).clip(0, max(len(known) - 1, 0))
-        rows = order[places] if len(known) else places
-        missing = [int(number) for number, row in zip(numbers, rows) if not len(known) or known[row] != number]
-        if missing:
-            raise KeyError(
-                f"particle {missing}: no such number; walls at rest have none, and numbers end at {known.max(initial=0)}"
-            )
-        names = [name for name, variable in self._data.variables.items() if "wall" not in variable.dims]
-        return self._data[names].isel(particle=int(rows[0]) if np.ndim(id) == 0 else rows)
+        return track(self._data, id, passage, zones)
 
     def plot(
         self,

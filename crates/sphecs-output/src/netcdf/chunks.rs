@@ -17,12 +17,11 @@ use ::hdf5_metno_sys::h5i::hid_t;
 use ::hdf5_metno_sys::h5p::{H5P_DEFAULT, H5Pclose, H5Pget_chunk, H5Pget_filter2, H5Pget_nfilters};
 use ::hdf5_metno_sys::h5z::{H5Z_FILTER_DEFLATE, H5Z_FILTER_SHUFFLE};
 
+use crate::zlib::deflated;
+
 /// Failed operation of the library, for a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ChunkError(pub(super) &'static str);
-
-/// Level of compression of all files, the fastest of zlib.
-pub(super) const LEVEL: u8 = 1;
 
 /// Chunk as a file stores it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -36,24 +35,7 @@ pub(crate) struct Chunk {
 impl Chunk {
     /// Compresses shuffled bytes as the filters of HDF5 do.
     pub(super) fn compressed(shuffled: &[u8]) -> Self {
-        let mut length = shuffled.len() as _;
-        // SAFETY: the function computes a number.
-        length = unsafe { ::libz_sys::compressBound(length) };
-        let mut bytes = vec![0; length as usize];
-        // SAFETY: both buffers have the lengths given.
-        let status = unsafe {
-            ::libz_sys::compress2(
-                bytes.as_mut_ptr(),
-                &mut length,
-                shuffled.as_ptr(),
-                shuffled.len() as _,
-                LEVEL.into(),
-            )
-        };
-        // With a buffer of this length only the memory can be short, for which Rust aborts too.
-        assert_eq!(status, ::libz_sys::Z_OK, "zlib has no memory");
-        bytes.truncate(length as usize);
-        Self { bytes, skipped_filters: 0 }
+        Self { bytes: deflated(shuffled), skipped_filters: 0 }
     }
 }
 

@@ -79,7 +79,7 @@ impl FrameChunks {
 }
 
 /// Values of a variable.
-enum Values<'a> {
+pub(super) enum Values<'a> {
     F64(&'a [f64]),
     F32(&'a [f32]),
     U32(&'a [u32]),
@@ -89,7 +89,7 @@ enum Values<'a> {
 impl Values<'_> {
     /// Returns the first bytes of the values of some slots, then their second bytes, and so on, as
     /// the filter of HDF5 arranges them; a chunk has `length` slots.
-    fn shuffled(&self, slots: &[u32], length: usize) -> Vec<u8> {
+    pub(super) fn shuffled(&self, slots: &[u32], length: usize) -> Vec<u8> {
         match self {
             Self::F64(values) => shuffled(values, f64::NAN, f64::to_ne_bytes, slots, length),
             Self::F32(values) => shuffled(values, f32::NAN, f32::to_ne_bytes, slots, length),

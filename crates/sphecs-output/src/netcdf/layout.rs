@@ -16,7 +16,7 @@
 //! A slot takes 41 bytes in 2D and 53 in 3D before compression. CF has standard names for air and
 //! sea water only, so the fields have long names and units. The file declares no `featureType`: a
 //! slot is no trajectory, since its particle may leave, wait in the reservoir and enter again as
-//! another piece of fluid (`passage`).
+//! another piece of fluid (`passage`). Trajectories are in [`tracks.nc`](super::trajectories).
 
 use ::netcdf::{AttributeValue, FileMut};
 
@@ -29,6 +29,16 @@ use sphecs_scene::result_name::result_name;
 
 /// Largest number of slots in a chunk: 2 MiB of doubles.
 pub(super) const CHUNK: usize = 1 << 18;
+
+/// Scalars of a particle in single precision: name, unit and meaning.
+pub(super) const SCALARS: [(&str, &str, &str); 3] = [
+    ("density", "kg m-3", "density"),
+    ("pressure", "Pa", "pressure above that of the reference density"),
+    ("tag", "1", "passive scalar carried along"),
+];
+
+/// Long name of `passage`.
+pub(super) const PASSAGE_MEANING: &str = "number of times the particle was injected again from the reservoir";
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const VELOCITIES: [&str; 3] = ["u", "v", "w"];
@@ -77,6 +87,18 @@ fn text(name: &'static str, value: impl Into<String>) -> (&'static str, Attribut
     (name, AttributeValue::from(value.into()))
 }
 
+/// Returns the attributes of `zone`.
+pub(super) fn zone_attributes() -> Vec<(&'static str, AttributeValue)> {
+    let meanings = Zone::ALL.iter().map(|zone| zone.name()).chain(["absent"]);
+    let values: Vec<u8> = Zone::ALL.iter().map(|&zone| zone as u8).chain([ABSENT]).collect();
+    vec![
+        text("units", "1"),
+        text("long_name", "zone that the particle belongs to"),
+        ("flag_values", AttributeValue::from(values)),
+        text("flag_meanings", meanings.collect::<Vec<_>>().join(" ")),
+    ]
+}
+
 /// Defines the variables of the slots and writes the particle numbers.
 pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Result<(), ::netcdf::Error> {
     put_header(file, header, "particles")?;
@@ -104,27 +126,15 @@ pub(super) fn define(file: &mut FileMut, header: &Header, slots: &Slots) -> Resu
         attributes.push(coordinates());
         add_variable::<f32>(file, VELOCITIES[axis], &shape, &chunks, &attributes)?;
     }
-    for (name, unit, long_name) in [
-        ("density", "kg m-3", "density"),
-        ("pressure", "Pa", "pressure above that of the reference density"),
-        ("tag", "1", "passive scalar carried along"),
-    ] {
+    for (name, unit, long_name) in SCALARS {
         let mut attributes = units(unit, long_name.into());
         attributes.push(coordinates());
         add_variable::<f32>(file, name, &shape, &chunks, &attributes)?;
     }
-    let mut attributes = units("1", "zone that the particle belongs to".into());
-    let mut meanings: Vec<&str> = Zone::ALL.iter().map(|zone| zone.name()).collect();
-    meanings.push("absent");
-    let values: Vec<u8> = Zone::ALL.iter().map(|&zone| zone as u8).chain([ABSENT]).collect();
-    attributes.extend([
-        ("flag_values", AttributeValue::from(values)),
-        text("flag_meanings", meanings.join(" ")),
-        coordinates(),
-    ]);
+    let mut attributes = zone_attributes();
+    attributes.push(coordinates());
     add_variable::<u8>(file, "zone", &shape, &chunks, &attributes)?;
-    let mut attributes =
-        units("1", "number of times the particle was injected again from the reservoir".into());
+    let mut attributes = units("1", PASSAGE_MEANING.into());
     attributes.push(coordinates());
     add_variable::<u32>(file, "passage", &shape, &chunks, &attributes)?;
     let mut attributes = units("1", "number of the particle in the run".into());

@@ -9,6 +9,8 @@
 //! - [`dataset`]: tables and probes
 //! - [`grids`]: fields on grids
 //! - [`wall_points`]: quantities at the walls
+//! - [`point_sets`]: point clouds in the layout of VTKHDF
+//! - [`trajectories`]: particles as trajectories
 
 mod chunks;
 pub(crate) mod compression;
@@ -17,5 +19,7 @@ mod file;
 pub(crate) mod grids;
 mod layout;
 pub(crate) mod particles;
+pub(crate) mod point_sets;
 pub(crate) mod slots;
+pub(crate) mod trajectories;
 pub(crate) mod wall_points;

@@ -95,9 +95,9 @@ pub(crate) fn write_run(
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameTime {
     /// Time, s.
-    time: f64,
+    pub(crate) time: f64,
     /// Steps done.
-    step: u64,
+    pub(crate) step: u64,
     /// Size of the last step, s.
     time_step: f64,
 }
@@ -222,6 +222,25 @@ impl ParticleFile {
         }
         let FrameTime { time, step, time_step } = self.frame_time(index)?;
         Ok(Frame { time, step, time_step, ..frame })
+    }
+
+    /// Returns the frame `index` with zones and passages only, on request with positions.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] when it cannot be read.
+    pub(crate) fn occupancy(&self, index: usize, with_positions: bool) -> Result<Frame, OutputError> {
+        let ids = &self.slots.particles;
+        let mut frame = Frame::absent(self.slots.dense_len());
+        for axis in 0..self.dimensions * usize::from(with_positions) {
+            place(&mut frame.position[axis], ids, &self.row(AXES[axis], index)?);
+        }
+        if self.dimensions == 2 {
+            frame.position[2].fill(0.0);
+        }
+        place(&mut frame.zone, ids, &self.row("zone", index)?);
+        place(&mut frame.passage, ids, &self.row("passage", index)?);
+        self.place_moving_walls(&mut frame);
+        Ok(frame)
     }
 
     /// Sets the wall parts of the particles of walls that move, and their numbers.

@@ -33,9 +33,7 @@
 //! The zone of [`convection`](super::convection) pushes fluid in if the pressure behind the plane
 //! is too low. The fitted velocity of the fluid is right to some 0.4 %, and where fluid enters the
 //! deficit would cost a pressure of 0.4 % of ρ0 c0 v̄, more than a friction loss. The speed e makes
-//! the fluid at the plane have the pressure of the opening in the long run; τ is the time of the
-//! slow correction of U. With a fifth of it, e followed a pressure that swings, and the error of a
-//! Windkessel was a quarter larger.
+//! the fluid at the plane have the pressure of the opening in the long run.
 
 pub mod flow_share;
 pub mod given_pressure;
@@ -170,8 +168,7 @@ impl<L: PressureLaw> OutletMethod for L {
         // The zone takes the dynamic pressure of inflow away again, at each point by itself.
         let base = zone.through_velocity.unwrap_or(0.0);
         memory.wave.non_reflecting.spread(zone, pressure + dynamic, base, waves);
-        let time = CORRECTION * settling_time(zone.extent, zone.flow.sound_speed);
-        let compliance = zone.flow.impedance() * time;
+        let compliance = zone.flow.impedance() * settling_time(zone.extent, zone.flow.sound_speed);
         memory.excess_speed += (mean.pressure - pressure) * zone.time_step / compliance;
         let rule = ZoneRule { excess_speed: memory.excess_speed, enters_from_rest: self.enters_from_rest() };
         wave().move_zone(zone, &mut memory.wave, rule);
