@@ -4,9 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use super::arguments::{
-    CheckArguments, ExportArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments,
-};
+use super::arguments::{CheckArguments, ExportArguments, InfoArguments, PackArguments, SceneArguments};
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
 use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
@@ -118,40 +116,6 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
         Console::Normal.print(&format!("\nthe picture is {}", path.display()));
     }
     Ok(if arguments.strict && !report.notes.is_empty() { MISSED } else { DONE })
-}
-
-/// Draws frames of a run.
-///
-/// # Errors
-/// [`Failure::Output`].
-pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
-    let results = Results::open(&arguments.run)?;
-    let options = RenderOptions {
-        field: arguments.field,
-        range: arguments.range,
-        colours: arguments.colours,
-        width: arguments.width,
-        slice: arguments.slice,
-    };
-    let name = || arguments.run.join(arguments.field.name()).with_extension("png");
-    let path = arguments.output.clone().unwrap_or_else(name);
-    make_parent(&path)?;
-    if arguments.all {
-        let pictures = picture::render_all(&results, &options, &path, counter("pictures"))?;
-        let (first, last) = (pictures.first().unwrap_or(&path), pictures.last().unwrap_or(&path));
-        let count = grouped(pictures.len() as u64);
-        Console::Normal.print(&format!("{count} pictures, {} to {}", first.display(), last.display()));
-    } else {
-        let target = if arguments.output.is_some() { disk::target(&path) } else { path.clone() };
-        let time = picture::render(&results, arguments.time, &options, &target)?;
-        Console::Normal.print(&format!(
-            "{} at t = {} s: {}",
-            arguments.field.name(),
-            significant(time),
-            path.display()
-        ));
-    }
-    Ok(DONE)
 }
 
 /// Prints a description of a run folder.
@@ -282,7 +246,7 @@ fn load_within(input: &SceneArguments, memory: Option<f64>) -> Result<Scene, Fai
 }
 
 /// Makes the folder of a file.
-fn make_parent(path: &Path) -> Result<(), OutputError> {
+pub(super) fn make_parent(path: &Path) -> Result<(), OutputError> {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => std::fs::create_dir_all(parent)
             .map_err(|cause| OutputError::Io { path: parent.to_owned(), doing: "make the folder", cause }),
@@ -291,7 +255,7 @@ fn make_parent(path: &Path) -> Result<(), OutputError> {
 }
 
 /// Returns a counter that overwrites one line of a terminal while a series is written.
-fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
+pub(super) fn counter(what: &str) -> impl FnMut(usize, usize) + '_ {
     let on_terminal = std::io::stderr().is_terminal();
     move |done, all| {
         if on_terminal {

@@ -3,8 +3,10 @@
 //! - [`arguments`]: commands and their arguments
 //! - [`run_arguments`]: arguments of `run` and `resume`
 //! - [`check_arguments`]: arguments of `bench` and `validate`
+//! - [`picture_arguments`]: arguments of `render` and `plot`
 //! - [`help_arguments`]: arguments of `explain`, `new`, `completions` and `man`
 //! - [`commands`]: one function for each command
+//! - [`picture_commands`]: `render` and `plot`
 //! - [`explain`], [`new_scene`], [`shell`]: commands that help to write scenes and command lines
 //! - `command_line_page`: page of the manual
 //! - `values`: values of arguments
@@ -19,6 +21,8 @@ pub mod explain;
 pub mod failure;
 pub mod help_arguments;
 pub mod new_scene;
+pub mod picture_arguments;
+pub mod picture_commands;
 pub mod run_arguments;
 pub mod shell;
 mod values;
@@ -56,7 +60,8 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Run(run) => commands::run(&run),
         Command::Resume(resume) => commands::resume(&resume),
         Command::Check(check) => commands::check(&check),
-        Command::Render(render) => commands::render(&render),
+        Command::Render(render) => picture_commands::render(&render),
+        Command::Plot(plot) => picture_commands::plot(&plot),
         Command::Info(info) => commands::info(&info),
         Command::Export(export) => commands::export(&export),
         Command::Pack(pack) => commands::pack(&pack),
