@@ -10,7 +10,6 @@ use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
 use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
 use sphecs_bench::BenchOptions;
 use sphecs_bench::cases::BenchCase;
-use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk;
 use sphecs_output::error::OutputError;
 use sphecs_output::fields::resampling::{self, GridOptions};

@@ -71,9 +71,9 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "32",
         value_parser = clap::value_parser!(u32).range(2..=400), conflicts_with = "perspective")]
     pub arrows: Option<u32>,
-    /// Draw streamlines of the velocity in the plane, this many across at their distance [default:
-    /// none; 24 without a number]
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "24",
+    /// Draw streamlines of the velocity in the plane, this many across a square picture [default:
+    /// none; 36 without a number]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "36",
         value_parser = clap::value_parser!(u32).range(2..=200), conflicts_with_all = ["perspective", "arrows"])]
     pub streamlines: Option<u32>,
     /// Draw lines of equal value at this many round levels [default: none; 10 without a number]
@@ -223,6 +223,7 @@ mod tests {
         refused("sphecs render runs/a --arrows --streamlines", "cannot be used with");
         refused("sphecs render runs/a --fps 10", "--movie");
         refused("sphecs render runs/a --movie a.avi", "`.gif`");
+        refused("sphecs render runs/a --movie a.mp4", "no MP4");
         refused("sphecs render runs/a --box 1,0,0,1", "below");
         refused("sphecs render runs/a --box 0,1", "four numbers");
         refused("sphecs render runs/a --perspective=0,0,0", "not zero");

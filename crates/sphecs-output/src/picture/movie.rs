@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use gif::{DisposalMethod, Encoder, Repeat};
+use gif::{DisposalMethod, Encoder, EncodingError, Repeat};
 use image::RgbImage;
 
 use super::RenderOptions;
@@ -40,36 +40,56 @@ pub fn render_movie(
     fps: f64,
     mut done: impl FnMut(usize, usize),
 ) -> Result<usize, OutputError> {
-    let failed = |cause: gif::EncodingError| OutputError::io(path, "write")(std::io::Error::other(cause));
+    let failed = |cause: EncodingError| OutputError::io(path, "write")(std::io::Error::other(cause));
     let mut painter = painter_of_all(results, options, || Ok(()))?;
-    let mut palette = Palette::new(&painter.key());
-    let size = [painter.sheet.width, painter.sheet.height].map(|length| length as u16);
-    // Players take times below two hundredths of a second for a tenth.
-    let delay = (100.0 / fps).round().clamp(2.0, 6000.0) as u16;
+    let size = [painter.sheet.width, painter.sheet.height];
     let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, size[0], size[1], &palette.bytes()).map_err(failed)?;
-    encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
-    let mut before: Vec<u8> = Vec::new();
+    let mut film = Film::new(&mut bytes, size, &painter.key(), fps).map_err(failed)?;
     for index in 0..results.len() {
-        let now = palette.indices(&painter.draw(&results.frame(index)?).pixels());
-        let mut frame = match before.is_empty() {
-            true => {
-                let buffer = now.clone().into();
-                gif::Frame { width: size[0], height: size[1], buffer, ..gif::Frame::default() }
-            }
-            false => difference(&before, &now, usize::from(size[0])),
-        };
-        frame.delay = delay;
-        frame.dispose = DisposalMethod::Keep;
-        frame.transparent = Some(UNCHANGED);
-        encoder.write_frame(&frame).map_err(failed)?;
-        before = now;
+        film.add(&painter.draw(&results.frame(index)?).pixels()).map_err(failed)?;
         done(index + 1, results.len());
     }
-    // The trailer is written when the encoder ends.
-    drop(encoder);
+    // The end of the file is written when the encoder ends.
+    drop(film);
     crate::disk::write_whole(path, &bytes)?;
     Ok(results.len())
+}
+
+/// Encoder of pictures of one size.
+struct Film<'a> {
+    encoder: Encoder<&'a mut Vec<u8>>,
+    palette: Palette,
+    size: [u16; 2],
+    /// Time of a frame, hundredths of a second.
+    delay: u16,
+    /// Indices of the colours of the picture before.
+    before: Vec<u8>,
+}
+
+impl<'a> Film<'a> {
+    fn new(bytes: &'a mut Vec<u8>, size: [u32; 2], key: &ColourKey, fps: f64) -> Result<Self, EncodingError> {
+        let palette = Palette::new(key);
+        let size = size.map(|length| length as u16);
+        let mut encoder = Encoder::new(bytes, size[0], size[1], &palette.bytes())?;
+        encoder.set_repeat(Repeat::Infinite)?;
+        // Players take times below two hundredths of a second for a tenth.
+        let delay = (100.0 / fps).round().clamp(2.0, 6000.0) as u16;
+        Ok(Self { encoder, palette, size, delay, before: Vec::new() })
+    }
+
+    fn add(&mut self, picture: &RgbImage) -> Result<(), EncodingError> {
+        let now = self.palette.indices(picture);
+        let [width, height] = self.size;
+        let mut frame = match self.before.is_empty() {
+            true => gif::Frame { width, height, buffer: now.clone().into(), ..gif::Frame::default() },
+            false => difference(&self.before, &now, usize::from(width)),
+        };
+        frame.delay = self.delay;
+        frame.dispose = DisposalMethod::Keep;
+        frame.transparent = Some(UNCHANGED);
+        self.before = now;
+        self.encoder.write_frame(&frame)
+    }
 }
 
 /// Returns the smallest rectangle in which a picture differs from the one before it, with its
@@ -183,6 +203,43 @@ mod tests {
             let index = zones.indices(&picture)[0];
             assert_eq!(zones.colours[usize::from(index)], colour);
         }
+    }
+
+    #[test]
+    fn frames_read_back_as_they_were_drawn() {
+        let key = ColourKey::Scale { colours: Colours::Viridis, range: (0.0, 1.0) };
+        // A square that moves over a constant background.
+        let picture = |at: u32| {
+            RgbImage::from_fn(40, 20, |x, y| {
+                let is_square = (at..at + 6).contains(&x) && (5..11).contains(&y);
+                image::Rgb(if is_square { Colours::Viridis.at(0.8) } else { PAPER })
+            })
+        };
+        let mut bytes = Vec::new();
+        let mut film = Film::new(&mut bytes, [40, 20], &key, 25.0).expect("an encoder");
+        (0..3).for_each(|at| film.add(&picture(4 * at)).expect("written"));
+        drop(film);
+        let mut decoder = gif::DecodeOptions::new();
+        decoder.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = decoder.read_info(&bytes[..]).expect("a GIF");
+        let mut shown = RgbImage::new(40, 20);
+        for at in 0..3 {
+            let frame = decoder.read_next_frame().expect("a frame").expect("three of them").clone();
+            assert_eq!(frame.delay, 4);
+            for (index, pixel) in frame.buffer.chunks(4).enumerate().filter(|(_, pixel)| pixel[3] > 0) {
+                let width = u32::from(frame.width);
+                let place = [
+                    u32::from(frame.left) + index as u32 % width,
+                    u32::from(frame.top) + index as u32 / width,
+                ];
+                shown.put_pixel(place[0], place[1], image::Rgb([pixel[0], pixel[1], pixel[2]]));
+            }
+            for (found, wanted) in shown.pixels().zip(picture(4 * at).pixels()) {
+                let off = (0..3).map(|k| found[k].abs_diff(wanted[k])).max().unwrap_or(0);
+                assert!(off <= 4, "{wanted:?} became {found:?}");
+            }
+        }
+        assert!(decoder.read_next_frame().expect("an end").is_none());
     }
 
     #[test]

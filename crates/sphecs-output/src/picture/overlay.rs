@@ -52,8 +52,10 @@ impl Overlay<'_> {
     fn head(&mut self, tip: [f64; 2], along: [f64; 2], length: f64) {
         let (tip, along) = (self.pixel(tip), [along[0], -along[1]]);
         let size = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
-        let ahead = [0, 1].map(|k| tip[k] + 1.5 * self.thin() * along[k] / size);
-        self.drawing.area(head(ahead, along, length + 3.5 * self.thin()), BELOW);
+        // The light rim of a small head would be all that is seen of it.
+        let rim = self.thin().min(0.12 * length);
+        let ahead = [0, 1].map(|k| tip[k] + 1.5 * rim * along[k] / size);
+        self.drawing.area(head(ahead, along, length + 3.0 * rim), BELOW);
         self.drawing.area(head(tip, along, length), INK);
     }
 
@@ -75,7 +77,7 @@ impl Overlay<'_> {
         let distance = (extent[0] * extent[1]).sqrt().min(extent[0]) / f64::from(across);
         let grid = self.grid;
         let velocity = |point: [f64; 2]| grid.velocity_at(point);
-        let lines = streamlines(velocity, self.corners(), grid.largest_speed(), distance);
+        let lines = streamlines(velocity, self.corners(), grid.fastest(), distance);
         let size = 0.55 * f64::from(self.sheet.text);
         for line in lines {
             self.line(&line, self.thin());
@@ -100,7 +102,7 @@ impl Overlay<'_> {
         for Arrow { tail, tip } in found {
             let along = [tip[0] - tail[0], tip[1] - tail[1]];
             let length = along[0].hypot(along[1]) * scale;
-            let size = (0.4 * length).min(0.6 * f64::from(self.sheet.text));
+            let size = (0.45 * length).min(0.6 * f64::from(self.sheet.text));
             // The shaft ends inside the head, whose tip it would blunt.
             let neck = [0, 1].map(|k| tip[k] - 0.6 * size / length * along[k]);
             self.line(&[tail, neck], self.thin());

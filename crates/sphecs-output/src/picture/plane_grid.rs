@@ -89,8 +89,15 @@ impl PlaneGrid {
 
     /// Returns the largest speed in the plane, m/s.
     pub(super) fn largest_speed(&self) -> f64 {
+        self.fastest().1
+    }
+
+    /// Returns the place of the largest speed, m, and that speed, m/s.
+    pub(super) fn fastest(&self) -> ([f64; 2], f64) {
         let [u, v] = &self.velocity;
-        u.iter().zip(v).map(|(u, v)| u.hypot(*v)).fold(0.0, f64::max)
+        let speeds = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).enumerate();
+        let (node, speed) = speeds.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
+        (self.node(node % self.count[0], node / self.count[0]), speed)
     }
 }
 

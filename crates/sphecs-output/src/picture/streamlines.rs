@@ -36,24 +36,24 @@ struct Tracer<F> {
     taken: HashMap<[i64; 2], Vec<[f64; 2]>>,
 }
 
-/// Returns the streamlines between two corners, whose largest speed in m/s is given, with a distance
-/// in m. `velocity` is None outside the fluid.
+/// Returns the streamlines between two corners at a distance in m; `fastest` is the place of the
+/// largest speed in m/s, from which the first line is traced. `velocity` is None outside the fluid.
 pub(super) fn streamlines(
     velocity: impl Fn([f64; 2]) -> Option<[f64; 2]>,
     [low, high]: [[f64; 2]; 2],
-    largest_speed: f64,
+    (fastest, largest_speed): ([f64; 2], f64),
     distance: f64,
 ) -> Vec<Vec<[f64; 2]>> {
     let slowest = LEAST_SPEED * largest_speed;
     let mut tracer = Tracer { velocity, distance, slowest, lines: Vec::new(), taken: HashMap::new() };
     let count = [0, 1].map(|k| ((high[k] - low[k]) / distance).ceil().max(1.0) as usize);
-    let mut waiting = VecDeque::new();
-    for index in 0..count[0] * count[1] {
+    let centre = |index: usize| -> [f64; 2] {
         let cell = [index % count[0], index / count[0]];
-        tracer.add(
-            [0, 1].map(|k| low[k] + (cell[k] as f64 + 0.5) * (high[k] - low[k]) / count[k] as f64),
-            &mut waiting,
-        );
+        std::array::from_fn(|k| low[k] + (cell[k] as f64 + 0.5) * (high[k] - low[k]) / count[k] as f64)
+    };
+    let mut waiting = VecDeque::new();
+    for seed in std::iter::once(fastest).chain((0..count[0] * count[1]).map(centre)) {
+        tracer.add(seed, &mut waiting);
         while let Some(line) = waiting.pop_front() {
             for seed in tracer.seeds_beside(line) {
                 tracer.add(seed, &mut waiting);
@@ -174,7 +174,8 @@ mod tests {
     fn solid_rotation_has_closed_circles() {
         // The velocity is linear, so that the grid is exact; a step is a hundredth of the radius.
         let grid = grid(21, |[x, y]| ([-y, x], 0.0));
-        let lines = streamlines(|point| grid.velocity_at(point), [[-1.0; 2], [1.0; 2]], 1.4, 0.2);
+        let lines =
+            streamlines(|point| grid.velocity_at(point), [[-1.0; 2], [1.0; 2]], ([0.5, 0.0], 1.4), 0.2);
         let radius = |point: &[f64; 2]| point[0].hypot(point[1]);
         let mut closed = 0;
         for line in &lines {
@@ -190,7 +191,7 @@ mod tests {
     #[test]
     fn lines_keep_their_distance_and_fill_the_plane() {
         let uniform = |[x, y]: [f64; 2]| (x.abs() <= 1.0 && y.abs() <= 1.0).then_some([1.0, 0.0]);
-        let lines = streamlines(uniform, [[-1.0; 2], [1.0; 2]], 1.0, 0.1);
+        let lines = streamlines(uniform, [[-1.0; 2], [1.0; 2]], ([0.0; 2], 1.0), 0.1);
         assert!((18..=21).contains(&lines.len()), "{} lines", lines.len());
         let mut heights: Vec<f64> = lines.iter().map(|line| line[0][1]).collect();
         heights.sort_by(f64::total_cmp);
@@ -202,7 +203,7 @@ mod tests {
 
     #[test]
     fn fluid_at_rest_has_none() {
-        let lines = streamlines(|_| Some([0.0, 0.0]), [[-1.0; 2], [1.0; 2]], 0.0, 0.1);
+        let lines = streamlines(|_| Some([0.0, 0.0]), [[-1.0; 2], [1.0; 2]], ([0.0; 2], 0.0), 0.1);
         assert!(lines.is_empty());
     }
 }
