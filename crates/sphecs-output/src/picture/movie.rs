@@ -193,7 +193,8 @@ mod tests {
                 let index = palette.indices(&picture)[0];
                 let found = palette.colours[usize::from(index)];
                 let off = (0..3).map(|k| found[k].abs_diff(wanted[k])).max().unwrap_or(0);
-                assert!(off <= 4, "{wanted:?} became {found:?}");
+                // The steepest part of `turbo` rises by twelve levels from a colour to the next.
+                assert!(off <= 6, "{wanted:?} became {found:?}");
             }
         }
         let mut zones = Palette::new(&ColourKey::Zones);

@@ -132,13 +132,15 @@ impl<F: Fn([f64; 2]) -> Option<[f64; 2]>> Tracer<F> {
     }
 
     /// Returns true if the end of a line is near to a part of itself that is more than a turn back.
+    /// The points next to the seed do not count: a line that returns to it closes there.
     fn is_beside_itself(&self, line: &[[f64; 2]]) -> bool {
         let Some(&[x, y]) = line.last() else { return false };
-        let recent = (2.0 * STEPS) as usize;
-        let before = line.len().saturating_sub(recent);
         let limit = 0.25 * self.distance;
+        let (first, recent) = ((0.5 * STEPS) as usize, (2.0 * STEPS) as usize);
+        let before = line.len().saturating_sub(recent);
         // Points are a twelfth of the distance apart: every second one is enough.
-        line[..before].iter().step_by(2).any(|point| (point[0] - x).hypot(point[1] - y) < limit)
+        let older = line.get(first..before).unwrap_or_default();
+        older.iter().step_by(2).any(|point| (point[0] - x).hypot(point[1] - y) < limit)
     }
 
     fn seeds_beside(&self, line: usize) -> Vec<[f64; 2]> {
