@@ -228,7 +228,8 @@ impl<'a> Painter<'a> {
     fn lines(&self, drawing: &mut Drawing, grid: &PlaneGrid, key: &ColourKey) {
         let mut overlay = Overlay { drawing, view: &self.view, sheet: &self.sheet, grid };
         if let (Some(count), ColourKey::Scale { range, .. }) = (self.options.contours, key) {
-            overlay.contours(*range, count);
+            // Of a scale about zero only a part may occur.
+            overlay.contours(self.found.unwrap_or(*range), count);
         }
         if let Some(across) = self.options.streamlines {
             overlay.streamlines(across);

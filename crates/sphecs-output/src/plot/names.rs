@@ -110,7 +110,11 @@ impl RunTables {
     fn unknown(&self, name: &str) -> OutputError {
         let names = self.names();
         let distance = |known: &&String| strsim::damerau_levenshtein(known, name);
-        let near = names.iter().min_by_key(distance).filter(|known| distance(known) <= name.len() / 3 + 1);
+        // The beginning of a name is what people type of a long one.
+        let begun = || names.iter().find(|known| known.starts_with(name));
+        let nearest =
+            || names.iter().min_by_key(distance).filter(|known| distance(known) <= name.len() / 3 + 1);
+        let near = begun().or_else(nearest);
         let near = near.map_or_else(String::new, |near| format!(", did you mean `{near}`?"));
         OutputError::Request(format!(
             "`{name}` is not a result of `{}`{near}{} Its results are\n{}",
