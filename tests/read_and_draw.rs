@@ -7,7 +7,7 @@ use sphecs_output::folder::RunFolder;
 use sphecs_output::frame::Frame;
 use sphecs_output::header::Header;
 use sphecs_output::info;
-use sphecs_output::picture::series::render_all;
+use sphecs_output::picture::all_frames::render_all;
 use sphecs_output::picture::{Field, RenderOptions, Slice, render};
 use sphecs_output::probes::ProbeSet;
 use sphecs_output::results::Results;

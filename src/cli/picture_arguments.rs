@@ -63,11 +63,12 @@ pub struct RenderArguments {
     #[arg(long = "box", value_name = "XMIN,XMAX,YMIN,YMAX", value_parser = frame_box, allow_hyphen_values = true,
         conflicts_with = "perspective")]
     pub part: Option<[f64; 4]>,
-    /// Plane of a 3D flow, in 2D refused, as `z` or `y=0.01` (m); in perspective the flow in front of
-    /// it is left out [default: z in the middle]
+    /// Plane of a 3D flow, in 2D refused, as `z` or `y=0.01` (m); in perspective the flow in front
+    /// of it is left out [default: z in the middle]
     #[arg(long, value_name = "AXIS[=AT]", value_parser = slice)]
     pub slice: Option<Slice>,
-    /// Draw velocity arrows on a regular grid, this many across [default: none; 32 without a number]
+    /// Draw velocity arrows on a regular grid, this many across [default: none; 32 without a
+    /// number]
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "32",
         value_parser = clap::value_parser!(u32).range(2..=400), conflicts_with = "perspective")]
     pub arrows: Option<u32>,

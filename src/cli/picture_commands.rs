@@ -6,7 +6,7 @@ use super::picture_arguments::{PlotArguments, RenderArguments};
 use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk;
 use sphecs_output::error::OutputError;
-use sphecs_output::picture::{self, RenderOptions, movie, series};
+use sphecs_output::picture::{self, RenderOptions, all_frames, movie};
 use sphecs_output::plot::{self as plotting, PlotOptions};
 use sphecs_output::results::Results;
 use sphecs_run::console::Console;
@@ -34,7 +34,7 @@ pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
     let path = given.cloned().unwrap_or_else(name);
     make_parent(&path)?;
     if arguments.all {
-        let pictures = series::render_all(&results, &options, &path, counter("pictures"))?;
+        let pictures = all_frames::render_all(&results, &options, &path, counter("pictures"))?;
         let (first, last) = (pictures.first().unwrap_or(&path), pictures.last().unwrap_or(&path));
         let count = grouped(pictures.len() as u64);
         Console::Normal.print(&format!("{count} pictures, {} to {}", first.display(), last.display()));

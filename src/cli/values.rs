@@ -132,10 +132,10 @@ fn numbers<const N: usize>(text: &str) -> Result<Option<[f64; N]>, String> {
 /// Returns the edges of a part of the flow, left, right, below, above.
 pub(super) fn frame_box(text: &str) -> Result<[f64; 4], String> {
     let edges: [f64; 4] = numbers(text)?.ok_or("must be four numbers, as `0,0.2,-0.02,0.02`")?;
-    for pair in edges.chunks(2).filter(|pair| pair[0] >= pair[1]) {
-        return Err(format!("the lower end `{}` must be below the upper end `{}`", pair[0], pair[1]));
+    match edges.chunks(2).find(|pair| pair[0] >= pair[1]) {
+        Some(pair) => Err(format!("the lower end `{}` must be below the upper end `{}`", pair[0], pair[1])),
+        None => Ok(edges),
     }
-    Ok(edges)
 }
 
 /// Returns the direction from the flow towards the viewer.

@@ -18,8 +18,8 @@ pub(super) struct Arrow {
     pub(super) tip: [f64; 2],
 }
 
-/// Returns the arrows between two corners, `across` of them to the right; the largest speed, m/s, has
-/// the longest one.
+/// Returns the arrows between two corners, `across` of them to the right; the largest speed, m/s,
+/// has the longest one.
 pub(super) fn arrows(
     grid: &PlaneGrid,
     [low, high]: [[f64; 2]; 2],

@@ -8,10 +8,11 @@
 //! - `arrows`, `streamlines`, `contours`: lines over the field, drawn by `overlay`
 //! - `painter`: a frame, or a mean, with one colour scale for all
 //! - `perspective`: particles of a 3D flow in space
-//! - [`series`], [`movie`]: all frames of a run
+//! - [`all_frames`], [`movie`]: all frames of a run
 //! - `plan`: a scene before it runs
 //! - `sheet`: title, axes and legend around the field
 
+pub mod all_frames;
 mod arrows;
 mod contours;
 mod field;
@@ -22,7 +23,6 @@ mod perspective;
 mod plan;
 mod plane_grid;
 mod raster;
-pub mod series;
 mod sheet;
 mod streamlines;
 mod view;

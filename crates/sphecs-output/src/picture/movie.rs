@@ -11,8 +11,8 @@ use gif::{DisposalMethod, Encoder, EncodingError, Repeat};
 use image::RgbImage;
 
 use super::RenderOptions;
+use super::all_frames::painter_of_all;
 use super::raster::{NO_VALUE, WALL};
-use super::series::painter_of_all;
 use super::sheet::ColourKey;
 use crate::drawing::{Colour, INK, PAPER};
 use crate::error::OutputError;

@@ -204,8 +204,8 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// Returns the middle of a ball on the picture, points from the upper left corner, its depth, m,
-    /// and its radius, points.
+    /// Returns the middle of a ball on the picture, points from the upper left corner, its depth,
+    /// m, and its radius, points.
     fn place(&self, frame: &Frame, slot: usize) -> ([f64; 2], f64, f64) {
         let point = DVec3::from_array([0, 1, 2].map(|axis| frame.position[axis][slot]));
         let ([right, up], depth, scale) = self.camera.project(point);

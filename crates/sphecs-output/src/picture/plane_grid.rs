@@ -115,8 +115,8 @@ impl PlaneSampler {
     /// Returns the sampler of a view, which needs values of the field or the velocity only.
     ///
     /// # Errors
-    /// [`OutputError::Request`] when this version cannot read the scene of the run, or the field has
-    /// no values between particles.
+    /// [`OutputError::Request`] when this version cannot read the scene of the run, or the field
+    /// has no values between particles.
     pub(super) fn new(
         header: &Header,
         view: &View,

@@ -281,8 +281,8 @@ impl Sheet {
         drawing.text(&label_of(power), place, text, Weight::Regular, Anchor::Right);
     }
 
-    /// Draws the arrow of a round speed beside the colour scale, with its speed in m/s, if the arrow
-    /// of the largest speed has a length in pixels.
+    /// Draws the arrow of a round speed beside the colour scale, with its speed in m/s, if the
+    /// arrow of the largest speed has a length in pixels.
     pub(super) fn arrow_key(&self, drawing: &mut Drawing, largest_speed: f64, length: f64) {
         let Some(&speed) = ticks(0.0, largest_speed, 4).last().filter(|speed| **speed > 0.0) else { return };
         let text = self.text;

@@ -31,8 +31,8 @@ struct Tracer<F> {
     distance: f64,
     slowest: f64,
     lines: Vec<Vec<[f64; 2]>>,
-    /// Points of all lines by square cells of the distance. It is searched by cell only, so that the
-    /// order of a hash table has no effect.
+    /// Points of all lines by square cells of the distance. It is searched by cell only, so that
+    /// the order of a hash table has no effect.
     taken: HashMap<[i64; 2], Vec<[f64; 2]>>,
 }
 

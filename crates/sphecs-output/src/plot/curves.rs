@@ -33,7 +33,7 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Returns the points over the abscissa of the curve, or over the distance from its first point.
+    /// Returns the points over the abscissa of the curve, or the distance from its first point.
     pub(super) fn points(&self, is_along_one_axis: bool) -> Vec<(f64, f64)> {
         let has_own = is_along_one_axis || self.abscissa == Abscissa::Time;
         self.values

@@ -52,13 +52,13 @@ impl Default for PlotOptions {
 /// Draws results of runs.
 ///
 /// # Errors
-/// [`OutputError`] when a folder is not a run, a run has no such result, or the options do not match
-/// the results.
+/// [`OutputError`] when a folder is not a run, a run has no such result, or the options do not
+/// match the results.
 pub fn plot(runs: &[PathBuf], options: &PlotOptions) -> Result<Drawing, OutputError> {
     Ok(chart(runs, options)?.draw(options.width))
 }
 
-/// Returns the names of all results of runs, for messages.
+/// Returns the names of all results of a run, those of a table or a probe in a line.
 ///
 /// # Errors
 /// [`OutputError`] when a folder is not a run.
