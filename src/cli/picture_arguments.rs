@@ -108,7 +108,7 @@ impl RenderArguments {
     lists its names. Results of different units are in panels of their own, several runs in each of them.")]
 pub struct PlotArguments {
     /// Run folders, and names of results
-    #[arg(value_name = "RUN|NAME", required = true)]
+    #[arg(value_name = "RUN_OR_NAME", required = true)]
     pub words: Vec<String>,
     /// Plot to write: SVG, PDF or PNG [default: plot.svg in the first run folder]
     #[arg(short, long, value_name = "FILE", value_parser = drawing_file())]
@@ -230,7 +230,7 @@ mod tests {
         refused("sphecs render runs/a --perspective=0,0,0", "not zero");
         refused("sphecs render runs/a -o flow.jpg", "`.svg`");
         refused("sphecs render runs/a -o flow.v2", "`.png`");
-        refused("sphecs plot", "RUN|NAME");
+        refused("sphecs plot", "RUN_OR_NAME");
         refused("sphecs plot runs/a probes.a.u --time 1 --mean 1,2", "cannot be used with");
         refused("sphecs plot runs/a probes.a.u -o a.nc", "`.pdf`");
     }
