@@ -29,7 +29,7 @@ must_not() {
 
 must_not sphecs-core bevy_ecs netcdf clap serde_json miette -- -p sphecs-core
 must_not sphecs-scene bevy_ecs netcdf clap -- -p sphecs-scene
-must_not sphecs-engine netcdf clap plotters indicatif -- -p sphecs-engine
-must_not "the library" clap plotters indicatif -- -p sphecs --no-default-features --features output
-must_not "the library without output" netcdf clap plotters indicatif image -- -p sphecs --no-default-features
+must_not sphecs-engine netcdf clap indicatif -- -p sphecs-engine
+must_not "the library" clap indicatif -- -p sphecs --no-default-features --features output
+must_not "the library without output" netcdf clap indicatif image tiny-skia -- -p sphecs --no-default-features
 exit "$failed"

@@ -1,12 +1,14 @@
 //! Results are read, drawn and exported, packed or not, in 2D and in 3D.
 
 use std::path::Path;
+use std::process::Command;
 
 use sphecs_output::folder::RunFolder;
 use sphecs_output::frame::Frame;
 use sphecs_output::header::Header;
 use sphecs_output::info;
-use sphecs_output::picture::{Field, RenderOptions, Slice, render, render_all};
+use sphecs_output::picture::all_frames::render_all;
+use sphecs_output::picture::{Field, RenderOptions, Slice, render};
 use sphecs_output::probes::ProbeSet;
 use sphecs_output::results::Results;
 use sphecs_output::summary::{Status, Summary};
@@ -225,4 +227,105 @@ fn requests_that_do_not_match_the_run_are_refused() {
         assert!(late.contains("frames are from 0 to 0.25 s"), "{late}");
     }
     assert!(Results::open(parent.path()).expect_err("refused").to_string().contains("is not a run"));
+}
+
+/// Runs the program in a folder and returns what it printed, and its exit code.
+fn sphecs(folder: &Path, line: &str) -> (String, Option<i32>) {
+    let output = Command::new(env!("CARGO_BIN_EXE_sphecs"))
+        .args(line.split(' '))
+        .current_dir(folder)
+        .output()
+        .expect("the program");
+    let text = [output.stdout, output.stderr].concat();
+    (String::from_utf8_lossy(&text).into_owned(), output.status.code())
+}
+
+/// Asserts that a command line ends well.
+fn done(folder: &Path, line: &str) -> String {
+    let (text, code) = sphecs(folder, line);
+    assert_eq!(code, Some(0), "`{line}` gave:\n{text}");
+    text
+}
+
+/// Asserts that a command line is refused with a word.
+fn refused(folder: &Path, line: &str, word: &str) {
+    let (text, code) = sphecs(folder, line);
+    // The lines of a message are wrapped.
+    let text = text.split_whitespace().filter(|part| *part != "│").collect::<Vec<_>>().join(" ");
+    assert!(code != Some(0) && text.contains(word), "`{line}` gave:\n{text}");
+}
+
+#[test]
+fn command_line_draws_means_lines_movies_and_plots() {
+    let parent = tempfile::tempdir().expect("a folder");
+    let folder = parent.path();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/quickstart.ron");
+    let scene = scene.display();
+    done(folder, &format!("run {scene} --smoke --until 0.3 --set output.every=0.1 --out run -q"));
+    let size = |name: &str| std::fs::metadata(folder.join(name)).map_or(0, |data| data.len());
+
+    done(folder, "render run --width 600 -o plain.png");
+    for option in ["--arrows", "--streamlines=12", "--contours", "--box 0.05,0.12,-0.02,0.02"] {
+        done(folder, &format!("render run --width 600 {option} -o lines.png"));
+        assert!(size("lines.png") > 0 && size("lines.png") != size("plain.png"), "{option}");
+    }
+    let text = done(folder, "render run --mean 0.1,9 --streamlines --field u --width 600 -o mean.pdf");
+    assert!(text.contains("mean of 0.1 to 0.3"), "{text}");
+    assert!(size("mean.pdf") > 1000);
+    let text = done(folder, "render run --movie flow.gif --width 320 --field vorticity");
+    assert!(text.contains("4 frames"), "{text}");
+    let movie = std::fs::read(folder.join("flow.gif")).expect("read");
+    assert!(movie.starts_with(b"GIF89a") && movie.ends_with(b";"));
+
+    done(folder, "plot run monitor.kinetic_energy probes.gap.mass_flow -o series.svg");
+    let plot = std::fs::read_to_string(folder.join("series.svg")).expect("read");
+    for word in [
+        "Channel with a constriction",
+        "kinetic_energy [",
+        "gap.mass_flow [",
+        "J/m]",
+        "kg/(m s)]",
+        "time [s]",
+    ] {
+        assert!(plot.contains(word), "{word}");
+    }
+    done(folder, "plot run probes.axis.u --time 0.1,0.3 -o profiles.svg");
+    let plot = std::fs::read_to_string(folder.join("profiles.svg")).expect("read");
+    assert!(plot.contains("x [m]") && plot.matches("t = 0.").count() == 2, "{plot}");
+    done(folder, &format!("run {scene} --smoke --until 0.2 --out other -q"));
+    done(folder, "plot run other probes.axis.u --mean 0.1,0.2 -o runs.png");
+    assert!(done(folder, "plot run").contains("probes.axis.pressure"));
+
+    refused(folder, "plot run monitor.kinetic -o a.svg", "did you mean `monitor.kinetic_energy`?");
+    refused(folder, "plot run monitor.kinetic -o a.svg", "probes.gap.mass_flow");
+    refused(folder, "plot run monitor.kinetic_energy probes.axis.u -o a.svg", "in two plots");
+    refused(folder, "plot run monitor.kinetic_energy --mean 0.1,0.2", "--over");
+    refused(folder, "plot run probes.axis.u --mean 5,6", "samples are from 0");
+    refused(folder, "plot monitor.kinetic_energy", "no run folder");
+    refused(folder, "render run --mean 5,6", "frames are from 0 to 0.3");
+    refused(folder, "render run --box 3,4,0,1", "must meet the flow");
+    refused(folder, "render run --perspective", "2D");
+    refused(folder, "render run --contours --field zone", "not numbers");
+}
+
+#[test]
+fn particles_of_a_3d_flow_are_drawn_in_perspective() {
+    let parent = tempfile::tempdir().expect("a folder");
+    let path = parent.path().join("run");
+    run(&path, 3).finish(Summary::default()).expect("ended");
+    let results = Results::open(&path).expect("a run");
+    let drawn = |slice: Option<Slice>| {
+        let picture = parent.path().join("space.png");
+        let perspective = Some([1.0, 1.0, 2.0]);
+        let options =
+            RenderOptions { field: Field::U, width: 640, perspective, slice, ..RenderOptions::default() };
+        render(&results, None, &options, &picture).expect("drawn");
+        image::open(&picture).expect("a picture").into_rgb8()
+    };
+    // Red is fluid with a velocity along x, which is palest where it is farthest.
+    let red = |picture: &image::RgbImage| {
+        picture.pixels().filter(|pixel| i32::from(pixel[0]) > i32::from(pixel[2]) + 60).count()
+    };
+    let (whole, half) = (red(&drawn(None)), red(&drawn(Some(Slice { axis: 0, at: None }))));
+    assert!(whole > 5000 && half > whole / 5 && half < whole * 4 / 5, "{whole} and {half} pixels");
 }

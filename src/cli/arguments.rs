@@ -9,11 +9,12 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::export_arguments::ExportArguments;
 use super::help_arguments::{CompletionsArguments, ExplainArguments, ManArguments, NewArguments};
+use super::picture_arguments::{PlotArguments, RenderArguments};
 use super::run_arguments::{ResumeArguments, RunArguments};
 use super::sweep::SweepArguments;
-use super::values::{assignment, colours, fields, finite, picture_file, positive, range, slice};
+use super::values::{assignment, picture_file, positive, slice};
 use super::watch::WatchArguments;
-use sphecs_output::picture::{Colours, Field, Slice};
+use sphecs_output::picture::Slice;
 
 /// Command line.
 #[derive(Debug, Parser)]
@@ -30,7 +31,8 @@ use sphecs_output::picture::{Colours, Field, Slice};
         sphecs check scenes/constricted_r2.ron\n  \
         sphecs scenes/constricted_r2.ron --set fluid.sound_speed=1.0 --until 2 --out runs/slow_sound\n  \
         sphecs resume runs/quickstart\n  \
-        sphecs render runs/quickstart --field vorticity -o vorticity.png\n\n\
+        sphecs render runs/quickstart --field vorticity -o vorticity.png\n  \
+        sphecs plot runs/quickstart monitor.kinetic_energy -o energy.svg\n\n\
         Exit codes: 0 done, 1 a required band was missed or a strict check has notes, 2 bad input, 3 the flow diverged, 4 input or output failed, \
         75 wall-time limit reached, 129 terminal closed, 130 interrupted, 143 terminated, 152 processor time used up",
     subcommand_required = true,
@@ -87,8 +89,10 @@ pub enum Command {
     Watch(WatchArguments),
     /// Check a scene before its run: resolution, speeds, time scales, run time, memory and disk
     Check(CheckArguments),
-    /// Draw a field of a run
+    /// Draw a field of a run: pictures, time means and movies
     Render(RenderArguments),
+    /// Plot what runs measured, over time or along lines
+    Plot(PlotArguments),
     /// Describe a run folder
     Info(InfoArguments),
     /// Write the frames of a run in the format of another program
@@ -161,43 +165,6 @@ pub struct CheckArguments {
     pub no_timing: bool,
 }
 
-/// `sphecs render`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    sphecs render runs/constricted_r2 --field speed --time 4.65 -o flow.png\n  \
-    sphecs render runs/constricted_r2 --field pressure --all --range=-60,60 -o pressure.png\n\n\
-    With `--all` the pictures are numbered: pressure-0000.png, pressure-0001.png, …")]
-pub struct RenderArguments {
-    /// Run folder
-    #[arg(value_name = "RUN")]
-    pub run: PathBuf,
-    /// Field to draw
-    #[arg(long, default_value = Field::Speed.name(), value_parser = fields())]
-    pub field: Field,
-    /// Time of the frame, s; the nearest one is drawn, at most one interval away [default: the last
-    /// frame]
-    #[arg(long, value_name = "T", conflicts_with = "all", value_parser = finite, allow_negative_numbers = true)]
-    pub time: Option<f64>,
-    /// Draw every frame with one colour scale
-    #[arg(long)]
-    pub all: bool,
-    /// Picture to write, PNG [default: name of the field, in the run folder]
-    #[arg(short, long, value_name = "FILE", value_parser = picture_file())]
-    pub output: Option<PathBuf>,
-    /// Ends of the colour scale, in the unit of the field [default: range of the field]
-    #[arg(long, value_name = "MIN,MAX", value_parser = range, allow_hyphen_values = true)]
-    pub range: Option<(f64, f64)>,
-    /// Colour map [default: depends on the field]
-    #[arg(long, value_name = "NAME", value_parser = colours())]
-    pub colours: Option<Colours>,
-    /// Plane of a 3D flow, in 2D refused, as `z` or `y=0.01` (m) [default: z in the middle]
-    #[arg(long, value_name = "AXIS[=AT]", value_parser = slice)]
-    pub slice: Option<Slice>,
-    /// Width of the picture, pixels
-    #[arg(long, value_name = "PX", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(200..=16384))]
-    pub width: u32,
-}
-
 /// `sphecs info`.
 #[derive(Args, Debug)]
 pub struct InfoArguments {
@@ -255,38 +222,6 @@ mod tests {
     }
 
     #[test]
-    fn negative_numbers_are_values() {
-        let Command::Render(render) =
-            parse("sphecs render runs/a --field u --range -2.5,3e1 -o u.png").expect("a render")
-        else {
-            panic!("not a render");
-        };
-        assert_eq!(render.range, Some((-2.5, 30.0)));
-        assert_eq!(render.field, Field::U);
-        let Command::Render(render) =
-            parse("sphecs render runs/a --slice y=-0.01 --colours turbo").expect("a render")
-        else {
-            panic!("not a render");
-        };
-        assert_eq!(render.slice, Some(Slice { axis: 1, at: Some(-0.01) }));
-        assert_eq!(render.colours, Some(Colours::Turbo));
-    }
-
-    #[test]
-    fn ending_of_a_picture_is_png() {
-        for (given, written) in
-            [("flow", "flow.png"), ("flow.PNG", "flow.PNG"), ("a.b/flow.png", "a.b/flow.png")]
-        {
-            let Command::Render(render) =
-                parse(&format!("sphecs render runs/a -o {given}")).expect("a render")
-            else {
-                panic!("not a render");
-            };
-            assert_eq!(render.output, Some(PathBuf::from(written)));
-        }
-    }
-
-    #[test]
     fn bench_takes_cases_and_numbers_of_threads() {
         let Command::Bench(bench) =
             parse("sphecs bench --case 2d-f32 --case channel --threads 1,4").expect("a bench")
@@ -317,12 +252,6 @@ mod tests {
         refused("sphecs resume", "RUN");
         refused("sphecs resume runs/a --smoke", "--smoke");
         refused("sphecs flow.ron --quiet -v", "cannot be used with");
-        refused("sphecs render runs/a --field sped", "speed");
-        refused("sphecs render runs/a --slice q", "`x`, `y` or `z`");
-        refused("sphecs render runs/a --range 3,1", "below");
-        refused("sphecs render runs/a --all --time 3", "cannot be used with");
-        refused("sphecs render runs/a -o flow.svg", "`.png`");
-        refused("sphecs render runs/a -o flow.v2", "`.png`");
         refused("sphecs check flow.ron --picture flow.jpg", "`.png`");
         refused("sphecs flow.ron --out flow.nc", "a folder");
         refused("sphecs validate --out report.JSON", "a folder");

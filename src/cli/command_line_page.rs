@@ -87,6 +87,10 @@ fn notation(argument: &Arg) -> String {
     let names = argument.get_value_names().unwrap_or_default();
     let names: Vec<String> = names.iter().map(|name| format!("<{name}>")).collect();
     let value = if argument.get_action().takes_values() { names.join(" ") } else { String::new() };
+    if let (Some(long), true) = (argument.get_long(), argument.is_require_equals_set()) {
+        // The value may be left out.
+        return format!("`--{long}[={value}]`");
+    }
     match (argument.get_short(), argument.get_long()) {
         (Some(short), Some(long)) => format!("`-{short}`, `{}`", format!("--{long} {value}").trim_end()),
         (None, Some(long)) => format!("`{}`", format!("--{long} {value}").trim_end()),

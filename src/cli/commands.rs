@@ -4,13 +4,12 @@ use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use super::arguments::{CheckArguments, InfoArguments, PackArguments, RenderArguments, SceneArguments};
+use super::arguments::{CheckArguments, InfoArguments, PackArguments, SceneArguments};
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
 use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
 use sphecs_bench::BenchOptions;
 use sphecs_bench::cases::BenchCase;
-use sphecs_core::format::{grouped, significant};
 use sphecs_output::disk;
 use sphecs_output::error::OutputError;
 use sphecs_output::picture::{self, RenderOptions};
@@ -114,40 +113,6 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
         Console::Normal.print(&format!("\nthe picture is {}", path.display()));
     }
     Ok(if arguments.strict && !report.notes.is_empty() { MISSED } else { DONE })
-}
-
-/// Draws frames of a run.
-///
-/// # Errors
-/// [`Failure::Output`].
-pub fn render(arguments: &RenderArguments) -> Result<u8, Failure> {
-    let results = Results::open(&arguments.run)?;
-    let options = RenderOptions {
-        field: arguments.field,
-        range: arguments.range,
-        colours: arguments.colours,
-        width: arguments.width,
-        slice: arguments.slice,
-    };
-    let name = || arguments.run.join(arguments.field.name()).with_extension("png");
-    let path = arguments.output.clone().unwrap_or_else(name);
-    make_parent(&path)?;
-    if arguments.all {
-        let pictures = picture::render_all(&results, &options, &path, counter("pictures"))?;
-        let (first, last) = (pictures.first().unwrap_or(&path), pictures.last().unwrap_or(&path));
-        let count = grouped(pictures.len() as u64);
-        Console::Normal.print(&format!("{count} pictures, {} to {}", first.display(), last.display()));
-    } else {
-        let target = if arguments.output.is_some() { disk::target(&path) } else { path.clone() };
-        let time = picture::render(&results, arguments.time, &options, &target)?;
-        Console::Normal.print(&format!(
-            "{} at t = {} s: {}",
-            arguments.field.name(),
-            significant(time),
-            path.display()
-        ));
-    }
-    Ok(DONE)
 }
 
 /// Prints a description of a run folder.

@@ -4,11 +4,13 @@
 //! - [`run_arguments`]: arguments of `run` and `resume`
 //! - [`check_arguments`]: arguments of `bench` and `validate`
 //! - [`export_arguments`]: arguments of `export`
+//! - [`picture_arguments`]: arguments of `render` and `plot`
 //! - [`help_arguments`]: arguments of `explain`, `new`, `completions` and `man`
 //! - [`commands`]: one function for each command
+//! - [`export`]: the command `export`
+//! - [`picture_commands`]: `render` and `plot`
 //! - [`watch`]: the command `watch` with its arguments
 //! - [`sweep`]: the command `sweep` with its arguments
-//! - [`export`]: the command `export`
 //! - [`explain`], [`new_scene`], [`shell`]: commands that help to write scenes and command lines
 //! - `command_line_page`: page of the manual
 //! - `values`: values of arguments
@@ -25,6 +27,8 @@ pub mod export_arguments;
 pub mod failure;
 pub mod help_arguments;
 pub mod new_scene;
+pub mod picture_arguments;
+pub mod picture_commands;
 pub mod run_arguments;
 pub mod shell;
 pub mod sweep;
@@ -66,7 +70,8 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Watch(arguments) => watch::watch(&arguments),
         Command::Check(check) => commands::check(&check),
-        Command::Render(render) => commands::render(&render),
+        Command::Render(render) => picture_commands::render(&render),
+        Command::Plot(plot) => picture_commands::plot(&plot),
         Command::Info(info) => commands::info(&info),
         Command::Export(export) => export::export(&export),
         Command::Pack(pack) => commands::pack(&pack),

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 
 use sphecs_core::particles::zone::Zone;
+use sphecs_output::drawing::FORMATS;
 use sphecs_output::picture::{Colours, Field, Slice};
 
 /// Returns the parser of a field, whose names stand in help and messages.
@@ -31,8 +32,32 @@ pub(super) fn picture_file() -> impl TypedValueParser<Value = PathBuf> {
     })
 }
 
+/// Returns the parser of a drawing's path: it ends in one of its formats, `.png` without an ending.
+pub(super) fn drawing_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| match path.extension() {
+        None if path.file_name().is_some() => Ok(path.with_extension("png")),
+        Some(ending) if FORMATS.iter().any(|format| ending.eq_ignore_ascii_case(format)) => Ok(path),
+        _ => Err("is a picture: the name must end in `.png`, `.svg` or `.pdf`"),
+    })
+}
+
+/// Returns the parser of a movie's path: it ends in `.gif`, which is added to a name without an
+/// ending.
+pub(super) fn movie_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| match path.extension() {
+        None if path.file_name().is_some() => Ok(path.with_extension("gif")),
+        Some(ending) if ending.eq_ignore_ascii_case("gif") => Ok(path),
+        Some(ending) if ending.eq_ignore_ascii_case("mp4") => Err(
+            "this version writes no MP4: name a `.gif`, or draw the frames by `--all` and encode them, as \
+             `ffmpeg -i speed-%04d.png -pix_fmt yuv420p speed.mp4`",
+        ),
+        _ => Err("is a movie: the name must end in `.gif`"),
+    })
+}
+
 /// Endings of files, by which a folder is not called.
-const FILES: [&str; 10] = ["ron", "nc", "csv", "json", "png", "vtu", "vtk", "pvd", "zip", "svg"];
+const FILES: [&str; 12] =
+    ["ron", "nc", "csv", "json", "png", "vtu", "vtk", "pvd", "zip", "svg", "pdf", "gif"];
 
 /// Returns the parser of the path of a folder that is written.
 pub(super) fn result_folder() -> impl TypedValueParser<Value = PathBuf> {
@@ -123,4 +148,42 @@ pub(super) fn zones() -> impl TypedValueParser<Value = Zone> {
     let placed = Zone::ALL.into_iter().filter(|&zone| zone != Zone::Reservoir);
     PossibleValuesParser::new(placed.map(Zone::name))
         .try_map(|name| Zone::ALL.into_iter().find(|zone| zone.name() == name).ok_or("is not a zone"))
+}
+
+/// Returns the finite numbers of `0,0.3,…`, `N` of them.
+fn finite_numbers<const N: usize>(text: &str) -> Result<Option<[f64; N]>, String> {
+    let found = text.split(',').map(finite).collect::<Result<Vec<f64>, String>>()?;
+    Ok(found.try_into().ok())
+}
+
+/// Returns the edges of a part of the flow, left, right, below, above.
+pub(super) fn frame_box(text: &str) -> Result<[f64; 4], String> {
+    let edges: [f64; 4] = finite_numbers(text)?.ok_or("must be four numbers, as `0,0.2,-0.02,0.02`")?;
+    match edges.chunks(2).find(|pair| pair[0] >= pair[1]) {
+        Some(pair) => Err(format!("the lower end `{}` must be below the upper end `{}`", pair[0], pair[1])),
+        None => Ok(edges),
+    }
+}
+
+/// Returns the direction from the flow towards the viewer.
+pub(super) fn towards_viewer(text: &str) -> Result<[f64; 3], String> {
+    let direction: [f64; 3] = finite_numbers(text)?.ok_or("must be three numbers, as `1,1,2`")?;
+    if direction.iter().all(|&part| part == 0.0) {
+        return Err("needs a number that is not zero".to_owned());
+    }
+    Ok(direction)
+}
+
+/// Number of levels that `auto` stands for.
+const LEVELS: u32 = 10;
+
+/// Returns a number of levels, or the default one of `auto`.
+pub(super) fn count_or_automatic(text: &str) -> Result<u32, String> {
+    match text.trim() {
+        "auto" => Ok(LEVELS),
+        count => match count.parse::<u32>() {
+            Ok(count @ 1..=100) => Ok(count),
+            _ => Err("must be `auto` or a whole number from 1 to 100".to_owned()),
+        },
+    }
 }

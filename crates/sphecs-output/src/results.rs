@@ -157,6 +157,17 @@ impl Results {
         OutputError::Request(format!("`{}`: has no frames yet", self.folder.display()))
     }
 
+    /// Returns the error of an interval, s, without frames.
+    pub(crate) fn no_frames_between(&self, from: f64, to: f64) -> OutputError {
+        let times = self.times();
+        let ends = [times.first(), times.last()].map(|end| end.copied().unwrap_or_default());
+        let [first, last, from, to] = [ends[0], ends[1], from, to].map(significant);
+        OutputError::Request(format!(
+            "`{}`: has no frame from {from} to {to} s, its frames are from {first} to {last} s",
+            self.folder.display()
+        ))
+    }
+
     /// Returns a frame, walls included; of a wall particle only position and part are known.
     ///
     /// # Errors

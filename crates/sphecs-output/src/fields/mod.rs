@@ -56,7 +56,11 @@ pub struct FieldNodes {
 impl FieldNodes {
     /// Returns the nodes of the gridded fields of a scene; without them there are none.
     pub fn new(scene: &Scene) -> Self {
-        let grids = scene.field_grids();
+        Self::over(scene, scene.field_grids())
+    }
+
+    /// Returns the nodes of grids in the domain of a scene.
+    pub(crate) fn over(scene: &Scene, grids: Vec<FieldGrid>) -> Self {
         let inside = |point| periodic_distance(&scene.domain, &scene.periodic, point) < 0.0;
         let row = |grid: &FieldGrid, row: usize| NodeRow {
             start: grid.row_start(row),

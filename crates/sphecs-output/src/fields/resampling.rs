@@ -89,16 +89,24 @@ pub fn export_grid(
     })
 }
 
-/// Returns the scene of a run with gridded fields.
-fn scene_of(header: &Header, options: &GridOptions) -> Result<Scene, OutputError> {
+/// Returns the scene of a run.
+///
+/// # Errors
+/// [`OutputError::Request`] when this version cannot read it.
+pub(crate) fn scene_of_run(header: &Header) -> Result<Scene, OutputError> {
     let loaded = Scene::from_text(&header.scene, &header.text)
         .tables(header.tables.clone())
         .meshes(header.meshes.clone())
         .sets(&header.changes)
         .load();
-    let mut scene = loaded.map_err(|errors| {
+    loaded.map_err(|errors| {
         OutputError::Request(format!("the scene of the run cannot be read by this version:\n{errors}"))
-    })?;
+    })
+}
+
+/// Returns the scene of a run with gridded fields.
+fn scene_of(header: &Header, options: &GridOptions) -> Result<Scene, OutputError> {
+    let mut scene = scene_of_run(header)?;
     let planes = scene.output.fields.take().map_or_else(Vec::new, |fields| fields.planes);
     scene.output.fields = Some(FieldOutput {
         spacing: options.spacing,
@@ -111,7 +119,8 @@ fn scene_of(header: &Header, options: &GridOptions) -> Result<Scene, OutputError
     Ok(scene)
 }
 
-fn snapshot(scene: &Scene, nodes: &mut FieldNodes, frame: &Frame) -> FieldSnapshot {
+/// Samples a frame on grids.
+pub(crate) fn snapshot(scene: &Scene, nodes: &mut FieldNodes, frame: &Frame) -> FieldSnapshot {
     nodes.update(scene, frame.time);
     nodes.snapshot(frame.time, frame.step, &mut |rows, sinks| sample(scene, frame, rows, sinks))
 }

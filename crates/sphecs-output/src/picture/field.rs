@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
-use super::scale::Colours;
 use super::view::View;
 use super::vorticity::vorticity;
+use crate::drawing::colours::Colours;
 use crate::frame::Frame;
 
 /// Field to draw.

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::canvas::{Anchor, Canvas, Weight};
-use super::{Field, Painter, RenderOptions};
+use super::painter::Painter;
+use super::{Field, RenderOptions};
+use crate::drawing::{Anchor, Drawing, Weight, text_width};
 use crate::error::OutputError;
 use crate::frame::Frame;
 use crate::header::Header;
@@ -38,8 +39,9 @@ pub fn render_plan(
     let options = RenderOptions { field: Field::Zone, ..options.clone() };
     let frame = frame_of(seeds);
     let header = Header::new(scene, &frame);
-    let painter = Painter::new(&header, &options)?;
-    let mut plan = Plan { canvas: painter.draw(&frame), painter: &painter, labels: Vec::new() };
+    let mut painter = Painter::new(&header, &options)?;
+    let drawing = painter.draw(&frame);
+    let mut plan = Plan { drawing, painter: &painter, labels: Vec::new() };
     for inlet in &scene.inlets {
         plan.opening(&inlet.patch);
     }
@@ -50,7 +52,7 @@ pub fn render_plan(
         plan.probe(&probe.name, &probe.kind, scene);
     }
     plan.write_labels();
-    plan.canvas.save(path)
+    plan.drawing.save(path)
 }
 
 /// Returns the frame of the initial particles.
@@ -68,7 +70,7 @@ fn frame_of(seeds: &[ParticleSeed]) -> Frame {
 
 /// A picture with marks, whose labels are written last.
 struct Plan<'a, 'b> {
-    canvas: Canvas,
+    drawing: Drawing,
     painter: &'b Painter<'a>,
     /// Text, and the point that it names, pixels.
     labels: Vec<(String, [f64; 2])>,
@@ -95,7 +97,7 @@ impl Plan<'_, '_> {
     /// Draws the plane of an opening, the direction of its flow and its name.
     fn opening(&mut self, patch: &Patch) {
         let Some([from, to]) = self.cut(patch) else { return };
-        self.canvas.line(from, to, 1.5 * self.thickness(), OPENING);
+        self.drawing.line(from, to, 1.5 * self.thickness(), OPENING);
         let (middle, _) = self.pixel(patch.at);
         let (ahead, _) = self.pixel(patch.at + patch.towards);
         let direction = [ahead[0] - middle[0], ahead[1] - middle[1]];
@@ -137,10 +139,10 @@ impl Plan<'_, '_> {
 
     fn arrow(&mut self, from: [f64; 2], along: [f64; 2]) {
         let tip = [from[0] + along[0], from[1] + along[1]];
-        self.canvas.line(from, tip, self.thickness(), OPENING);
+        self.drawing.line(from, tip, self.thickness(), OPENING);
         for side in [-1.0, 1.0] {
             let back = [-0.3 * along[0] - side * 0.18 * along[1], -0.3 * along[1] + side * 0.18 * along[0]];
-            self.canvas.line(tip, [tip[0] + back[0], tip[1] + back[1]], self.thickness(), OPENING);
+            self.drawing.line(tip, [tip[0] + back[0], tip[1] + back[1]], self.thickness(), OPENING);
         }
     }
 
@@ -160,7 +162,7 @@ impl Plan<'_, '_> {
                 if !self.in_plane(near) || !self.in_plane(far) {
                     return;
                 }
-                self.canvas.line(start, end, self.thickness(), PROBE);
+                self.drawing.line(start, end, self.thickness(), PROBE);
                 self.cross(start);
                 self.cross(end);
                 end
@@ -193,15 +195,15 @@ impl Plan<'_, '_> {
             start + exit_distance(inside, step, longest).unwrap_or(longest) * along
         };
         let ends = [self.pixel(end(-direction)).0, self.pixel(end(direction)).0];
-        self.canvas.line(ends[0], ends[1], self.thickness(), PROBE);
+        self.drawing.line(ends[0], ends[1], self.thickness(), PROBE);
         Some(ends[1])
     }
 
     fn cross(&mut self, [x, y]: [f64; 2]) {
         let half = 0.45 * f64::from(self.painter.sheet.text);
         let thick = self.thickness();
-        self.canvas.line([x - half, y - half], [x + half, y + half], thick, PROBE);
-        self.canvas.line([x - half, y + half], [x + half, y - half], thick, PROBE);
+        self.drawing.line([x - half, y - half], [x + half, y + half], thick, PROBE);
+        self.drawing.line([x - half, y + half], [x + half, y - half], thick, PROBE);
     }
 
     /// Writes the labels on white ground, moved down until none covers another.
@@ -211,7 +213,7 @@ impl Plan<'_, '_> {
         let mut taken: Vec<[f64; 4]> = Vec::new();
         let right = self.painter.sheet.corner[0] + self.painter.sheet.size[0];
         for (text, place) in std::mem::take(&mut self.labels) {
-            let width = f64::from(Canvas::text_width(&text, size, Weight::Regular)) + gap;
+            let width = f64::from(text_width(&text, size, Weight::Regular)) + gap;
             let left = (place[0] + gap).min(right as f64 - width - 1.0);
             let mut top = place[1] - 0.5 * height;
             while let Some(other) = taken
@@ -222,9 +224,9 @@ impl Plan<'_, '_> {
             }
             taken.push([left, top, width, height]);
             let corner = [left.round() as i64, top.round() as i64];
-            self.canvas.fill(corner, [width.round() as i64, height.round() as i64], [0xff; 3]);
+            self.drawing.fill(corner, [width.round() as i64, height.round() as i64], [0xff; 3]);
             let at = [(left + 0.5 * gap) as f32, (top + 0.78 * height) as f32];
-            self.canvas.text(&text, at, size, Weight::Regular, Anchor::Left);
+            self.drawing.text(&text, at, size, Weight::Regular, Anchor::Left);
         }
     }
 }
@@ -256,8 +258,9 @@ mod tests {
         let options = RenderOptions::default();
         let frame = frame_of(&seeds(&scene));
         let header = Header::new(&scene, &frame);
-        let painter = Painter::new(&header, &options).expect("a painter");
-        let plan = Plan { canvas: painter.draw(&frame), painter: &painter, labels: Vec::new() };
+        let mut painter = Painter::new(&header, &options).expect("a painter");
+        let drawing = painter.draw(&frame);
+        let plan = Plan { drawing, painter: &painter, labels: Vec::new() };
         let patch = &scene.inlets[0].patch;
         let [from, to] = plan.cut(patch).expect("a line");
         let scale = painter.sheet.size[0] as f64 / painter.view.extent()[0];

@@ -10,30 +10,26 @@
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use super::canvas::PAPER;
 use super::view::{Cells, View};
+use crate::drawing::{Colour, PAPER};
 use crate::frame::{ABSENT, Frame};
 use sphecs_core::particles::zone::Zone;
 
 /// Colour of walls.
-pub(super) const WALL: [u8; 3] = [0x9a, 0x9f, 0xa6];
+pub(super) const WALL: Colour = [0x9a, 0x9f, 0xa6];
 
 /// Colour of particles without a value.
-const NO_VALUE: [u8; 3] = [0xd8, 0xdb, 0xdf];
+pub(super) const NO_VALUE: Colour = [0xd8, 0xdb, 0xdf];
 
 /// Samples of a pixel along each side, which smooth the edges of walls.
 const SAMPLES: usize = 2;
 
-/// Returns the colours of an area of pixels, row by row from the top.
+/// Returns the colours of an area of pixels, row by row from the top, by the colours of points, m.
 pub(super) fn paint(
-    frame: &Frame,
     view: &View,
-    values: &[f32],
-    nearest: bool,
     [width, height]: [usize; 2],
-    colour: impl Fn(f64) -> [u8; 3] + Sync,
-) -> Vec<[u8; 3]> {
-    let particles = Particles::new(frame, view, values);
+    colour: impl Fn([f64; 2]) -> Colour + Sync,
+) -> Vec<Colour> {
     let extent = view.extent();
     (0..width * height)
         .into_par_iter()
@@ -43,13 +39,7 @@ pub(super) fn paint(
                 let offset = |k: usize| (k as f64 + 0.5) / SAMPLES as f64;
                 let right = ((pixel % width) as f64 + offset(sample % SAMPLES)) / width as f64;
                 let down = ((pixel / width) as f64 + offset(sample / SAMPLES)) / height as f64;
-                let (x, y) = (view.low[0] + right * extent[0], view.high[1] - down * extent[1]);
-                let found = match particles.at(x, y, nearest) {
-                    Found::Nothing => PAPER,
-                    Found::Wall => WALL,
-                    Found::Value(value) if value.is_finite() => colour(value),
-                    Found::Value(_) => NO_VALUE,
-                };
+                let found = colour([view.low[0] + right * extent[0], view.high[1] - down * extent[1]]);
                 sum.iter_mut().zip(found).for_each(|(sum, part)| *sum += u32::from(part));
             }
             sum.map(|sum| (sum / (SAMPLES * SAMPLES) as u32) as u8)
@@ -59,14 +49,28 @@ pub(super) fn paint(
 
 /// Content of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Found {
+pub(super) enum Found {
+    /// No particle is near.
     Nothing,
+    /// Wall.
     Wall,
+    /// Fluid with a value, NaN without one.
     Value(f64),
 }
 
+impl Found {
+    /// Returns the colour of a point without a value.
+    pub(super) fn colour(self) -> Colour {
+        match self {
+            Found::Nothing => PAPER,
+            Found::Wall => WALL,
+            Found::Value(_) => NO_VALUE,
+        }
+    }
+}
+
 /// Particles near the plane, sorted into cells.
-struct Particles {
+pub(super) struct Particles {
     places: Vec<[f64; 3]>,
     values: Vec<f32>,
     wall: Vec<bool>,
@@ -76,14 +80,17 @@ struct Particles {
 }
 
 impl Particles {
-    fn new(frame: &Frame, view: &View, values: &[f32]) -> Self {
+    /// Returns the particles of a frame that a view shows.
+    pub(super) fn new(frame: &Frame, view: &View, values: &[f32]) -> Self {
         // Half the diagonal of a lattice cell is 0.71 Δ in 2D, 0.87 Δ in 3D; the rest allows for
         // disorder.
         let (reach, farthest) = if view.dimensions == 2 { (1.5, 1.0) } else { (1.75, 1.2) };
         let reach = reach * view.spacing;
         let slots: Vec<usize> = (0..frame.len())
             .filter(|&slot| frame.zone[slot] != ABSENT && frame.zone[slot] != Zone::Reservoir as u8)
-            .filter(|&slot| view.place(frame, slot)[2].abs() < reach)
+            .filter(|&slot| {
+                view.place(frame, slot)[2].abs() < reach && view.is_near(view.place(frame, slot), reach)
+            })
             .collect();
         let places: Vec<[f64; 3]> = slots.iter().map(|&slot| view.place(frame, slot)).collect();
         Self {
@@ -96,7 +103,8 @@ impl Particles {
         }
     }
 
-    fn at(&self, x: f64, y: f64, nearest: bool) -> Found {
+    /// Returns the content of a point, m, or that of the nearest particle.
+    pub(super) fn at(&self, x: f64, y: f64, nearest: bool) -> Found {
         let (mut fluid, mut wall, mut valued, mut sum) = (0.0, 0.0, 0.0, 0.0);
         let (mut closest, mut label) = (f64::INFINITY, f64::NAN);
         let mut closest_of_all = f64::INFINITY;

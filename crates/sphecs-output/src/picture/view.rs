@@ -31,6 +31,8 @@ pub(crate) struct View {
     pub(crate) smoothing_length: f64,
     /// 2 or 3.
     pub(crate) dimensions: usize,
+    /// True if all particles are drawn, not only those at the plane.
+    pub(crate) is_whole: bool,
 }
 
 impl View {
@@ -73,12 +75,49 @@ impl View {
             spacing: header.spacing,
             smoothing_length: header.smoothing_length,
             dimensions: header.dimensions,
+            is_whole: false,
         };
         if header.spacing > 0.0 && view.extent().iter().all(|length| length.is_finite() && *length > 0.0) {
             Ok(view)
         } else {
             Err(OutputError::Request("the run has no particles to draw".to_owned()))
         }
+    }
+
+    /// Returns the view of a part of the plane, given by its edges left, right, below and above, m.
+    ///
+    /// # Errors
+    /// [`OutputError::Request`] when the part is outside the view.
+    pub(crate) fn part(self, [left, right, below, above]: [f64; 4]) -> Result<Self, OutputError> {
+        let (low, high) = ([left, below], [right, above]);
+        for axis in 0..2 {
+            if low[axis] >= self.high[axis] || high[axis] <= self.low[axis] {
+                return Err(OutputError::Request(format!(
+                    "box from {name} = {} to {} m: must meet the flow, which is from {name} = {} to {} m",
+                    significant(low[axis]),
+                    significant(high[axis]),
+                    significant(self.low[axis]),
+                    significant(self.high[axis]),
+                    name = self.axis_name(axis),
+                )));
+            }
+        }
+        Ok(Self { low, high, ..self })
+    }
+
+    /// Returns the distance from the plane up to which particles are drawn, m.
+    pub(crate) fn depth(&self) -> f64 {
+        if self.is_whole { f64::INFINITY } else { 1.75 * self.spacing }
+    }
+
+    /// Returns true if a place is in the picture or within a distance, m, of its edges.
+    pub(crate) fn is_near(&self, place: [f64; 3], distance: f64) -> bool {
+        (0..2).all(|k| (self.low[k] - distance..=self.high[k] + distance).contains(&place[k]))
+    }
+
+    /// Returns true if a place is in the picture.
+    pub(crate) fn shows(&self, place: [f64; 3]) -> bool {
+        self.is_near(place, 0.0)
     }
 
     /// Returns width and height, m.
@@ -170,6 +209,16 @@ mod tests {
         assert!(View::new(&header(), slice).is_err());
         let flat = Header { dimensions: 2, ..header() };
         assert!(View::new(&flat, slice).expect_err("refused").to_string().contains("2D"));
+    }
+
+    #[test]
+    fn part_must_meet_the_flow() {
+        let view = View::new(&header(), None).expect("a view");
+        let part = view.clone().part([1.0, 2.0, -1.0, 1.0]).expect("a part");
+        assert_eq!((part.low, part.high), ([1.0, -1.0], [2.0, 1.0]));
+        assert!(part.shows([1.5, 0.0, 9.0]) && !part.shows([0.5, 0.0, 0.0]));
+        let refused = view.part([0.0, 1.0, 3.0, 4.0]).expect_err("refused").to_string();
+        assert!(refused.contains("y = -0.05 to 2.05 m"), "{refused}");
     }
 
     #[test]

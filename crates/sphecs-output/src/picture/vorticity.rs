@@ -23,9 +23,12 @@ pub(super) fn vorticity(frame: &Frame, view: &View) -> Vec<f32> {
     let moving =
         |slot: &usize| frame.zone[*slot] <= Zone::Outflow as u8 && frame.zone[*slot] != Zone::Wall as u8;
     // Particles that may be neighbours of a drawn one.
-    let slab = reach + 2.0 * view.spacing;
-    let slots: Vec<usize> =
-        (0..frame.len()).filter(moving).filter(|&slot| view.place(frame, slot)[2].abs() <= slab).collect();
+    let slab = if view.is_whole { f64::INFINITY } else { reach + 2.0 * view.spacing };
+    let is_near = |slot: &usize| {
+        let place = view.place(frame, *slot);
+        place[2].abs() <= slab && (view.is_whole || view.is_near(place, slab))
+    };
+    let slots: Vec<usize> = (0..frame.len()).filter(moving).filter(is_near).collect();
     let places: Vec<[f64; 3]> = slots.iter().map(|&slot| view.place(frame, slot)).collect();
     let cells = Cells::new(view, reach, &places);
     let vector = |slot: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(frame.velocity[axis][slot])));

@@ -191,6 +191,14 @@ fn probe_points(probe: &Probe, scene: &Scene) -> ProbePoints {
     result
 }
 
+/// Returns the unit of a quantity in UDUNITS notation; empty for an unknown one.
+pub(crate) fn unit_of(shape: ProbeShape, quantity: &str, dimensions: usize) -> &'static str {
+    // The histories of a plane flow have w too.
+    let dimensions = if quantity == "w" { 3 } else { dimensions };
+    let known = writer::quantities(shape, dimensions);
+    known.into_iter().find(|known| known.name == quantity).map_or("", |known| known.unit)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,60 +1,7 @@
-//! Scale of a picture: round ticks, their labels and colour maps.
-
-use colorous::Gradient;
-
-/// Colour map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colours {
-    /// Perceptually uniform, dark blue to yellow.
-    Viridis,
-    /// Perceptually uniform, dark blue over red to yellow.
-    Plasma,
-    /// Perceptually uniform, blue to yellow, suitable for colour-blind readers.
-    Cividis,
-    /// Rainbow with even steps.
-    Turbo,
-    /// Blue, white at the middle, red.
-    Diverging,
-}
-
-impl Colours {
-    /// All maps with their names on the command line.
-    pub const ALL: [(&'static str, Colours); 5] = [
-        ("viridis", Colours::Viridis),
-        ("plasma", Colours::Plasma),
-        ("cividis", Colours::Cividis),
-        ("turbo", Colours::Turbo),
-        ("diverging", Colours::Diverging),
-    ];
-
-    /// Returns the colour at a fraction of the scale, clamped to 0 to 1.
-    pub(super) fn at(self, share: f64) -> [u8; 3] {
-        let share = share.clamp(0.0, 1.0);
-        let (gradient, share): (Gradient, f64) = match self {
-            Colours::Viridis => (colorous::VIRIDIS, share),
-            Colours::Plasma => (colorous::PLASMA, share),
-            Colours::Cividis => (colorous::CIVIDIS, share),
-            Colours::Turbo => (colorous::TURBO, share),
-            Colours::Diverging => (colorous::RED_BLUE, 1.0 - share),
-        };
-        let colour = gradient.eval_continuous(share);
-        [colour.r, colour.g, colour.b]
-    }
-}
-
-impl std::str::FromStr for Colours {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Colours::ALL.iter().find(|(name, _)| *name == text).map(|&(_, colours)| colours).ok_or_else(|| {
-            let names: Vec<&str> = Colours::ALL.iter().map(|&(name, _)| name).collect();
-            format!("`{text}` is not a colour map, colour maps are {}", names.join(", "))
-        })
-    }
-}
+//! Round ticks of an axis and their labels.
 
 /// Returns round numbers within a range, at most `most` of them.
-pub(super) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
+pub(crate) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let length = high - low;
     if !(length > 0.0 && length.is_finite()) || most == 0 {
         return Vec::new();
@@ -84,7 +31,7 @@ fn decimals(ticks: &[f64]) -> usize {
 }
 
 /// Returns the labels of ticks and the power of ten by which they are to be multiplied.
-pub(super) fn labels(ticks: &[f64], plain: bool) -> (Vec<String>, i32) {
+pub(crate) fn labels(ticks: &[f64], plain: bool) -> (Vec<String>, i32) {
     let largest = ticks.iter().fold(0.0_f64, |largest, tick| largest.max(tick.abs()));
     let needs_power = !plain && largest > 0.0 && !(1e-2..1e5).contains(&largest);
     let power = if needs_power { largest.log10().floor() as i32 } else { 0 };
@@ -98,7 +45,7 @@ pub(super) fn labels(ticks: &[f64], plain: bool) -> (Vec<String>, i32) {
 }
 
 /// Returns a power of ten with a unit: `10⁻³ m/s`.
-pub(super) fn with_power(unit: &str, power: i32) -> String {
+pub(crate) fn with_power(unit: &str, power: i32) -> String {
     if power == 0 {
         return unit.to_owned();
     }
