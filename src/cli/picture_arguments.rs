@@ -44,7 +44,7 @@ pub struct RenderArguments {
     /// Draw every frame with one colour scale
     #[arg(long, conflicts_with = "movie")]
     pub all: bool,
-    /// Write a movie of all frames, GIF
+    /// Write a movie of all frames: GIF, or MP4 if the program was built with it
     #[arg(long, value_name = "FILE", conflicts_with = "output", value_parser = movie_file())]
     pub movie: Option<PathBuf>,
     /// Frames of the movie per second
@@ -224,7 +224,10 @@ mod tests {
         refused("sphecs render runs/a --arrows --streamlines", "cannot be used with");
         refused("sphecs render runs/a --fps 10", "--movie");
         refused("sphecs render runs/a --movie a.avi", "`.gif`");
-        refused("sphecs render runs/a --movie a.mp4", "no MP4");
+        match cfg!(feature = "mp4") {
+            true => assert!(rendered("sphecs render runs/a --movie a.mp4").movie.is_some()),
+            false => refused("sphecs render runs/a --movie a.mp4", "--features mp4"),
+        }
         refused("sphecs render runs/a --box 1,0,0,1", "below");
         refused("sphecs render runs/a --box 0,1", "four numbers");
         refused("sphecs render runs/a --perspective=0,0,0", "not zero");

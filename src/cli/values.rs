@@ -42,14 +42,15 @@ pub(super) fn drawing_file() -> impl TypedValueParser<Value = PathBuf> {
 }
 
 /// Returns the parser of a movie's path: it ends in `.gif`, which is added to a name without an
-/// ending.
+/// ending, or in `.mp4` if that is built in.
 pub(super) fn movie_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| match path.extension() {
         None if path.file_name().is_some() => Ok(path.with_extension("gif")),
         Some(ending) if ending.eq_ignore_ascii_case("gif") => Ok(path),
+        Some(ending) if ending.eq_ignore_ascii_case("mp4") && cfg!(feature = "mp4") => Ok(path),
         Some(ending) if ending.eq_ignore_ascii_case("mp4") => Err(
-            "this version writes no MP4: name a `.gif`, or draw the frames by `--all` and encode them, as \
-             `ffmpeg -i speed-%04d.png -pix_fmt yuv420p speed.mp4`",
+            "this program was built without MP4: name a `.gif`, build it by `cargo build --release --features mp4`, \
+             or draw the frames by `--all` and encode them, as `ffmpeg -i speed-%04d.png -pix_fmt yuv420p speed.mp4`",
         ),
         _ => Err("is a movie: the name must end in `.gif`"),
     })

@@ -76,7 +76,8 @@ impl Chart {
         let rows = panels.len().max(1);
         let share = if rows == 1 { 0.52 } else { 0.3 };
         let high = (share * f64::from(width)).round() as i64;
-        let (top, gap, below) = (4.4 * unit, 3.0 * unit, 4.4 * unit);
+        let lines_above = if self.title.is_empty() { 2.2 } else { 4.4 };
+        let (top, gap, below) = (lines_above * unit, 3.0 * unit, 4.4 * unit);
         let height = top + rows as f64 * high as f64 + (rows as f64 - 1.0) * gap + below;
 
         let mut drawing = Drawing::new(width, height.round() as u32);

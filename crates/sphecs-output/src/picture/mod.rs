@@ -8,7 +8,7 @@
 //! - `arrows`, `streamlines`, `contours`: lines over the field, drawn by `overlay`
 //! - `painter`: a frame, or a mean, with one colour scale for all
 //! - `perspective`: particles of a 3D flow in space
-//! - [`all_frames`], [`movie`]: all frames of a run
+//! - [`all_frames`], [`movie`]: all frames of a run; `gif_movie`, `mp4_movie`: formats of movies
 //! - `plan`: a scene before it runs
 //! - `sheet`: title, axes and legend around the field
 
@@ -16,7 +16,10 @@ pub mod all_frames;
 mod arrows;
 mod contours;
 mod field;
+mod gif_movie;
 pub mod movie;
+#[cfg(feature = "mp4")]
+mod mp4_movie;
 mod overlay;
 mod painter;
 mod perspective;
