@@ -38,4 +38,3 @@ mod table;
 pub mod tracks;
 pub mod vtk;
 pub mod vtkhdf;
-mod zlib;

@@ -21,3 +21,5 @@ pub(crate) mod particles;
 pub(crate) mod point_sets;
 pub(crate) mod slots;
 pub(crate) mod trajectories;
+
+pub(crate) use chunks::deflated;
