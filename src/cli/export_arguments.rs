@@ -28,20 +28,20 @@ pub struct ExportArguments {
     )]
     pub form: FormArguments,
     /// Interval of means and Reynolds stresses on the grid, from the frames in it, s
-    #[arg(long, value_name = "FROM,TO", value_parser = range, requires = "grid")]
+    #[arg(long, value_name = "FROM,TO", value_parser = range, conflicts_with_all = ["vtu", "vtkhdf", "tracks"])]
     pub mean: Option<(f64, f64)>,
     /// Write every N-th frame only
     #[arg(long, value_name = "N", default_value = "1", conflicts_with_all = ["vtu", "grid"])]
     pub every: NonZeroUsize,
     /// Zones in which particles have tracks; of walls those that move
-    #[arg(long, value_name = "ZONE,…", value_delimiter = ',', default_value = "fluid", value_parser = zones(), requires = "tracks")]
+    #[arg(long, value_name = "ZONE,…", value_delimiter = ',', default_value = "fluid", value_parser = zones(), conflicts_with_all = ["vtu", "vtkhdf", "grid"])]
     pub zones: Vec<Zone>,
     /// Numbers of the particles that have tracks, as `17,100-200` [default: all]
-    #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = numbers, requires = "tracks")]
+    #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = numbers, conflicts_with_all = ["vtu", "vtkhdf", "grid"])]
     pub ids: Vec<RangeInclusive<u32>>,
     /// Lower and upper corner of a box, m, which tracks pass in one of the frames [default:
     /// everywhere]
-    #[arg(long, value_name = "X,Y[,Z],X,Y[,Z]", value_parser = corners, requires = "tracks", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y[,Z],X,Y[,Z]", value_parser = corners, conflicts_with_all = ["vtu", "vtkhdf", "grid"], allow_hyphen_values = true)]
     pub r#box: Option<[[f64; 3]; 2]>,
     /// Folder of `--vtu`, or file of the others, to write [default: particles.vtkhdf, vtu,
     /// fields.nc or tracks.nc in the run folder]
@@ -144,6 +144,7 @@ mod tests {
         refused("sphecs export runs/a --tracks --box 0,1,1,1", "along y");
         refused("sphecs export runs/a --tracks --zones reservoir", "outflow");
         refused("sphecs export runs/a --tracks --every 0", "--every");
-        refused("sphecs export runs/a --vtu --ids 3", "--tracks");
+        refused("sphecs export runs/a --vtu --ids 3", "cannot be used with");
+        refused("sphecs export runs/a --tracks --mean 0,1", "cannot be used with");
     }
 }

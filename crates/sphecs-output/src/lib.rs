@@ -42,4 +42,3 @@ pub mod tracks;
 pub mod vtk;
 pub mod vtkhdf;
 pub mod walls;
-mod zlib;

@@ -1,9 +1,9 @@
 //! Particles as VTK unstructured grids with a `.pvd` series for ParaView.
 //!
 //! Each frame becomes a file of points without reservoir particles and absent slots; the walls at
-//! rest are written once, to `walls.vtu`. Arrays are compressed by zlib in blocks, as inline base64:
-//! a third larger than appended raw bytes, but well-formed XML that every reader accepts. The
-//! positions are f64, as in `particles.nc`. One file of all frames is [`super::vtkhdf`].
+//! rest are written once, to `walls.vtu`. Arrays are compressed by zlib in blocks, as inline
+//! base64: a third larger than appended raw bytes, but well-formed XML that every reader accepts.
+//! The positions are f64, as in `particles.nc`. One file of all frames is [`super::vtkhdf`].
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Read, Write};
@@ -17,8 +17,8 @@ use rayon::slice::ParallelSlice;
 use super::disk;
 use super::error::OutputError;
 use super::frame::Frame;
+use super::netcdf::deflated;
 use super::results::Results;
-use super::zlib::deflated;
 
 /// Files of an export.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -190,8 +190,8 @@ vtk_number!(u8 => "UInt8", u16 => "UInt16", u32 => "UInt32", i64 => "Int64", f32
 const BLOCK: usize = 1 << 17;
 
 /// Writes an array: a head as base64, then its compressed blocks as base64. The head has the number
-/// of blocks, their length, that of the last one if it is shorter, else 0, and the compressed lengths
-/// of all, as UInt64.
+/// of blocks, their length, that of the last one if it is shorter, else 0, and the compressed
+/// lengths of all, as UInt64.
 fn array<T: VtkNumber>(
     out: &mut impl Write,
     name: &str,

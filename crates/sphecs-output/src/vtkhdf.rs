@@ -1,16 +1,16 @@
 //! Particles of all frames in one VTKHDF file, which ParaView and VTK open as it is.
 //!
-//! `particles.vtkhdf` is an unstructured grid over time with one vertex cell for each particle. It has
-//! the particles that flow and those of walls that move, at the places of each frame. Walls at rest
-//! are in a second file without time, `particles_walls.vtkhdf`. They have no pressure, which would
-//! spoil the interpolation of ParaView's SPH filters next to them.
+//! `particles.vtkhdf` is an unstructured grid over time with one vertex cell for each particle. It
+//! has the particles that flow and those of walls that move, at the places of each frame. Walls at
+//! rest are in a second file without time, `particles_walls.vtkhdf`. They have no pressure, which
+//! would spoil the interpolation of ParaView's SPH filters next to them.
 //!
 //! # Alternatives considered
-//! - A group in `particles.nc`, or a file of virtual datasets into it, would copy nothing. But slots of
-//!   the reservoir have no position (NaN), which filters that sort points do not expect, and virtual
-//!   datasets cannot leave out slots that lie scattered.
-//! - A `PartitionedDataSetCollection` with the walls as a second block, stored once: the reader of VTK
-//!   9.7 shows its first frame at every time.
+//! - A group in `particles.nc`, or a file of virtual datasets into it, would copy nothing. But
+//!   slots of the reservoir have no position (NaN), which filters that sort points do not expect,
+//!   and virtual datasets cannot leave out slots that lie scattered.
+//! - A `PartitionedDataSetCollection` with the walls as a second block, stored once: the reader of
+//!   VTK 9.7 shows its first frame at every time.
 //!
 //! The file is netCDF-4, too, so that the same library writes it; VTK ignores the dimensions.
 
@@ -30,8 +30,8 @@ pub struct VtkHdfExport {
     pub frames: usize,
 }
 
-/// Writes every `every`-th frame of a run into a file, and its walls at rest into another one. Calls
-/// `done` with the number of frames written and of all.
+/// Writes every `every`-th frame of a run into a file, and its walls at rest into another one.
+/// Calls `done` with the number of frames written and of all.
 ///
 /// # Errors
 /// [`OutputError`] when the run has no frames or no particles, or a file cannot be read or written.
@@ -69,8 +69,8 @@ pub fn export_vtkhdf(
     Ok(VtkHdfExport { walls: write_walls(results, target)?, frames: frames.len() })
 }
 
-/// Returns the numbers that all particles share, as arrays with which the filters of ParaView need no
-/// typing.
+/// Returns the numbers that all particles share, as arrays with which the filters of ParaView need
+/// no typing.
 fn constants(results: &Results) -> Vec<(&'static str, f32)> {
     let header = &results.header;
     let mass = header.reference_density * header.spacing.powi(header.dimensions as i32);

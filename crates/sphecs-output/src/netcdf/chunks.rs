@@ -17,11 +17,34 @@ use ::hdf5_metno_sys::h5i::hid_t;
 use ::hdf5_metno_sys::h5p::{H5P_DEFAULT, H5Pclose, H5Pget_chunk, H5Pget_filter2, H5Pget_nfilters};
 use ::hdf5_metno_sys::h5z::{H5Z_FILTER_DEFLATE, H5Z_FILTER_SHUFFLE};
 
-use crate::zlib::deflated;
-
 /// Failed operation of the library, for a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ChunkError(pub(super) &'static str);
+
+/// Level of compression of all files, the fastest of zlib.
+pub(super) const LEVEL: u8 = 1;
+
+/// Returns bytes compressed by zlib, as the filters of HDF5 and the blocks of VTK files have them.
+pub(crate) fn deflated(bytes: &[u8]) -> Vec<u8> {
+    let mut length = bytes.len() as _;
+    // SAFETY: the function computes a number.
+    length = unsafe { ::libz_sys::compressBound(length) };
+    let mut compressed = vec![0; length as usize];
+    // SAFETY: both buffers have the lengths given.
+    let status = unsafe {
+        ::libz_sys::compress2(
+            compressed.as_mut_ptr(),
+            &mut length,
+            bytes.as_ptr(),
+            bytes.len() as _,
+            LEVEL.into(),
+        )
+    };
+    // With a buffer of this length only the memory can be short, for which Rust aborts too.
+    assert_eq!(status, ::libz_sys::Z_OK, "zlib has no memory");
+    compressed.truncate(length as usize);
+    compressed
+}
 
 /// Chunk as a file stores it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

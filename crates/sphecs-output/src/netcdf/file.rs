@@ -10,10 +10,9 @@ use ::hdf5_metno_sys::h5e::{H5E_DEFAULT, H5Eset_auto2};
 use ::netcdf::{AttributeValue, File, FileMut, GroupMut, NcTypeDescriptor, VariableMut};
 use ::netcdf_sys::nc_set_chunk_cache;
 
-use super::chunks::{Access, ChunkError, ChunkFile};
+use super::chunks::{Access, ChunkError, ChunkFile, LEVEL};
 use crate::disk;
 use crate::error::OutputError;
-use crate::zlib::LEVEL;
 
 /// Converts an error of the library. Where it only reports "HDF error", a test write finds the
 /// cause.

@@ -23,3 +23,5 @@ pub(crate) mod point_sets;
 pub(crate) mod slots;
 pub(crate) mod trajectories;
 pub(crate) mod wall_points;
+
+pub(crate) use chunks::deflated;

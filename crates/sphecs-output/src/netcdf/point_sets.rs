@@ -67,7 +67,8 @@ pub(crate) enum PointValues {
     U8(Vec<u8>),
 }
 
-/// Writes a file; `columns` returns the values at each time in their order, always the same columns.
+/// Writes a file; `columns` returns the values at each time in their order, always the same
+/// columns.
 ///
 /// # Errors
 /// [`OutputError`] of a time, or with the path and the cause.

@@ -35,8 +35,8 @@ impl Track {
 
 /// All trajectories, ascending by their numbers.
 ///
-/// This order keeps pieces of fluid together that entered at about the same time, so that few chunks
-/// have both values and none.
+/// This order keeps pieces of fluid together that entered at about the same time, so that few
+/// chunks have both values and none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TrackList(Vec<Track>);
 

@@ -11,23 +11,23 @@
 //!
 //! # Layout
 //! CF knows trajectories as (trajectory, time), as (trajectory, obs) and as a contiguous ragged
-//! array. This is (trajectory, time), with NaN where a piece of fluid is not in the flow: all frames
-//! have common times, so that `sel` takes a trajectory, a time or both, and TrajAn and the IOOS
-//! compliance checker read it as it is. Chunks without any value are
-//! not stored. With 4466 trajectories over 401 frames of the quickstart, each of which lasts a
-//! quarter of the run, the layouts compare as follows:
+//! array. This is (trajectory, time), with NaN where a piece of fluid is not in the flow: all
+//! frames have common times, so that `sel` takes a trajectory, a time or both, and TrajAn and the
+//! IOOS compliance checker read it as it is. Chunks without any value are not stored. With 4466
+//! trajectories over 401 frames of the quickstart, each of which lasts a quarter of the run, the
+//! layouts compare as follows:
 //!
 //! | layout | file, MB | read one, s | TrajAn 0.12 |
 //! |---|---|---|---|
 //! | (trajectory, time) | 13.2 | 0.06 | at once, `Orthogonal` |
 //! | (trajectory, obs) | 13.0 | 0.08 | at once, `Ragged` |
-//! | contiguous ragged | 11.7 | 0.05 | after 28 s, and it does not find x, which CF wants as a coordinate |
+//! | contiguous ragged | 11.7 | 0.05 | after 28 s, without x, as CF has x as a coordinate |
 //!
 //! # Memory
 //! Frames are sorted by time and trajectories are not, so a contiguous ragged array needs the whole
-//! run in memory, or several passes. Here a first pass finds the trajectories, and a second one fills
-//! [windows](window) of some frames, which are written as chunks. The number of frames of a window
-//! follows from [`BUDGET`].
+//! run in memory, or several passes. Here a first pass finds the trajectories, and a second one
+//! fills windows of some frames, which are written as chunks. The number of frames of a window is
+//! the largest one that fits into 512 MiB.
 
 mod list;
 mod window;

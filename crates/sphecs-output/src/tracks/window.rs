@@ -126,8 +126,8 @@ impl<'a> Windows<'a> {
         Self { results, frames, list, options, shape, latest: Vec::new() }
     }
 
-    /// Returns the blocks with samples of a window by their numbers. Calls `done` with the number of
-    /// frames read so far.
+    /// Returns the blocks with samples of a window by their numbers. Calls `done` with the number
+    /// of frames read so far.
     ///
     /// # Errors
     /// [`OutputError`] when a frame cannot be read.
