@@ -242,7 +242,7 @@ fn requests_for_what_a_run_does_not_have_are_refused() {
     let render = |more: &[&str]| sphecs(["render"]).arg(&run).args(more).output().expect("started");
     refused(&render(&["--slice", "z"]), 2, &["2D", "leave `--slice` out"]);
     refused(&render(&["--time", "99"]), 2, &["no frame near t = 99 s", "from 0 to"]);
-    refused(&render(&["-o", "flow.svg"]), 2, &["`.png`"]);
+    refused(&render(&["-o", "flow.jpg"]), 2, &["`.png`"]);
     let plan = ["check", "scenes/quickstart.ron", "--slice", "y=0", "--no-timing", "--picture"];
     let plan = sphecs(plan).arg(folder.path().join("plan.png")).output().expect("started");
     refused(&plan, 2, &["leave `--slice` out"]);

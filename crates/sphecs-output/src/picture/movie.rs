@@ -1,8 +1,8 @@
 //! All frames of a run as a movie with one colour scale.
 //!
 //! The ending of the file chooses the format: GIF, which every program shows, or MP4 with AV1,
-//! which has all colours and is smaller. MP4 is the feature `mp4`, since its encoder takes a minute of
-//! processor time to compile.
+//! which has all colours and is smaller. MP4 is the feature `mp4`, since its encoder takes a minute
+//! of processor time to compile.
 
 use std::path::Path;
 
