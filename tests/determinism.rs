@@ -123,7 +123,9 @@ fn reading_between_steps_leaves_the_flow_bitwise_identical() {
             if step % 7 == 0 {
                 borrowed.world_mut();
             }
-            [&mut alone, &mut read, &mut borrowed].map(|run| run.step().expect("a step"));
+            for run in [&mut alone, &mut read, &mut borrowed] {
+                run.step().expect("a step");
+            }
         }
         for (other, what) in [(&mut read, "reads"), (&mut borrowed, "borrowing the world")] {
             if let Some(found) = difference(&mut alone, other) {
