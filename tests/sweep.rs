@@ -85,9 +85,9 @@ fn faults_of_any_run_prevent_all_and_divergence_stops_only_its_own() {
     assert!(message.contains("viscosity"), "{message}");
     assert!(!folder.path().join("runs").exists());
     // A stream of 300 times the speed of sound.
-    let output =
-        sweep(folder.path(), &["--grid", "constants.u0=0.1,\"1500*sin(40*x)\"", "--set", "time.end=0.2"]);
+    let speeds = r#"initial.velocity=("0.1", "0"),("1500*sin(4*pi*x)", "0")"#;
+    let output = sweep(folder.path(), &["--grid", speeds, "--set", "time.end=0.2"]);
     let said = text(&output.stdout);
     assert_eq!(output.status.code(), Some(3), "{said}{}", text(&output.stderr));
-    assert!(said.contains("1 runs completed, 1 diverged"), "{said}");
+    assert!(said.contains("1 run completed, 1 diverged"), "{said}");
 }

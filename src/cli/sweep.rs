@@ -76,7 +76,8 @@ pub fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     let end = sweep.make()?;
     let (completed, diverged) = (grouped(end.completed as u64), end.diverged.len());
     let ends = if diverged == 0 { String::new() } else { format!(", {diverged} diverged") };
-    Console::Normal.print(&format!("{completed} runs completed{ends}: {}", sweep.folder.display()));
+    let runs = if end.completed == 1 { "run" } else { "runs" };
+    Console::Normal.print(&format!("{completed} {runs} completed{ends}: {}", sweep.folder.display()));
     Ok(match end.signal {
         Some(signal) => signal.exit_code(),
         None if diverged > 0 => FLOW,

@@ -102,8 +102,8 @@ pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), Output
     disk::sync_folder(run)
 }
 
-/// Writes the frames, gridded fields and quantities at the walls that a checkpoint counts into a new
-/// journal.
+/// Writes the frames, gridded fields and quantities at the walls that a checkpoint counts into a
+/// new journal.
 fn unpack(run: &Path, journal: &Path, header: &Header, facts: &Facts) -> Result<(), OutputError> {
     let count = facts.frames;
     let partial = disk::partial_name(journal);
