@@ -84,16 +84,23 @@ pub struct SweepEnd {
     pub signal: Option<Signal>,
 }
 
+/// Run whose scene has faults.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FaultyRun {
+    /// Name.
+    pub name: String,
+    /// Number of other runs with faults, in words.
+    pub others: String,
+}
+
 /// Sweep that was stopped by an error.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum SweepError {
     /// The scene of a run has faults.
-    #[error("run `{run}`{others}")]
+    #[error("run `{}`{}", run.name, run.others)]
     Scene {
-        /// Name of the run.
-        run: String,
-        /// Number of other runs with faults, in words.
-        others: String,
+        /// The run.
+        run: Box<FaultyRun>,
         /// The faults.
         #[source]
         #[diagnostic_source]
@@ -170,7 +177,7 @@ impl Sweep {
     }
 
     fn load(&self, run: &SweepRun) -> Result<Scene, SceneErrors> {
-        let loader = Scene::from_file(&self.scene).sets(&self.sets(run)).memory(self.memory);
+        let loader = Scene::from_file(&self.scene).sets(self.sets(run)).memory(self.memory);
         if self.smoke { loader.smoke().load() } else { loader.load() }
     }
 
@@ -254,7 +261,7 @@ fn faulty(run: &SweepRun, others: usize, errors: SceneErrors) -> SweepError {
         1 => ", and one more run has faults".to_owned(),
         more => format!(", and {more} more runs have faults"),
     };
-    SweepError::Scene { run: run.name.clone(), others, errors }
+    SweepError::Scene { run: Box::new(FaultyRun { name: run.name.clone(), others }), errors }
 }
 
 /// Returns a field of a CSV file.
