@@ -138,7 +138,7 @@ except KeyboardInterrupt:
     [
         # The run closes its files; the program reads them.
         (
-            "sphecs.run(sys.argv[1], until=1000, out=sys.argv[2])",
+            "sphecs.run(sys.argv[1], until=50, out=sys.argv[2])",
             "print(sphecs.open(sys.argv[2]).status)",
             "interrupted",
         ),

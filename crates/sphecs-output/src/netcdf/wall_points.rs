@@ -101,7 +101,7 @@ fn put_points(
     (header, walls): (&Header, &WallsHeader),
     points: &[WallPoint],
 ) -> Result<(), ::netcdf::Error> {
-    let suffix = if walls.moves { AT_START } else { "" };
+    let (suffix, when) = if walls.moves { (AT_START, " at the start") } else { ("", "") };
     let mut add = |name: &str, unit: &str, long_name: &str, values: Vec<f64>| {
         let attributes = [text("units", unit), text("long_name", long_name)];
         add_variable::<f64>(file, name, &["point"], &[points.len().clamp(1, CHUNK)], &attributes)?
@@ -109,9 +109,9 @@ fn put_points(
     };
     for (axis, name) in AXES.iter().enumerate().take(header.dimensions) {
         let along = |of: fn(&WallPoint) -> DVec3| points.iter().map(|point| of(point)[axis]).collect();
-        let long_name = format!("{name} coordinate at the start");
+        let long_name = format!("{name} coordinate{when}");
         add(&format!("{name}{suffix}"), "m", &long_name, along(|point| point.position))?;
-        let long_name = format!("unit normal of the wall along {name} at the start, into the fluid");
+        let long_name = format!("unit normal of the wall along {name}{when}, into the fluid");
         add(&format!("normal_{name}{suffix}"), "1", &long_name, along(|point| point.normal))?;
     }
     let unit = if header.dimensions == 2 { "m" } else { "m2" };
