@@ -41,6 +41,30 @@ pub(crate) fn note(names: &[&str], times: &[f64], interval: (f64, f64)) -> Optio
     }
 }
 
+/// Returns a note on means that were sampled during a run, `what`, if the run ended before their
+/// interval did; None as `covered` stands for means that did not begin.
+pub(crate) fn sampled_note(
+    what: &str,
+    (from, to): (f64, f64),
+    covered: Option<(f64, f64)>,
+) -> Option<String> {
+    let Some((first, last)) = covered else {
+        return Some(format!(
+            "the run ended before the {what} begin, at {} s: they are left out",
+            significant(from)
+        ));
+    };
+    (last < to * (1.0 - 1e-9)).then(|| {
+        format!(
+            "the {what} cover {} to {} s of {} to {} s: the run ended earlier",
+            significant(first),
+            significant(last),
+            significant(from),
+            significant(to)
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

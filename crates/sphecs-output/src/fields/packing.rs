@@ -9,10 +9,10 @@ use super::averages::FieldMeans;
 use super::snapshot::FieldSnapshot;
 use crate::error::OutputError;
 use crate::header::{FieldsHeader, Header};
+use crate::mean_interval::sampled_note;
 use crate::netcdf::grids::{self, FieldFile};
 use crate::pack::{Packed, check_free_space};
 use crate::paths::{self, FIELDS};
-use sphecs_core::format::significant;
 
 /// Writes the fields at one time.
 ///
@@ -76,22 +76,7 @@ pub(crate) fn pack(
 
 /// Returns a note on means whose interval the run did not complete.
 fn note(fields: &FieldsHeader, means: Option<&FieldMeans>) -> Option<String> {
-    let (from, to) = fields.mean?;
-    let Some(means) = means else {
-        return Some(format!(
-            "the run ended before the means of the fields begin, at {} s: they are left out",
-            significant(from)
-        ));
-    };
-    (means.covered.1 < to * (1.0 - 1e-9)).then(|| {
-        format!(
-            "the means of the fields cover {} to {} s of {} to {} s: the run ended earlier",
-            significant(means.covered.0),
-            significant(means.covered.1),
-            significant(from),
-            significant(to)
-        )
-    })
+    sampled_note("means of the fields", fields.mean?, means.map(|means| means.covered))
 }
 
 /// Returns the number of times of a run, packed or not, counted from the first up to a gap.

@@ -9,10 +9,10 @@ use super::at_time::WallSnapshot;
 use super::over_time::WallMeans;
 use crate::error::OutputError;
 use crate::header::{Header, WallsHeader};
+use crate::mean_interval::sampled_note;
 use crate::netcdf::wall_points::{self, WallFile};
 use crate::pack::{Packed, check_free_space};
 use crate::paths::{self, WALLS};
-use sphecs_core::format::significant;
 
 /// Writes the quantities at one time.
 ///
@@ -80,22 +80,7 @@ pub(crate) fn pack(
 
 /// Returns a note on means whose interval the run did not complete.
 fn note(walls: &WallsHeader, means: Option<&WallMeans>) -> Option<String> {
-    let (from, to) = walls.mean?;
-    let Some(means) = means else {
-        return Some(format!(
-            "the run ended before the means at the walls begin, at {} s: they are left out",
-            significant(from)
-        ));
-    };
-    (means.covered.1 < to * (1.0 - 1e-9)).then(|| {
-        format!(
-            "the means at the walls cover {} to {} s of {} to {} s: the run ended earlier",
-            significant(means.covered.0),
-            significant(means.covered.1),
-            significant(from),
-            significant(to)
-        )
-    })
+    sampled_note("means at the walls", walls.mean?, means.map(|means| means.covered))
 }
 
 /// Returns the number of times of a run, packed or not, counted from the first up to a gap.

@@ -5,7 +5,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::checker::Checker;
 use super::names::{Named, names};
-use super::settings::mean_interval;
+use super::settings::sampled_mean;
 use crate::faults::Fault;
 use crate::field_grid::FieldGrid;
 use crate::fill;
@@ -31,13 +31,7 @@ pub fn fields(
     let file = &written.value;
     let spacing = file.spacing.as_ref().map_or(check.spacing, |number| check.positive(number, "m"));
     let every = file.every.as_ref().map_or(every, |number| check.positive(number, "s"));
-    let mean = file.mean.as_ref().map(|mean| mean_interval(mean, end, check));
-    let mean_every = file.mean_every.as_ref().map(|number| check.positive(number, "s"));
-    if let (Some(number), None) = (&file.mean_every, &file.mean) {
-        let label = "has no meaning without `mean`";
-        let fault = Fault::new("`mean_every` is given, but no mean", number.span, label);
-        check.report(fault.help("give the interval of time, `mean: (from, to)`, or leave out `mean_every`"));
-    }
+    let (mean, mean_every) = sampled_mean(file.mean.as_ref(), file.mean_every.as_ref(), end, check);
     let given: Vec<_> = file.planes.iter().map(|plane| Named::Given(&plane.name)).collect();
     names(&given, "planes", check);
     for plane in file.planes.iter().filter(|plane| is_taken(&result_name(&plane.name.value))) {

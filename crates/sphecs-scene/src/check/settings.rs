@@ -103,6 +103,22 @@ pub(super) fn mean_interval(
     interval
 }
 
+/// Returns the interval of means, s, and that between their samples, s, which needs the former.
+pub(super) fn sampled_mean(
+    mean: Option<&Spanned<(Number, Number)>>,
+    every: Option<&Number>,
+    end: Option<f64>,
+    check: &mut Checker<'_>,
+) -> (Option<(f64, f64)>, Option<f64>) {
+    if let (Some(number), None) = (every, mean) {
+        let label = "has no meaning without `mean`";
+        let fault = Fault::new("`mean_every` is given, but no mean", number.span, label);
+        check.report(fault.help("give the interval of time, `mean: (from, to)`, or leave out `mean_every`"));
+    }
+    let mean = mean.map(|mean| mean_interval(mean, end, check));
+    (mean, every.map(|number| check.positive(number, "s")))
+}
+
 fn probe_kind(file: &ProbeKindFile, check: &mut Checker<'_>) -> ProbeKind {
     match file {
         ProbeKindFile::Point { at } => ProbeKind::Point(check.vector(at, "m")),

@@ -1,7 +1,7 @@
 //! Checks of the quantities at the walls: parts and intervals.
 
 use super::checker::Checker;
-use super::settings::mean_interval;
+use super::settings::sampled_mean;
 use crate::faults::{Fault, advice};
 use crate::model::Walls;
 use crate::notation::typed::Spanned;
@@ -21,13 +21,7 @@ pub fn wall_quantities(
         check.report(Fault::new("the scene lacks walls to measure at", written.head, label));
     }
     let every = file.every.as_ref().map_or(every, |number| check.positive(number, "s"));
-    let mean = file.mean.as_ref().map(|mean| mean_interval(mean, end, check));
-    let mean_every = file.mean_every.as_ref().map(|number| check.positive(number, "s"));
-    if let (Some(number), None) = (&file.mean_every, &file.mean) {
-        let label = "has no meaning without `mean`";
-        let fault = Fault::new("`mean_every` is given, but no mean", number.span, label);
-        check.report(fault.help("give the interval of time, `mean: (from, to)`, or leave out `mean_every`"));
-    }
+    let (mean, mean_every) = sampled_mean(file.mean.as_ref(), file.mean_every.as_ref(), end, check);
     let all = 0..walls.parts.len() as u16;
     let Some(names) = &file.parts else {
         return WallOutput { parts: all.collect(), every, mean, mean_every };
