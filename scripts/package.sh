@@ -5,7 +5,6 @@
 #
 # The files are in target/packages. --static links NetCDF and HDF5 into the program, which then needs nothing but glibc;
 # without it the Debian package depends on the library of this system. --program takes a program that is built already.
-# A build takes about ten minutes of two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
