@@ -11,6 +11,9 @@ cargo test --workspace --locked "${FEATURES[@]}"
 say "pytest"
 make_venv || { echo "no python3 with venv: install python3-venv" >&2; exit 1; }
 .venv/bin/pip install --quiet --disable-pip-version-check -r python/requirements.txt
+# For the test of the page that `sphecs watch --serve` shows; it is skipped where there is no browser.
+command -v chromium-headless-shell >/dev/null || command -v chromium >/dev/null || install_packages chromium-headless-shell ||
+    say "no headless browser: the page of \`sphecs watch\` is not tested"
 # The Python package, with the library that the tests above built.
 site=$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 rm -rf "$site/sphecs"

@@ -1,20 +1,15 @@
 //! Check of a scene before a long run: particles, passages, speeds, time scales, and the cost of
 //! the run on this machine.
-//!
-//! The time of a step is measured by the first steps of the scene itself, without
-//! output.
-
-use std::time::Instant;
 
 use glam::DVec3;
 
 use super::doubtful;
+use super::first_steps::take_first_steps;
 use super::report::{scene_rows, scene_table};
 use super::run_state::LARGEST_MACH;
-use sphecs_core::format::{bytes, duration, grouped, point, significant};
+use sphecs_core::format::{bytes, grouped, point, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::wall::WallPressure;
-use sphecs_engine::simulation::{Simulation, Stop};
 use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
 use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
@@ -26,15 +21,6 @@ use sphecs_scene::wall_particles::overlapping_parts;
 
 /// Wanted number of particles across a passage.
 const WANTED_ACROSS: f64 = 10.0;
-
-/// Wall time for the timed steps, s.
-const TIMED_SECONDS: f64 = 1.0;
-
-/// Steps before the timed ones: they allocate the buffers.
-const WARM_UP: u32 = 2;
-
-/// Least and largest number of timed steps.
-const TIMED_STEPS: [u32; 2] = [3, 200];
 
 /// Report on a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,8 +73,11 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
     figures.notes.extend(doubtful::notes(scene, &seeds, until, path.as_ref()));
     if options.timed {
-        match time_steps(scene, seeds) {
-            Ok(timing) => rows.push(("run time", timing.text(steps_to(scene, until)))),
+        match take_first_steps(scene, seeds) {
+            Ok(first) => {
+                rows.push(("run time", first.run_time_text(steps_to(scene, until), until)));
+                figures.notes.extend(first.short_step_note(scene, until));
+            }
             Err(stop) => figures.notes.push(format!("the flow stops within its first steps: {stop}")),
         }
     }
@@ -353,48 +342,4 @@ fn disk_text(disk: &DiskEstimate) -> String {
         parts.join(", "),
         size(disk.bytes())
     )
-}
-
-/// Time of a step, measured.
-#[derive(Clone, Copy, Debug)]
-struct Timing {
-    /// Wall time of a step, s.
-    step: f64,
-    /// Number of timed steps.
-    count: u32,
-}
-
-impl Timing {
-    /// Returns the run time of a number of steps.
-    fn text(&self, steps: f64) -> String {
-        let threads = rayon::current_num_threads();
-        format!(
-            "about {} on {threads} thread{}, without output: {} ms a step, measured over {}",
-            duration(steps * self.step),
-            if threads == 1 { "" } else { "s" },
-            significant(1e3 * self.step),
-            self.count
-        )
-    }
-}
-
-/// Builds the flow and times its first steps.
-///
-/// # Errors
-/// [`Stop`] when the flow stops in these steps.
-fn time_steps(scene: &Scene, seeds: Vec<ParticleSeed>) -> Result<Timing, Stop> {
-    let built = Simulation::builder(scene.clone()).particles(seeds).build();
-    let mut simulation = built.expect("a scene without plugins and saved states can be built");
-    for _ in 0..WARM_UP {
-        simulation.step()?;
-    }
-    let started = Instant::now();
-    let mut count = 0;
-    while count < TIMED_STEPS[0] || count < TIMED_STEPS[1] && started.elapsed().as_secs_f64() < TIMED_SECONDS
-    {
-        simulation.step()?;
-        count += 1;
-    }
-    let step = started.elapsed().as_secs_f64() / f64::from(count);
-    Ok(Timing { step, count })
 }

@@ -9,6 +9,7 @@
 //! - [`report`]: summaries at the start and at the end, and the report on a flow that stopped
 //! - [`progress`]: speed, time left and their display; [`waiting`]: a spinner before the first step
 //! - [`check`]: figures and cost of a run before it starts
+//! - [`first_steps`]: cost of a run by its first steps
 //! - `doubtful`: notes on choices that are seldom meant
 //! - [`disk_check`]: free disk space before the start
 //! - [`memory`]: memory of the machine
@@ -25,6 +26,7 @@ pub mod disk_check;
 mod doubtful;
 pub mod environment;
 pub mod error;
+pub mod first_steps;
 pub mod gridded;
 pub mod memory;
 pub mod output_schedule;

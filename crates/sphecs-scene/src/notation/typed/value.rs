@@ -203,7 +203,10 @@ fn elsewhere(field: &str, name: &str) -> Option<String> {
         ("condition", "Periodic") => {
             "a periodic flow has neither inlet nor outlet: leave them out and write `periodic: [\"x\"]` in the scene"
         }
-        ("pressure", "Pressure" | "TotalPressure" | "Windkessel" | "Resistance") => {
+        (
+            "pressure" | "velocity",
+            "Pressure" | "TotalPressure" | "Windkessel" | "Resistance" | "FlowShare",
+        ) => {
             "an opening of given pressure is an outlet whichever way it flows: write it under `outlets`, \
              with `towards` out of the domain and this as `condition`"
         }
@@ -234,7 +237,8 @@ fn without_name(node: &Node, variants: &[&str]) -> Option<String> {
     let has = |name: &str| variants.contains(&name);
     match &node.value {
         Value::Text(text, _) if !has("Normal") => {
-            nearest(text, variants.iter().copied()).map(|near| format!("did you mean `{near}`?"))
+            let near = nearest(text, variants.iter().copied()).map(|near| format!("did you mean `{near}`?"));
+            near.or_else(|| has("Extrapolated").then(|| given_pressure(&format!("\"{text}\""))))
         }
         Value::Number(number, _) if has("Normal") => {
             Some(format!("a speed along `towards` is written `Normal({number})`"))
@@ -242,11 +246,20 @@ fn without_name(node: &Node, variants: &[&str]) -> Option<String> {
         Value::Text(text, _) if has("Normal") => {
             Some(format!("a speed along `towards` is written `Normal(\"{text}\")`"))
         }
+        Value::Number(pressure, _) if has("Extrapolated") => Some(given_pressure(&pressure.to_string())),
         Value::Tuple(None, _) | Value::List(_) if has("Normal") => Some(
             "a speed along `towards` is written `Normal(0.1)`, a vector `Components((0.1, 0.0))`".to_owned(),
         ),
         _ => None,
     }
+}
+
+/// Returns advice on an inlet with a pressure instead of a velocity.
+fn given_pressure(value: &str) -> String {
+    format!(
+        "an opening of given pressure is an outlet whichever way it flows: write it under `outlets`, with \
+         `towards` out of the domain and `condition: Pressure(value: {value})`"
+    )
 }
 
 /// Returns advice on a renamed field, if the struct has the new name.

@@ -18,6 +18,18 @@ fn unknown_names_get_the_nearest_as_advice() {
 }
 
 #[test]
+fn inlets_of_given_pressure_lead_to_outlets() {
+    for pressure in ["4.0", "\"4*sin(t)\""] {
+        let inlet = format!("inlets: [(pressure: {pressure}, at");
+        let report = check("inlets: [(at", &inlet, "is not one of the choices `Extrapolated`", pressure);
+        assert!(report.contains("write it under `outlets`") && report.contains("Pressure(value: "), "{report}");
+    }
+    let report =
+        check("velocity: Normal", "velocity: Windkessel", "is not a choice for `velocity`", "Windkessel");
+    assert!(report.contains("write it under `outlets`") && report.contains("as `condition`"), "{report}");
+}
+
+#[test]
 fn missing_and_repeated_fields_are_faults() {
     check("sound_speed: 10.0", "", "field `sound_speed` is missing", "(");
     check("title: \"t\",", "", "field `title` is missing", "Scene");
