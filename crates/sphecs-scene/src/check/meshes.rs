@@ -156,8 +156,10 @@ fn mesh_report(names: &[String], surface: &Surface, report: &Report) -> MeshRepo
     let mut lines = report.lines();
     let (low, high) = surface.bounds();
     let size = high - low;
+    let crossing = surface.intersections().line();
+    let twice = if crossing.is_some() { ", in which parts that overlap count twice" } else { "" };
     lines.push(format!(
-        "is {} by {} by {} m, with an area of {} m² and a volume of {} m³",
+        "is {} by {} by {} m, with an area of {} m² and a volume of {} m³{twice}",
         significant(size.x),
         significant(size.y),
         significant(size.z),
@@ -165,6 +167,6 @@ fn mesh_report(names: &[String], surface: &Surface, report: &Report) -> MeshRepo
         significant(surface.volume())
     ));
     let small = report.open_loops.iter().find(|opening| !opening.is_seam()).map(OpenLoop::line);
-    let notes = surface.intersections().line().into_iter().chain(small).collect();
+    let notes = crossing.into_iter().chain(small).collect();
     MeshReport { name: names.join(", "), lines, notes }
 }

@@ -31,6 +31,10 @@ fn duct() -> MeshFile {
 }
 
 fn scene(domain: &str, openings: &str) -> Result<Scene, SceneErrors> {
+    scene_of(duct(), domain, openings)
+}
+
+fn scene_of(mesh: MeshFile, domain: &str, openings: &str) -> Result<Scene, SceneErrors> {
     let text = format!(
         r#"Scene(
     title: "Duct", dimensions: 3, spacing: 0.05,
@@ -39,7 +43,7 @@ fn scene(domain: &str, openings: &str) -> Result<Scene, SceneErrors> {
     reference: (velocity: 1.0, length: 0.4), time: (end: 1.0), output: (every: 0.5),
 )"#
     );
-    Scene::from_text("duct", text).meshes([duct()]).load()
+    Scene::from_text("duct", text).meshes([mesh]).load()
 }
 
 const MESH: &str = "Mesh(file: \"duct.stl\", unit: Millimetre)";
@@ -100,6 +104,21 @@ fn planes_of_openings_are_given_once_and_completely() {
     }
     let found = faults("Box(min: (0.0, 0.0, 0.0), max: (1.0, 0.4, 0.4))", ON);
     assert!(found.contains("the domain has no mesh"), "{found}");
+}
+
+#[test]
+fn volume_of_overlapping_parts_is_said_to_count_them_twice() {
+    let first = faces([1000.0, 400.0, 400.0]).concat();
+    let shifted = |facet: &[[f64; 3]; 3]| facet.map(|[x, y, z]| [x + 500.0, y + 100.0, z + 100.0]);
+    let second: Vec<_> = first.iter().map(shifted).collect();
+    let text = solid("first", &first) + &solid("second", &second);
+    let mesh = MeshFile { path: "duct.stl".to_owned(), bytes: text.into_bytes().into() };
+    for (mesh, volume, twice) in [(duct(), "0.16 m³", false), (mesh, "0.32 m³", true)] {
+        let scene = scene_of(mesh, MESH, "").expect("a scene");
+        let lines = scene.mesh_reports[0].lines.join("\n");
+        assert!(lines.contains(volume), "{lines}");
+        assert_eq!(lines.contains("parts that overlap count twice"), twice, "{lines}");
+    }
 }
 
 #[test]

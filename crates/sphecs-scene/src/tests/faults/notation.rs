@@ -22,7 +22,10 @@ fn inlets_of_given_pressure_lead_to_outlets() {
     for pressure in ["4.0", "\"4*sin(t)\""] {
         let inlet = format!("inlets: [(pressure: {pressure}, at");
         let report = check("inlets: [(at", &inlet, "is not one of the choices `Extrapolated`", pressure);
-        assert!(report.contains("write it under `outlets`") && report.contains("Pressure(value: "), "{report}");
+        assert!(
+            report.contains("write it under `outlets`") && report.contains("Pressure(value: "),
+            "{report}"
+        );
     }
     let report =
         check("velocity: Normal", "velocity: Windkessel", "is not a choice for `velocity`", "Windkessel");

@@ -137,12 +137,41 @@ pub struct DrivenMemory<S> {
     law: S,
     /// Waves at the plane and in the zone.
     wave: WaveMemory,
-    /// Pressure p_t, followed with a lag, Pa; None before the first step.
-    followed: Option<f64>,
+    /// Rate of change of the pressure p_t.
+    rate: FollowedRate,
     /// Rate of change of p_t, and pressure of sound.
     plane: PlanePressure,
     /// Speed e of the zone in excess of the fitted velocity of the fluid, m/s.
     excess_speed: f64,
+}
+
+/// Rate of change of a pressure, smooth enough to be fed back.
+///
+/// ```text
+/// T dp1/dt = p − p1,   r1 = (p − p1)/T,   T dr2/dt = r1 − r2,   r = 2 r1 − r2
+/// ```
+///
+/// r1 lags behind the rate by T, and r2 by 2 T. Their difference takes the lag away: the error is
+/// of second order in ω T, 9 % at ω T = 0.3, where r1 alone is 30 % off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FollowedRate {
+    /// Pressure p1, Pa; None before the first step.
+    pressure: Option<f64>,
+    /// Rate r2, Pa/s.
+    second: f64,
+}
+
+impl FollowedRate {
+    /// Advances by a step (s) to a pressure (Pa) and returns the rate r, Pa/s, for the time T, s.
+    fn advance(&mut self, pressure: f64, lag: f64, time_step: f64) -> f64 {
+        let share = -(-time_step / lag).exp_m1();
+        let followed = self.pressure.get_or_insert(pressure);
+        let first = (pressure - *followed) / lag;
+        *followed += share * (pressure - *followed);
+        self.second += share * (first - self.second);
+        2.0 * first - self.second
+    }
 }
 
 /// Returns the motion of the zone.
@@ -240,9 +269,7 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let dynamic = if law.enters_from_rest() { dynamic_pressure(zone) } else { 0.0 };
     let target = level - dynamic;
     let lag = RATE_LAG * zone.extent / zone.flow.sound_speed;
-    let followed = memory.followed.get_or_insert(target);
-    let rate = (target - *followed) / lag;
-    *followed -= (target - *followed) * (-zone.time_step / lag).exp_m1();
+    let rate = memory.rate.advance(target, lag, zone.time_step);
     let outgoing = mean.pressure + impedance * measured;
     let (pressure, waves) = match (law.acoustics(), prescribed) {
         (Acoustics::Reflected, _) => (target, Waves::Plane),
@@ -285,5 +312,33 @@ fn opening_at(velocity: f64, given: f64) -> OpeningFlow {
         impedance: 1e4,
         settling_time: 0.1,
         time_step: 1e-3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn followed_rate_has_no_lag_of_first_order() {
+        let (lag, time_step, frequency) = (0.05, 1e-4, 6.0);
+        let mut rate = FollowedRate::default();
+        let (mut error, mut largest) = (0.0_f64, 0.0_f64);
+        for step in 0..20_000 {
+            let phase = frequency * f64::from(step) * time_step;
+            let found = rate.advance(phase.sin(), lag, time_step);
+            if phase > 6.0 {
+                error = error.max((found - frequency * phase.cos()).abs());
+                largest = largest.max(found.abs());
+            }
+        }
+        // ω T = 0.3: 0.09/1.09 of the rate.
+        assert!((error / frequency - 0.0826).abs() < 0.01, "error {}", error / frequency);
+        assert!(largest < 1.1 * frequency, "{largest}");
+    }
+
+    #[test]
+    fn followed_rate_starts_at_rest() {
+        assert_eq!(FollowedRate::default().advance(40.0, 0.05, 1e-3), 0.0);
     }
 }
