@@ -66,14 +66,14 @@ impl GriddedFields {
         if sample.is_some() || is_due {
             self.nodes.update(simulation.scene(), clock.time);
         }
+        let tagged = self.nodes.tagged();
         if let Some(duration) = sample {
             self.averages.add(&self.nodes, duration, &mut |rows, sinks| {
-                simulation.sample_rows(rows, sinks, false);
+                simulation.sample_rows(rows, sinks, tagged);
             });
             self.has_new_means = true;
         }
         if is_due {
-            let tagged = self.nodes.tagged();
             let snapshot = self.nodes.snapshot(clock.time, clock.step, &mut |rows, sinks| {
                 simulation.sample_rows(rows, sinks, tagged);
             });

@@ -43,10 +43,11 @@ pub fn values_of_fields(scene: &Scene) -> f64 {
     (scene.dimensions + vorticity + 3 + usize::from(scene.has_tags())) as f64
 }
 
-/// Returns the number of means at a node: velocity, pressure, vorticity, fluid fraction, stresses,
-/// variance of the pressure and weight.
+/// Returns the number of means at a node: velocity, pressure, vorticity, density, fluid fraction,
+/// stresses, variance of the pressure and weight; of the passive scalar mean and variance.
 pub fn means_of_fields(scene: &Scene) -> f64 {
-    if scene.dimensions == 2 { 10.0 } else { 16.0 }
+    let of_tag = if scene.has_tags() { 2.0 } else { 0.0 };
+    of_tag + if scene.dimensions == 2 { 11.0 } else { 17.0 }
 }
 
 /// Returns the memory of a node of the gridded fields, B: the values of a time being sampled and of

@@ -18,6 +18,8 @@ use sphecs_core::pass::grid_rows::{NodeFields, NodeRow, RowSink};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldAverages {
     dimensions: usize,
+    /// True if the passive scalar has a mean.
+    tagged: bool,
     /// Time covered, s.
     duration: f64,
     /// Columns over the nodes of each grid, in the order of [`means`](super::quantities::means):
@@ -37,9 +39,9 @@ pub struct FieldMeans {
 impl FieldAverages {
     /// Returns sums without samples.
     pub fn new(nodes: &FieldNodes) -> Self {
-        let columns = means(nodes.dimensions).len();
+        let columns = means(nodes.dimensions, nodes.tagged).len();
         let grids = nodes.grids.iter().map(|grid| vec![vec![0.0; grid.len()]; columns]).collect();
-        Self { dimensions: nodes.dimensions, duration: 0.0, grids }
+        Self { dimensions: nodes.dimensions, tagged: nodes.tagged, duration: 0.0, grids }
     }
 
     /// Returns the time covered, s.
@@ -50,13 +52,13 @@ impl FieldAverages {
     /// Adds the present fields, which stand for a duration in s.
     pub fn add(&mut self, nodes: &FieldNodes, duration: f64, sample: &mut SampleRows<'_>) {
         self.duration += duration;
-        let pairs = pairs(self.dimensions);
+        let pairs = pairs(self.dimensions, self.tagged);
         let mut rows = nodes.rows.iter();
         let mut sinks: Vec<AverageRow<'_>> = Vec::with_capacity(nodes.rows.len());
         for (columns, grid) in self.grids.iter_mut().zip(&nodes.grids) {
             let slices = row_slices(columns, grid.axes[0].count, grid.rows());
-            let (dimensions, pairs) = (self.dimensions, pairs.as_slice());
-            let sink = |(columns, row)| AverageRow { columns, row, duration, dimensions, pairs };
+            let (dimensions, tagged, pairs) = (self.dimensions, self.tagged, pairs.as_slice());
+            let sink = |(columns, row)| AverageRow { columns, row, duration, dimensions, tagged, pairs };
             sinks.extend(slices.into_iter().zip(rows.by_ref()).map(sink));
         }
         let mut sinks: Vec<&mut dyn RowSink> =
@@ -67,7 +69,7 @@ impl FieldAverages {
     /// Returns the means, which cover the interval `covered`, s.
     pub fn means(&self, covered: (f64, f64)) -> FieldMeans {
         let mut grids = self.grids.clone();
-        let first = mean_count(self.dimensions);
+        let first = mean_count(self.dimensions, self.tagged);
         for columns in &mut grids {
             let Some((fraction, columns)) = columns.split_last_mut() else { continue };
             let Some((weights, columns)) = columns.split_last_mut() else { continue };
@@ -121,12 +123,13 @@ struct AverageRow<'a> {
     row: &'a NodeRow,
     duration: f64,
     dimensions: usize,
+    tagged: bool,
     pairs: &'a [(usize, usize)],
 }
 
 impl RowSink for AverageRow<'_> {
     fn take(&mut self, fields: &[NodeFields]) {
-        let first = mean_count(self.dimensions);
+        let first = mean_count(self.dimensions, self.tagged);
         let covariances = first..first + self.pairs.len();
         let (weight, fraction) = (covariances.end, covariances.end + 1);
         for (node, field) in fields.iter().enumerate().filter(|&(node, _)| self.row.wanted[node]) {
@@ -136,7 +139,7 @@ impl RowSink for AverageRow<'_> {
             }
             self.columns[weight][node] += self.duration;
             let part = self.duration / self.columns[weight][node];
-            let mut values = mean_values(field, self.dimensions);
+            let mut values = mean_values(field, self.dimensions, self.tagged);
             let mut before = values;
             for column in 0..first {
                 let mean = &mut self.columns[column][node];
@@ -177,7 +180,7 @@ mod tests {
         let row =
             |row| NodeRow { start: grid.row_start(row), step: DVec3::X, wanted: vec![true, true, row == 0] };
         let rows = vec![row(0), row(1)];
-        FieldNodes { dimensions: 2, grids: vec![grid], rows, ..FieldNodes::default() }
+        FieldNodes { dimensions: 2, tagged: true, grids: vec![grid], rows, ..FieldNodes::default() }
     }
 
     /// Samples u = `u` + x, v = u², p = 10⁶ + u; the second node of each row is dry if `is_dry`.
@@ -188,8 +191,8 @@ mod tests {
                     velocity: [u + node as f64 + row.start.y, u * u, 0.0],
                     vorticity: [0.0, 0.0, -u],
                     pressure: 1e6 + u,
-                    density: 1000.0,
-                    tag: 0.0,
+                    density: 1000.0 + u,
+                    tag: 2.0 * u,
                     fraction: if is_dry && node == 1 { 0.2 } else { 1.0 },
                 };
                 sink.take(&(0..3).map(node).collect::<Vec<_>>());
@@ -214,11 +217,14 @@ mod tests {
         near(columns[1][0], v);
         near(columns[2][0], 1e6 + u);
         near(columns[3][0], -u);
-        near(columns[4][0], mean(&|x| (x - u) * (x - u)));
-        near(columns[5][4], mean(&|x| (x - u) * (x * x - v)));
-        near(columns[7][0], columns[4][0]);
-        assert_eq!((columns[8][0], columns[9][0]), (4.0, 1.0));
-        assert!(columns[0][5].is_nan() && columns[8][5] == 0.0, "the node is in a wall");
+        near(columns[4][0], 1000.0 + u);
+        near(columns[5][0], 2.0 * u);
+        near(columns[6][0], mean(&|x| (x - u) * (x - u)));
+        near(columns[7][4], mean(&|x| (x - u) * (x * x - v)));
+        near(columns[9][0], columns[6][0]);
+        near(columns[10][0], 4.0 * columns[6][0]);
+        assert_eq!((columns[11][0], columns[12][0]), (4.0, 1.0));
+        assert!(columns[0][5].is_nan() && columns[11][5] == 0.0, "the node is in a wall");
     }
 
     #[test]
@@ -228,8 +234,8 @@ mod tests {
         add(&mut averages, 3.0, 5.0, true);
         let columns = averages.means((0.0, 4.0)).grids.remove(0);
         assert_eq!((columns[0][0], columns[0][1]), (4.5, 4.0));
-        assert_eq!((columns[8][0], columns[8][1]), (4.0, 1.0));
-        assert!((columns[9][1] - 0.4).abs() < 1e-15);
+        assert_eq!((columns[11][0], columns[11][1]), (4.0, 1.0));
+        assert!((columns[12][1] - 0.4).abs() < 1e-15);
     }
 
     #[test]

@@ -144,7 +144,7 @@ mod tests {
     }
 
     fn means(to: f64) -> FieldMeans {
-        let columns = |nodes: usize| (0..16).map(|column| vec![f64::from(column); nodes]).collect();
+        let columns = |nodes: usize| (0..19).map(|column| vec![f64::from(column); nodes]).collect();
         FieldMeans { covered: (1.0, to), grids: vec![columns(6), columns(4)] }
     }
 

@@ -71,48 +71,64 @@ pub(super) fn for_each_value(
 }
 
 /// Largest number of quantities with a mean.
-pub(super) const MOST_MEANS: usize = 7;
+pub(super) const MOST_MEANS: usize = 9;
 
-/// Returns the number of quantities with a mean: velocity, pressure, vorticity.
-pub(super) fn mean_count(dimensions: usize) -> usize {
-    if dimensions == 2 { 4 } else { MOST_MEANS }
+/// Returns the number of quantities with a mean: velocity, pressure, vorticity, density and the
+/// passive scalar if there is one.
+pub(super) fn mean_count(dimensions: usize, tagged: bool) -> usize {
+    let vorticities = if dimensions == 2 { 1 } else { 3 };
+    dimensions + vorticities + 2 + usize::from(tagged)
 }
 
-/// Returns the quantities of a node with a mean: velocity, pressure, vorticity.
-pub(super) fn mean_values(node: &NodeFields, dimensions: usize) -> [f64; MOST_MEANS] {
+/// Returns the quantities of a node with a mean, in the order of [`means`].
+pub(super) fn mean_values(node: &NodeFields, dimensions: usize, tagged: bool) -> [f64; MOST_MEANS] {
     let mut values = [0.0; MOST_MEANS];
-    values[..dimensions].copy_from_slice(&node.velocity[..dimensions]);
-    values[dimensions] = node.pressure;
-    let vorticity = vorticities_of(node, dimensions);
-    values[dimensions + 1..dimensions + 1 + vorticity.len()].copy_from_slice(vorticity);
+    let tag = tagged.then_some(node.tag);
+    let all = node.velocity[..dimensions]
+        .iter()
+        .chain([&node.pressure])
+        .chain(vorticities_of(node, dimensions))
+        .chain([&node.density])
+        .copied()
+        .chain(tag);
+    values.iter_mut().zip(all).for_each(|(value, of_node)| *value = of_node);
     values
 }
 
 /// Returns pairs of quantities of [`mean_values`] with a covariance: those of velocity components,
-/// and the pressure with itself.
-pub(super) fn pairs(dimensions: usize) -> Vec<(usize, usize)> {
+/// the pressure with itself, and the passive scalar with itself.
+pub(super) fn pairs(dimensions: usize, tagged: bool) -> Vec<(usize, usize)> {
     let stresses = (0..dimensions).flat_map(|i| (i..dimensions).map(move |j| (i, j)));
-    stresses.chain([(dimensions, dimensions)]).collect()
+    let tag = mean_count(dimensions, tagged) - 1;
+    stresses.chain([(dimensions, dimensions)]).chain(tagged.then_some((tag, tag))).collect()
 }
 
 /// Returns the means in the order of their columns: those of [`mean_values`], covariances of
 /// [`pairs`], time with fluid, fluid fraction.
-pub(crate) fn means(dimensions: usize) -> Vec<Quantity> {
-    let pressure = Quantity::new("pressure", "Pa", "pressure");
-    let of = velocities(dimensions).chain([pressure]).chain(vorticities(dimensions));
-    let mean = |quantity: Quantity| {
+pub(crate) fn means(dimensions: usize, tagged: bool) -> Vec<Quantity> {
+    let mut of: Vec<Quantity> = velocities(dimensions).collect();
+    of.push(Quantity::new("pressure", "Pa", "pressure"));
+    of.extend(vorticities(dimensions));
+    of.push(Quantity::new("density", "kg m-3", "density"));
+    if tagged {
+        of.push(Quantity::new("tag", "1", "passive scalar"));
+    }
+    let mean = |quantity: &Quantity| {
         let name = format!("{}_mean", quantity.name);
         Quantity::new(name, quantity.unit, format!("time mean of {}", quantity.long_name))
     };
-    let mut all: Vec<Quantity> = of.map(mean).collect();
-    for (i, j) in pairs(dimensions) {
-        all.push(match (VELOCITIES.get(i), VELOCITIES.get(j)) {
-            (Some(a), Some(b)) if i < dimensions => Quantity::new(
-                format!("{a}{b}_covariance"),
-                "m2 s-2",
-                format!("Reynolds stress over density, mean of {a}'{b}'"),
-            ),
-            _ => Quantity::new("pressure_variance", "Pa2", "variance in time of pressure"),
+    let mut all: Vec<Quantity> = of.iter().map(mean).collect();
+    for (i, j) in pairs(dimensions, tagged) {
+        all.push(match (i, j) {
+            (i, j) if j < dimensions => {
+                let (a, b) = (VELOCITIES[i], VELOCITIES[j]);
+                let long_name = format!("Reynolds stress over density, mean of {a}'{b}'");
+                Quantity::new(format!("{a}{b}_covariance"), "m2 s-2", long_name)
+            }
+            (i, _) if i == dimensions => {
+                Quantity::new("pressure_variance", "Pa2", "variance in time of pressure")
+            }
+            _ => Quantity::new("tag_variance", "1", "variance in time of passive scalar"),
         });
     }
     all.push(Quantity::new("fluid_time", "s", "part of the interval of the means with fluid"));
@@ -146,12 +162,13 @@ mod tests {
             assert_eq!(found.join(" "), expected);
             assert_eq!(names.len(), found.len() + 1);
         }
-        assert_eq!(mean_values(&node, 3), [1.0, 2.0, 3.0, 7.0, 4.0, 5.0, 6.0]);
-        let names: Vec<String> = means(2).into_iter().map(|quantity| quantity.name).collect();
+        assert_eq!(mean_values(&node, 3, true), [1.0, 2.0, 3.0, 7.0, 4.0, 5.0, 6.0, 8.0, 9.0]);
+        assert_eq!((mean_count(3, true), mean_count(2, false)), (9, 5));
+        let names: Vec<String> = means(2, true).into_iter().map(|quantity| quantity.name).collect();
         assert_eq!(
             names.join(" "),
-            "u_mean v_mean pressure_mean vorticity_mean uu_covariance uv_covariance vv_covariance \
-             pressure_variance fluid_time fluid_fraction_mean"
+            "u_mean v_mean pressure_mean vorticity_mean density_mean tag_mean uu_covariance uv_covariance \
+             vv_covariance pressure_variance tag_variance fluid_time fluid_fraction_mean"
         );
     }
 }

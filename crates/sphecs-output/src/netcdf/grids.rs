@@ -45,7 +45,7 @@ pub(crate) fn write(
             let columns = means.map(|means| (means.covered, means.grids[index].as_slice()));
             let mut group = group_of(file, grid, true)?;
             define(&mut group, header.dimensions, fields, grid)?;
-            put_means(&mut group, header.dimensions, grid, columns)?;
+            put_means(&mut group, (header.dimensions, fields.tagged), grid, columns)?;
         }
         for index in 0..times {
             let snapshot = next(index).map_err(WriteError::Source)?;
@@ -229,7 +229,7 @@ fn put<T: Stored>(
 /// Defines and writes the means of a grid, and the interval that they cover.
 fn put_means(
     group: &mut GroupMut<'_>,
-    dimensions: usize,
+    (dimensions, tagged): (usize, bool),
     grid: &FieldGrid,
     columns: Option<((f64, f64), &[Vec<f64>])>,
 ) -> Result<(), ::netcdf::Error> {
@@ -243,10 +243,11 @@ fn put_means(
         add_to_group::<f64>(group, name, &[], &[], &attributes)?.put_value(value, ())?;
     }
     let coordinates: Vec<&str> = auxiliary(grid, dimensions).into_iter().chain([MEAN_TIME]).collect();
-    for (quantity, values) in means(dimensions).iter().zip(columns) {
+    for (quantity, values) in means(dimensions, tagged).iter().zip(columns) {
         let method = match quantity.name.as_str() {
             "fluid_time" => "sum",
-            "uu_covariance" | "vv_covariance" | "ww_covariance" | "pressure_variance" => "variance",
+            "uu_covariance" | "vv_covariance" | "ww_covariance" => "variance",
+            name if name.ends_with("_variance") => "variance",
             _ => "mean",
         };
         let attributes = [
@@ -367,7 +368,8 @@ impl FieldFile {
                 let values = self.values::<f32>(&group, &quantity.name, place.clone())?;
                 Ok(values.into_iter().map(f64::from).collect())
             };
-            let columns = means(self.dimensions).iter().map(column).collect::<Result<_, OutputError>>()?;
+            let columns = means(self.dimensions, self.fields.tagged);
+            let columns = columns.iter().map(column).collect::<Result<_, OutputError>>()?;
             read.grids.push(columns);
         }
         Ok(Some(read))
