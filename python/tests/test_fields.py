@@ -82,6 +82,18 @@ def test_means_cover_their_interval(fields):
     assert float(abs(fields.u_mean - frames).max()) < 0.15 * float(fields.u.max())
     assert float(fields.uu_covariance.min()) >= 0.0
     assert float((fields.uv_covariance**2 - fields.uu_covariance * fields.vv_covariance).max()) <= 1e-12
+    tags = fields.tag.sel(time=slice(0.19, 0.42)).mean("time")
+    assert float(abs(fields.tag_mean - tags).max()) < 0.2
+    # The passive scalar is 0 or 1 at the start: its variance is at most that of a mean in between.
+    assert float((fields.tag_variance - fields.tag_mean * (1.0 - fields.tag_mean)).max()) < 0.02
+    assert fields.tag_variance.attrs["cell_methods"] == "mean_time: variance"
+    assert fields.density_mean.mean() == pytest.approx(1000.0, rel=0.01)
+
+
+def test_info_states_times_grid_and_means(fields, run):
+    line = next(line for line in sphecs("info", run).splitlines() if line.startswith("fields"))
+    times, across, along = fields.sizes["time"], fields.sizes["y"], fields.sizes["x"]
+    assert f"{times} times on {along} × {across} nodes, means from 0.2 to 0.4 s" in line
 
 
 def test_frames_are_exported_onto_the_same_grid(fields, run, tmp_path):

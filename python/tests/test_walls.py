@@ -36,6 +36,7 @@ def test_shear_stress_is_that_of_the_exact_flow(flow, tmp_path):
     scene.write_text(text)
     sphecs("run", scene, "--out", tmp_path / "run", "--quiet")
     walls = xr.open_dataset(tmp_path / "run" / "walls.nc")
+    assert f"at walls      {walls.sizes['time']} times, means from 1 to 2 s" in sphecs("info", tmp_path / "run")
     stress = 2 * 1000.0 * 0.01 * 0.1 / 0.5
     for part, of_exact in zip((0, 1), expected):
         at = walls.isel(point=walls.wall_part.values == part)

@@ -15,6 +15,7 @@ use crate::frame::{ABSENT, Frame};
 use crate::header::Header;
 use crate::journal;
 use crate::netcdf::particles::{self, ParticleFile};
+use crate::numbered_files::numbered_files;
 use crate::paths::{self, JOURNAL, PACKED_JOURNAL, PARTICLES};
 use crate::walls::files;
 
@@ -74,12 +75,12 @@ pub fn cut_back(run: &Path, header: &Header, facts: &Facts) -> Result<(), Output
             remove(&path)?;
         }
     }
-    for path in packing::time_paths(&journal)? {
+    for path in numbered_files(&journal, paths::fields_index)? {
         if paths::fields_index(&path).is_none_or(|index| index >= facts.fields) {
             remove(&path)?;
         }
     }
-    for path in files::wall_paths(&journal)? {
+    for path in numbered_files(&journal, paths::surface_index)? {
         if paths::surface_index(&path).is_none_or(|index| index >= facts.walls) {
             remove(&path)?;
         }

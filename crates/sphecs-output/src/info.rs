@@ -3,15 +3,18 @@
 use std::fmt::Write;
 
 use super::error::OutputError;
+use super::fields::packing;
 use super::forces;
 use super::frame::Frame;
 use super::results::Results;
 use super::summary::Status;
+use super::walls::files;
 use sphecs_core::format::{bytes, duration, grouped, significant};
 use sphecs_core::particles::zone::Zone;
+use sphecs_scene::field_grid::FieldGrid;
 
-/// Returns scene, status, frames, particle counts, ledger and the ranges of the fields in the last
-/// frame.
+/// Returns scene, status, frames, particle counts, ledger, the ranges of the fields in the last
+/// frame, gridded fields, quantities at the walls and forces on bodies.
 ///
 /// # Errors
 /// [`OutputError`] when the last frame cannot be read.
@@ -72,6 +75,19 @@ pub fn describe(results: &Results) -> Result<String, OutputError> {
             }
         }
     }
+    let sampled = |times: u64, what: &str, mean: Option<(f64, f64)>| {
+        let mean = mean.map_or_else(String::new, |(from, to)| {
+            format!(", means from {} to {} s", significant(from), significant(to))
+        });
+        format!("{} times{what}{mean}", grouped(times))
+    };
+    if let Some(fields) = &header.fields {
+        let times = packing::times(&results.folder, header)?;
+        line("fields", sampled(times, &format!(" on {}", grids(&fields.grids)), fields.mean));
+    }
+    if let Some(walls) = &header.wall_quantities {
+        line("at walls", sampled(files::times(&results.folder, header)?, "", walls.mean));
+    }
     for (body, means) in forces::read_history(&results.folder, header)?.means {
         for (index, text) in forces::text::lines(&means).into_iter().enumerate() {
             let label = if index == 0 { format!("body {body}") } else { String::new() };
@@ -79,6 +95,16 @@ pub fn describe(results: &Results) -> Result<String, OutputError> {
         }
     }
     Ok(text)
+}
+
+/// Returns the grids by name and numbers of nodes: `80 × 48 nodes`.
+fn grids(grids: &[FieldGrid]) -> String {
+    let text = |grid: &FieldGrid| {
+        let counts: Vec<String> = grid.axes.iter().map(|axis| grouped(axis.count as u64)).collect();
+        let name = if grid.name.is_empty() { String::new() } else { format!("`{}` of ", grid.name) };
+        format!("{name}{} nodes", counts.join(" × "))
+    };
+    grids.iter().map(text).collect::<Vec<_>>().join(", ")
 }
 
 fn status(results: &Results) -> String {

@@ -4,7 +4,7 @@
 //! full disk is noticed only when the file is closed. A file per frame, named when it is complete
 //! and durable, cannot be lost by later writes (test `tests/killed_run.rs`).
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,6 +20,7 @@ use super::fields::snapshot::FieldSnapshot;
 use super::frame::Frame;
 use super::header::Header;
 use super::netcdf::particles;
+use super::numbered_files::numbered_files;
 use super::paths;
 use super::walls::at_time::WallSnapshot;
 use super::walls::files;
@@ -34,13 +35,7 @@ const QUEUE: usize = 1;
 /// # Errors
 /// [`OutputError::Io`] when the folder cannot be read.
 pub fn frame_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(journal).map_err(OutputError::io(journal, "read"))? {
-        let path = entry.map_err(OutputError::io(journal, "read"))?.path();
-        found.extend(paths::frame_index(&path).is_some().then_some(path));
-    }
-    found.sort();
-    Ok(found)
+    numbered_files(journal, paths::frame_index)
 }
 
 /// Item for the writer thread.

@@ -29,6 +29,7 @@ mod mean_interval;
 mod meshes;
 pub mod monitor;
 mod netcdf;
+mod numbered_files;
 pub mod pack;
 pub mod paths;
 pub mod picture;

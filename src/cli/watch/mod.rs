@@ -1,11 +1,12 @@
 //! `sphecs watch`: its arguments, and the state of a run in a terminal or on a page.
 //!
-//! - `terminal`: dashboard in a terminal
+//! - `terminal`: dashboard in a terminal; `terminal_map`: its map of the last frame
 //! - `server`: page for a browser on this machine
 //! - `text`: the state once, as lines
 
 mod server;
 mod terminal;
+mod terminal_map;
 mod text;
 
 use std::io::IsTerminal;

@@ -13,11 +13,24 @@ use ratatui::widgets::{Axis, Block, Chart, Dataset, Gauge, GraphType, Paragraph}
 use ratatui::{DefaultTerminal, Frame};
 
 use super::Pace;
+use super::terminal_map::TerminalMap;
 use super::text::figures;
 use crate::cli::failure::Failure;
 use sphecs_core::format::{duration, significant};
 use sphecs_output::error::OutputError;
 use sphecs_output::live::{LiveSeries, LiveState};
+
+/// Least width at which the map is beside the curves; in narrower terminals one of both is shown.
+const WIDE: u16 = 110;
+
+/// A key that the dashboard knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Key {
+    End,
+    NextField,
+    /// Curves or map, where there is space for one.
+    Toggle,
+}
 
 /// Shows the run until the user ends it.
 ///
@@ -38,36 +51,49 @@ fn until_ended(
     every: Duration,
 ) -> Result<io::Result<()>, OutputError> {
     let mut pace = Pace::new();
+    let mut map = TerminalMap::new(run);
+    let mut prefers_map = false;
     loop {
         let state = LiveState::read(run)?;
         let left = pace.left(&state, Instant::now());
-        if let Err(error) = screen.draw(|frame| draw(frame, &state, left)) {
+        if let Err(error) = screen.draw(|frame| draw(frame, &state, left, (&mut map, prefers_map))) {
             return Ok(Err(error));
         }
-        match is_ended(every) {
-            Ok(true) => return Ok(Ok(())),
-            Ok(false) => {}
+        match next_key(every) {
+            Ok(Some(Key::End)) => return Ok(Ok(())),
+            Ok(Some(Key::NextField)) => map.next_field(),
+            Ok(Some(Key::Toggle)) => prefers_map = !prefers_map,
+            Ok(None) => {}
             Err(error) => return Ok(Err(error)),
         }
     }
 }
 
-/// Waits for a key; returns true for one that ends the dashboard.
-fn is_ended(every: Duration) -> io::Result<bool> {
+/// Waits for a key that the dashboard knows; None when there is none for so long.
+fn next_key(every: Duration) -> io::Result<Option<Key>> {
     let until = Instant::now() + every;
     while event::poll(until.saturating_duration_since(Instant::now()))? {
         if let Event::Key(key) = event::read()? {
             let is_interrupt = key.code == KeyCode::Char('c') && key.modifiers == KeyModifiers::CONTROL;
-            if is_interrupt || matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) {
-                return Ok(true);
+            match key.code {
+                _ if is_interrupt => return Ok(Some(Key::End)),
+                KeyCode::Char('q') | KeyCode::Esc => return Ok(Some(Key::End)),
+                KeyCode::Char('f') => return Ok(Some(Key::NextField)),
+                KeyCode::Char('m') => return Ok(Some(Key::Toggle)),
+                _ => {}
             }
         }
     }
-    Ok(false)
+    Ok(None)
 }
 
-/// Draws the state of a run and the wall time left, s.
-fn draw(frame: &mut Frame<'_>, state: &LiveState, left: Option<f64>) {
+/// Draws the state of a run, the wall time left, s, and the map.
+fn draw(
+    frame: &mut Frame<'_>,
+    state: &LiveState,
+    left: Option<f64>,
+    (map, prefers_map): (&mut TerminalMap, bool),
+) {
     let figures = figures(state);
     let rows = [Constraint::Length(3), Constraint::Length(figures.len() as u16 + 2), Constraint::Min(6)];
     let [progress, table, curves] = Layout::vertical(rows).areas(frame.area());
@@ -81,11 +107,23 @@ fn draw(frame: &mut Frame<'_>, state: &LiveState, left: Option<f64>) {
     let width = figures.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let lines: Vec<Line<'_>> =
         figures.iter().map(|(name, value)| Line::from(format!("{name:<width$}  {value}"))).collect();
-    frame.render_widget(Paragraph::new(lines).block(Block::bordered().title_bottom(" q ends ")), table);
+    let is_wide = curves.width >= WIDE;
+    let keys = if is_wide { " q ends " } else { " q ends, m: map or curves " };
+    frame.render_widget(Paragraph::new(lines).block(Block::bordered().title_bottom(keys)), table);
+    let curves = if is_wide {
+        let [curves, beside] = Layout::horizontal([Constraint::Fill(1); 2]).areas(curves);
+        map.draw(frame, beside, state.frames);
+        curves
+    } else if prefers_map {
+        return map.draw(frame, curves, state.frames);
+    } else {
+        curves
+    };
     let [upper, lower] = Layout::vertical([Constraint::Fill(1); 2]).areas(curves);
     let [first, second] = Layout::horizontal([Constraint::Fill(1); 2]).areas(upper);
     let [third, fourth] = Layout::horizontal([Constraint::Fill(1); 2]).areas(lower);
-    chart(frame, first, state, &["inflow", "outflow"]);
+    let has_openings = state.series("inflow").or(state.series("outflow")).is_some();
+    chart(frame, first, state, if has_openings { &["inflow", "outflow"] } else { &["largest speed"] });
     chart(frame, second, state, &["mean pressure"]);
     chart(frame, third, state, &["kinetic energy"]);
     chart(frame, fourth, state, &["largest density deviation"]);
@@ -103,7 +141,7 @@ fn chart(frame: &mut Frame<'_>, area: Rect, state: &LiveState, names: &[&str]) {
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     let title = series.iter().map(|series| series.name.as_str()).collect::<Vec<_>>().join(", ");
     let unit = series.first().map_or("", |series| series.unit.as_str());
-    let unit = if unit == "1" { String::new() } else { format!(", {unit}") };
+    let unit = if matches!(unit, "" | "1") { String::new() } else { format!(", {unit}") };
     let block = Block::bordered().title(format!(" {title}{unit} "));
     if low > high {
         return frame.render_widget(block, area);
@@ -129,11 +167,12 @@ mod tests {
 
     use super::*;
 
-    fn screen(state: &LiveState, left: Option<f64>) -> String {
-        let mut terminal = Terminal::new(TestBackend::new(100, 40)).expect("a terminal");
-        terminal.draw(|frame| draw(frame, state, left)).expect("drawn");
+    fn screen(state: &LiveState, left: Option<f64>, (width, prefers_map): (u16, bool)) -> String {
+        let mut map = TerminalMap::new(Path::new("no run"));
+        let mut terminal = Terminal::new(TestBackend::new(width, 40)).expect("a terminal");
+        terminal.draw(|frame| draw(frame, state, left, (&mut map, prefers_map))).expect("drawn");
         let buffer = terminal.backend().buffer().clone();
-        let rows = buffer.content().chunks(100);
+        let rows = buffer.content().chunks(usize::from(width));
         rows.map(|row| row.iter().map(|cell| cell.symbol()).collect::<String>() + "\n").collect()
     }
 
@@ -158,7 +197,7 @@ mod tests {
             ],
             ..LiveState::default()
         };
-        let text = screen(&state, Some(90.0));
+        let text = screen(&state, Some(90.0), (100, false));
         for part in
             ["Channel", "25.0 %", "left", "12 345", "inflow, outflow, kg m-1 s-1", "mean pressure, Pa"]
         {
@@ -170,6 +209,15 @@ mod tests {
 
     #[test]
     fn run_without_rows_is_drawn() {
-        assert!(screen(&LiveState::default(), None).contains("0.0 %"));
+        assert!(screen(&LiveState::default(), None, (100, false)).contains("0.0 %"));
+    }
+
+    #[test]
+    fn map_is_beside_the_curves_or_in_their_place() {
+        let state = LiveState::default();
+        let has_map = |screen: String| screen.contains("no frame yet");
+        assert!(has_map(screen(&state, None, (WIDE, false))));
+        assert!(!has_map(screen(&state, None, (WIDE - 1, false))));
+        assert!(has_map(screen(&state, None, (WIDE - 1, true))));
     }
 }

@@ -3,7 +3,7 @@
 //! Every time is a complete file of the layout of `fields.nc`, and so are the means, which are
 //! written again whenever a time is. A kill loses neither.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::averages::FieldMeans;
 use super::snapshot::FieldSnapshot;
@@ -11,6 +11,7 @@ use crate::error::OutputError;
 use crate::header::{FieldsHeader, Header};
 use crate::mean_interval::sampled_note;
 use crate::netcdf::grids::{self, FieldFile};
+use crate::numbered_files::{count_up_to_gap, numbered_files};
 use crate::pack::{Packed, check_free_space};
 use crate::paths::{self, FIELDS};
 
@@ -33,20 +34,6 @@ pub(crate) fn write_means(path: &Path, header: &Header, means: &FieldMeans) -> R
     grids::write(path, (header, fields), 0, Some(means), |_| Ok(FieldSnapshot::default()))
 }
 
-/// Returns the files of the times in a journal, in their order.
-///
-/// # Errors
-/// [`OutputError::Io`] when the folder cannot be read.
-pub(crate) fn time_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(journal).map_err(OutputError::io(journal, "read"))? {
-        let path = entry.map_err(OutputError::io(journal, "read"))?.path();
-        found.extend(paths::fields_index(&path).is_some().then_some(path));
-    }
-    found.sort();
-    Ok(found)
-}
-
 /// Writes `fields.nc` from the journal of a run that is not packed.
 ///
 /// # Errors
@@ -58,7 +45,7 @@ pub(crate) fn pack(
     packed: &mut Packed,
 ) -> Result<(), OutputError> {
     let Some(fields) = &header.fields else { return Ok(()) };
-    let times = time_paths(journal)?;
+    let times = numbered_files(journal, paths::fields_index)?;
     let path = paths::fields_means(journal);
     let means = if path.exists() { FieldFile::open(&path, (header, fields))?.means()? } else { None };
     if times.is_empty() && means.is_none() {
@@ -87,9 +74,7 @@ pub(crate) fn times(run: &Path, header: &Header) -> Result<u64, OutputError> {
     let Some(fields) = &header.fields else { return Ok(0) };
     let (journal, packed) = (run.join(paths::JOURNAL), run.join(FIELDS));
     if journal.exists() {
-        let paths = time_paths(&journal)?;
-        let indices = paths.iter().map(|path| paths::fields_index(path));
-        return Ok(indices.zip(0_u64..).take_while(|(found, index)| *found == Some(*index)).count() as u64);
+        return count_up_to_gap(&journal, paths::fields_index);
     }
     if packed.exists() { Ok(FieldFile::open(&packed, (header, fields))?.times()? as u64) } else { Ok(0) }
 }

@@ -9,6 +9,7 @@
 //! - `painter`: a frame, or a mean, with one colour scale for all
 //! - `perspective`: particles of a 3D flow in space
 //! - [`all_frames`], [`movie`]: all frames of a run; `gif_movie`, `mp4_movie`: formats of movies
+//! - [`map`]: a field as a few bare pixels
 //! - `plan`: a scene before it runs
 //! - `sheet`: title, axes and legend around the field
 
@@ -17,6 +18,7 @@ mod arrows;
 mod contours;
 mod field;
 mod gif_movie;
+pub mod map;
 pub mod movie;
 #[cfg(feature = "mp4")]
 mod mp4_movie;

@@ -5,7 +5,7 @@ use super::plane_grid::{PlaneGrid, PlaneSampler};
 use super::sheet::{ColourKey, Sheet, clock, interval};
 use super::view::View;
 use super::{Colours, Field, RenderOptions, perspective, raster};
-use crate::drawing::Drawing;
+use crate::drawing::{Colour, Drawing};
 use crate::error::OutputError;
 use crate::frame::Frame;
 use crate::header::Header;
@@ -216,12 +216,30 @@ impl<'a> Painter<'a> {
         found: impl Fn([f64; 2], &raster::Particles) -> raster::Found + Sync,
     ) {
         let size = self.sheet.size.map(|length| length as usize);
+        drawing.image(self.sheet.corner, size, self.painted(size, (frame, values), key, found));
+    }
+
+    /// Returns the colours of an area of pixels.
+    fn painted(
+        &self,
+        size: [usize; 2],
+        (frame, values): (&Frame, &[f32]),
+        key: &ColourKey,
+        found: impl Fn([f64; 2], &raster::Particles) -> raster::Found + Sync,
+    ) -> Vec<Colour> {
         let particles = raster::Particles::new(frame, &self.view, values);
-        let pixels = raster::paint(&self.view, size, |place| match found(place, &particles) {
+        raster::paint(&self.view, size, |place| match found(place, &particles) {
             raster::Found::Value(value) if value.is_finite() => key.colour(value),
             other => other.colour(),
-        });
-        drawing.image(self.sheet.corner, size, pixels);
+        })
+    }
+
+    /// Returns the pixels of a frame without axes and text, and the meaning of the colours.
+    pub(super) fn pixels(&self, frame: &Frame, size: [usize; 2]) -> (Vec<Colour>, ColourKey) {
+        let (field, key) = (self.options.field, self.key());
+        let values = field.values(frame, &self.view);
+        let found = |[x, y]: [f64; 2], particles: &raster::Particles| particles.at(x, y, field.is_label());
+        (self.painted(size, (frame, &values), &key, found), key)
     }
 
     /// Draws arrows, streamlines and lines of equal value, as wanted.

@@ -3,7 +3,7 @@
 //! As for the gridded fields, every time is a complete file of the layout of `walls.nc`, and so are
 //! the means: a kill loses neither.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::at_time::WallSnapshot;
 use super::over_time::WallMeans;
@@ -11,6 +11,7 @@ use crate::error::OutputError;
 use crate::header::{Header, WallsHeader};
 use crate::mean_interval::sampled_note;
 use crate::netcdf::wall_points::{self, WallFile};
+use crate::numbered_files::{count_up_to_gap, numbered_files};
 use crate::pack::{Packed, check_free_space};
 use crate::paths::{self, WALLS};
 
@@ -35,20 +36,6 @@ pub(crate) fn write_means(path: &Path, header: &Header, means: &WallMeans) -> Re
     wall_points::write(path, (header, walls, &means.points), 0, Some(means), absent)
 }
 
-/// Returns the files of the times in a journal, in their order.
-///
-/// # Errors
-/// [`OutputError::Io`] when the folder cannot be read.
-pub(crate) fn wall_paths(journal: &Path) -> Result<Vec<PathBuf>, OutputError> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(journal).map_err(OutputError::io(journal, "read"))? {
-        let path = entry.map_err(OutputError::io(journal, "read"))?.path();
-        found.extend(paths::surface_index(&path).is_some().then_some(path));
-    }
-    found.sort();
-    Ok(found)
-}
-
 /// Writes `walls.nc` from the journal of a run that is not packed.
 ///
 /// # Errors
@@ -60,7 +47,7 @@ pub(crate) fn pack(
     packed: &mut Packed,
 ) -> Result<(), OutputError> {
     let Some(walls) = &header.wall_quantities else { return Ok(()) };
-    let times = wall_paths(journal)?;
+    let times = numbered_files(journal, paths::surface_index)?;
     let path = paths::surface_means(journal);
     let means = if path.exists() { WallFile::open(&path, (header, walls))?.means()? } else { None };
     let points = match (times.first(), &means) {
@@ -91,9 +78,7 @@ pub(crate) fn times(run: &Path, header: &Header) -> Result<u64, OutputError> {
     let Some(walls) = &header.wall_quantities else { return Ok(0) };
     let (journal, packed) = (run.join(paths::JOURNAL), run.join(WALLS));
     if journal.exists() {
-        let paths = wall_paths(&journal)?;
-        let indices = paths.iter().map(|path| paths::surface_index(path));
-        return Ok(indices.zip(0_u64..).take_while(|(found, index)| *found == Some(*index)).count() as u64);
+        return count_up_to_gap(&journal, paths::surface_index);
     }
     if packed.exists() { Ok(WallFile::open(&packed, (header, walls))?.times() as u64) } else { Ok(0) }
 }
