@@ -10,9 +10,11 @@ use super::run_state::LARGEST_MACH;
 use sphecs_core::format::{bytes, grouped, point, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::wall::WallPressure;
+use sphecs_scene::closing_gaps::{ClosingGap, NARROW, closing_gaps};
 use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
 use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
+use sphecs_scene::movers::Wall;
 use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
 use sphecs_scene::passage::{Passage, narrowest_passage};
 use sphecs_scene::summary::{steps_to, summary};
@@ -71,6 +73,7 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     rows.extend(openings.iter().map(|(name, text)| (name.as_str(), text.clone())));
     rows.push(("time scales", scales_text(scene, path.as_ref())));
     figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
+    figures.notes.extend(closing_gaps(scene, &seeds, until).iter().map(|gap| closing_gap_note(scene, gap)));
     figures.notes.extend(doubtful::notes(scene, &seeds, until, path.as_ref()));
     if options.timed {
         match take_first_steps(scene, seeds) {
@@ -208,6 +211,33 @@ fn overlap_notes(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
 }
 
 /// Returns a note on a wall through which its two sides disturb each other.
+fn closing_gap_note(scene: &Scene, gap: &ClosingGap) -> String {
+    let name = |mover: usize| format!("`{}`", scene.movers[mover].name);
+    let other = match gap.wall {
+        Wall::Casing => "the other walls".to_owned(),
+        Wall::Mover(other) => name(other),
+    };
+    let (at, time) = (point_text(scene, gap.place), significant(gap.time));
+    let closes = if gap.width == 0.0 {
+        format!("closes at t = {time} s near {at}")
+    } else {
+        format!(
+            "closes to {} m, {:.1} particles, at t = {time} s near {at}",
+            significant(gap.width),
+            gap.width / scene.spacing
+        )
+    };
+    let cure = if gap.width > 0.0 {
+        format!("; `spacing` of at most {} m resolves it by three", significant(gap.width / NARROW))
+    } else {
+        String::new()
+    };
+    format!(
+        "the gap between {} and {other} {closes}: particles that do not leave it in time are pressed together{cure}",
+        name(gap.mover)
+    )
+}
+
 fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {
     let (thickness, at) = (significant(wall.thickness()), point_text(scene, wall.middle()));
     // Both limits are in proportion to the spacing.

@@ -25,7 +25,7 @@
 //! * [`meshes`]: files of meshes and outlines of its shapes
 //! * [`motion`]: prescribed motions of walls
 //! * [`movers`], [`mover_places`]: walls that move, and their particles
-//! * [`displaced_flow`]: the flow that they displace
+//! * [`displaced_flow`], [`closing_gaps`]: the flow that they displace, and gaps that they close
 //! * [`wall_points`]: points of its walls at which pressure and shear stress are measured
 //! * [`thin_walls`]: solid that is thinner than the kernel reaches
 //! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
@@ -38,6 +38,7 @@
 pub mod body;
 pub mod builder;
 pub mod check;
+pub mod closing_gaps;
 pub mod constants;
 pub mod disk_estimate;
 pub mod displaced_flow;
