@@ -22,6 +22,7 @@ use super::distance_grid::{DistanceGrid, spread};
 use super::fill::{Place, wall_thickness};
 use super::model::{Fill, Scene};
 use super::movers::Wall;
+use super::periodic_curves::within_periods;
 use super::sheets;
 use super::wall_particles::surface;
 use sphecs_core::particles::zone::Zone;
@@ -120,7 +121,10 @@ fn curves(scene: &Scene, wall: Wall, grid: &DistanceGrid, depth: f64) -> Vec<Vec
     let on_it = |curve: &Vec<DVec3>| {
         spread(curve, scene.spacing).into_iter().map(|point| moved_to(scene, wall, point, depth)).collect()
     };
-    grid.curves(depth).iter().map(on_it).collect()
+    // Those of a mover are wrapped when it is placed.
+    let periods = if wall == Wall::Casing { scene.periodic } else { [None; 3] };
+    let curves = grid.curves(depth).into_iter().flat_map(|curve| within_periods(curve, &periods));
+    curves.map(|curve| on_it(&curve)).collect()
 }
 
 /// Places of wall particles, by cells of the distance that others must keep.
@@ -225,6 +229,28 @@ mod tests {
         assert!((first.len() as f64 - 1.5 / side.1 / 0.05).abs() < 1.5, "{} particles", first.len());
         for pair in first.windows(2) {
             assert!(((pair[1] - pair[0]) / 0.05 - 1.0).abs() < 0.02, "{} m apart", pair[1] - pair[0]);
+        }
+    }
+
+    /// A channel with a disc across its seam: the layers end there, at half a spacing.
+    #[test]
+    fn layers_of_a_periodic_channel_end_at_its_seams() {
+        let (scene, walls) = walls(
+            "domain: Difference([Box(min: (0.0, -0.5), max: (2.0, 0.5)), Circle(center: (0.0, 0.0), radius: 0.25),
+                Circle(center: (2.0, 0.0), radius: 0.25)]),
+            periodic: [\"x\"], walls: (fill: Layers)",
+        );
+        check(&scene, &walls);
+        assert!(walls.iter().all(|wall| (0.0..2.0).contains(&wall.position.x)));
+        // Three layers of 40 along each side.
+        let sides = walls.iter().filter(|wall| wall.position.y.abs() > 0.5).count();
+        assert_eq!(sides, 2 * 3 * 40);
+        // The solid disc, less what is too deep for the fluid to feel.
+        let disc = (walls.len() - sides) as f64 * 0.0025;
+        let area = std::f64::consts::PI * (0.25_f64.powi(2) - 0.1_f64.powi(2));
+        assert!((disc / area - 1.0).abs() < 0.1, "{disc} m² of {area} m²");
+        for wall in walls.iter().filter(|wall| wall.position.x < 0.05 && wall.position.y.abs() > 0.5) {
+            assert!((wall.position.x - 0.025).abs() < 1e-9, "{}", wall.position);
         }
     }
 

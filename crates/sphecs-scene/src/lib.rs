@@ -12,7 +12,7 @@
 //! * [`check`]: every check of values
 //! * [`model`], [`scheme`]: the checked scene
 //! * [`lattice`], [`lattice_rotation`], [`fill`], [`rows`], [`rings`], [`layers`],
-//!   [`wall_particles`], [`spawn`]: its particles
+//!   [`periodic_curves`], [`wall_particles`], [`spawn`]: its particles
 //! * [`inflow`]: velocities of its inlets
 //! * [`emitters`]: surfaces through which fluid enters along the normal, and their particles
 //! * [`time_value`], [`potential_flow`]: quantities of its openings in time, and weights that give
@@ -73,6 +73,7 @@ pub mod outline;
 pub mod output_settings;
 pub mod packing;
 pub mod passage;
+pub mod periodic_curves;
 pub mod potential_flow;
 pub mod probe;
 pub mod result_name;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::model::Scene;
 use sphecs_core::math::grid::CellGrid;
 
 /// Size of a cell of the search over its reach.
@@ -19,6 +20,17 @@ pub(crate) struct Region {
 }
 
 impl Region {
+    /// Returns the box from `low` to `high` (m) or, in periodic directions of a scene, of a period.
+    pub(crate) fn of(scene: &Scene, low: DVec3, high: DVec3) -> Self {
+        let mut region = Self { low, high, periodic: [false; 3] };
+        for (axis, period) in scene.periodic.iter().enumerate() {
+            if let Some((low, high)) = period {
+                (region.low[axis], region.high[axis], region.periodic[axis]) = (*low, *high, true);
+            }
+        }
+        region
+    }
+
     /// Returns a point, m, in the box if it left it through a periodic side.
     pub(crate) fn wrapped(&self, mut point: DVec3) -> DVec3 {
         for axis in (0..3).filter(|axis| self.periodic[*axis]) {

@@ -152,8 +152,14 @@ fn relaxed(scene: &Scene, wall: Wall, mut points: Vec<DVec3>, depth: f64) -> Vec
     let radius = RADIUS * scene.spacing;
     let (low, high) = wall.bounds(scene);
     let margin = DVec3::splat(depth + 2.0 * radius);
-    let region = Region { low: low - margin, high: high + margin, periodic: [false; 3] };
+    let (low, high) = (low - margin, high + margin);
+    // Particles of a mover are wrapped when it is placed.
+    let region = match wall {
+        Wall::Casing => Region::of(scene, low, high),
+        Wall::Mover(_) => Region { low, high, periodic: [false; 3] },
+    };
     let mut near = NearPoints::<3>::new(&region, radius);
+    part(&mut points, scene.spacing);
     let mut normals = Vec::new();
     for step in 0..STEPS {
         if step % STEPS_ALONG == 0 {
@@ -169,11 +175,25 @@ fn relaxed(scene: &Scene, wall: Wall, mut points: Vec<DVec3>, depth: f64) -> Vec
                 }
             });
             let push = push - *normal * push.dot(*normal);
-            *point + (STEP * scene.spacing * push).clamp_length_max(0.2 * scene.spacing)
+            region.wrapped(*point + (STEP * scene.spacing * push).clamp_length_max(0.2 * scene.spacing))
         };
         points = (&points, &normals).into_par_iter().map(moved).collect();
     }
-    points.into_par_iter().map(|point| moved_to(scene, wall, point, depth)).collect()
+    points.into_par_iter().map(|point| region.wrapped(moved_to(scene, wall, point, depth))).collect()
+}
+
+/// Moves points apart that lie at one place, where they would not repel each other: cells on one
+/// normal of the surface start there.
+fn part(points: &mut [DVec3], spacing: f64) {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    let key = |at: usize| (points[at] / (1e-6 * spacing)).round().as_i64vec3().to_array();
+    order.sort_by_key(|&at| (key(at), at));
+    let keys: Vec<[i64; 3]> = order.iter().map(|&at| key(at)).collect();
+    let mut before = 0_u32;
+    for place in 1..order.len() {
+        before = if keys[place] == keys[place - 1] { before + 1 } else { 0 };
+        points[order[place]] += DVec3::new(0.013, 0.019, 0.029) * (f64::from(before) * spacing);
+    }
 }
 
 #[cfg(test)]
@@ -181,6 +201,31 @@ mod tests {
     use crate::model::Scene;
     use crate::spawn::seeds;
     use sphecs_core::particles::zone::Zone;
+
+    /// A tube that repeats: no particle lies beyond a seam, and none is near to an image.
+    #[test]
+    fn sheets_of_a_periodic_tube_end_at_its_seams() {
+        let text = "Scene(title: \"t\", dimensions: 3, spacing: 0.1, smoke: 0.2,
+            fluid: (density: 1000.0, viscosity: 1.0e-3, sound_speed: 15.0), periodic: [\"x\"],
+            domain: Cylinder(from: (0.0, 0.0, 0.0), to: (2.0, 0.0, 0.0), radius: 0.65),
+            walls: (slip: FreeSlip, fill: Layers),
+            initial: (velocity: (0.1, 0.0, 0.0)), time: (end: 1.0), output: (every: 1.0))";
+        let scene = Scene::from_text("walls", text).load().unwrap_or_else(|faults| panic!("{faults:?}"));
+        let walls: Vec<_> = seeds(&scene).into_iter().filter(|seed| seed.zone == Zone::Wall).collect();
+        let shell = std::f64::consts::PI * (1.04_f64.powi(2) - 0.65_f64.powi(2)) * 2.0 / 1e-3;
+        let share = walls.len() as f64 / shell;
+        assert!((share - 1.0).abs() < 0.06, "{} particles, {shell} volumes", walls.len());
+        for (index, wall) in walls.iter().enumerate() {
+            assert!((0.0..2.0).contains(&wall.position.x), "{}", wall.position);
+            let distance = |other: &crate::model::ParticleSeed| {
+                let mut way = wall.position - other.position;
+                way.x -= 2.0 * (way.x / 2.0).round();
+                way.length()
+            };
+            let nearest = walls[..index].iter().map(distance).fold(f64::INFINITY, f64::min) / scene.spacing;
+            assert!(nearest > 0.6, "{nearest} spacings at {}", wall.position);
+        }
+    }
 
     /// A sphere and a tilted box: particles lie in the middle of the layers, as many as the shells
     /// have volumes, and no two are nearer than on other walls.

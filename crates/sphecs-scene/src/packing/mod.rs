@@ -152,13 +152,7 @@ fn even<const D: usize>(
 fn region(scene: &Scene) -> Region {
     let margin = DVec3::splat(wall_thickness(scene) + scene.spacing);
     let (low, high) = scene.layout.casing.confines.bounds();
-    let mut region = Region { low: low - margin, high: high + margin, periodic: [false; 3] };
-    for (axis, period) in scene.periodic.iter().enumerate() {
-        if let Some((low, high)) = period {
-            (region.low[axis], region.high[axis], region.periodic[axis]) = (*low, *high, true);
-        }
-    }
-    region
+    Region::of(scene, low - margin, high + margin)
 }
 
 /// Returns true if a point lies in front of the zones of all openings.
