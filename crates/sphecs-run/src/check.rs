@@ -233,7 +233,7 @@ fn closing_gap_note(scene: &Scene, gap: &ClosingGap) -> String {
         String::new()
     };
     format!(
-        "the gap between {} and {other} {closes}: particles that do not leave it in time are pressed together{cure}",
+        "the gap between {} and {other} {closes}: particles that do not leave it in time are compressed{cure}",
         name(gap.mover)
     )
 }

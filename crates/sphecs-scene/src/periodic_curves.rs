@@ -1,6 +1,6 @@
 //! Parts of curves within one period.
 //!
-//! The distance from a periodic wall repeats, so that the curves of its layers go on beyond the
+//! The distance from a periodic wall repeats, so that the curves of its layers continue beyond the
 //! seams. What lies there is the image of what lies within.
 
 use glam::DVec3;

@@ -20,7 +20,7 @@ use sphecs_output::results::Results;
 /// Fields in the order in which the key `f` shows them.
 const FIELDS: [Field; 5] = [Field::Speed, Field::Pressure, Field::Vorticity, Field::Density, Field::Zone];
 
-/// What a map was drawn for.
+/// Field, frame and size that a map is drawn for.
 #[derive(Clone, Copy, PartialEq)]
 struct Wanted {
     field: Field,
@@ -34,7 +34,7 @@ pub(super) struct TerminalMap {
     field: usize,
     /// Request that the thread works on, and the way back of its answer.
     pending: Option<(Wanted, Receiver<Result<FieldMap, OutputError>>)>,
-    /// What was drawn last; a fault as text.
+    /// Map that was drawn last; a fault as text.
     drawn: Option<(Wanted, Result<FieldMap, String>)>,
 }
 
@@ -43,7 +43,7 @@ impl TerminalMap {
         Self { run: run.to_owned(), field: 0, pending: None, drawn: None }
     }
 
-    /// Goes on to the next field.
+    /// Shows the next field.
     pub(super) fn next_field(&mut self) {
         self.field = (self.field + 1) % FIELDS.len();
     }
