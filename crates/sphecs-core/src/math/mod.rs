@@ -1,6 +1,7 @@
 //! Mathematics below the physics: it knows particles only as rows of numbers.
 //!
 //! - [`mod@column`]: named columns of numbers, the form in which a state is saved
+//! - [`exact_sum`]: sums that do not depend on the order of their terms
 //! - [`factors`]: factors of small symmetric matrices, one per lane
 //! - [`grid`]: the cell grid, its counting sort and the search for neighbours
 //! - [`kernel`]: smoothing kernels
@@ -11,6 +12,7 @@
 //! - [`symmetric`]: symmetric tensors by component
 
 pub mod column;
+pub mod exact_sum;
 pub mod factors;
 pub mod grid;
 pub mod kernel;

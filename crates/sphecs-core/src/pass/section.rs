@@ -18,6 +18,7 @@ use std::collections::HashSet;
 use glam::DVec3;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::math::exact_sum::ExactSum;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 
@@ -97,13 +98,14 @@ pub fn mass_flows<R: Real, const D: usize>(
     sections: &[&Section],
 ) -> Vec<f64> {
     let flow = |section: &&Section| {
-        let rows = (0..particles.len()).filter(|&row| particles.zone[row].flows());
-        let of_row = |row: usize| {
+        let mut flow = ExactSum::default();
+        for row in (0..particles.len()).filter(|&row| particles.zone[row].flows()) {
             let weight = section.weight(particles.position_of(row));
-            if weight > 0.0 { weight * particles.carrying_velocity_of(row).dot(section.normal) } else { 0.0 }
-        };
-        // In the order of the rows, so that the sum is bitwise identical for any number of threads.
-        mass * rows.map(of_row).sum::<f64>()
+            if weight > 0.0 {
+                flow += weight * particles.carrying_velocity_of(row).dot(section.normal);
+            }
+        }
+        mass * flow.value()
     };
     sections.par_iter().map(flow).collect()
 }

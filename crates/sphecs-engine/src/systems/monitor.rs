@@ -14,6 +14,7 @@ use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::movers::PresentPoses;
 use crate::systems::boundaries::wall_projection::WallProjections;
+use sphecs_core::math::exact_sum::ExactSum;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
@@ -160,27 +161,27 @@ fn quantities<R: PairReal<D>, const D: usize>(
     };
     let poses = &world.resource::<PresentPoses>().0;
     let sums = fluid_sums((scene, poses), &world.resource::<Grid<D>>().0, arrays);
-    row.kinetic_energy = 0.5 * mass * sums.square_speed;
-    row.momentum = mass * sums.velocity;
+    row.kinetic_energy = 0.5 * mass * sums.square_speed.value();
+    row.momentum = mass * DVec3::from_array(sums.velocity.each_ref().map(ExactSum::value));
     row.largest_speed = sums.largest_speed;
     row.largest_density_deviation = sums.largest_density_deviation;
-    row.mean_pressure = if sums.count > 0 { sums.pressure / sums.count as f64 } else { 0.0 };
+    row.mean_pressure = if sums.count > 0 { sums.pressure.value() / sums.count as f64 } else { 0.0 };
     row.through_walls = sums.through_walls;
     row.close_pairs = sums.close_pairs;
     row.closest_pair = sums.closest_pair;
     row
 }
 
-/// Sums and extremes over the fluid.
-#[derive(Clone, Copy, Debug, Default)]
+/// Sums and extremes over the fluid, which do not depend on the order of the particles.
+#[derive(Debug, Default)]
 struct FluidSums {
     count: u64,
     /// Σ |v|², m²/s².
-    square_speed: f64,
+    square_speed: ExactSum,
     /// Σ v, m/s.
-    velocity: DVec3,
+    velocity: [ExactSum; 3],
     /// Σ p, Pa.
-    pressure: f64,
+    pressure: ExactSum,
     largest_speed: f64,
     largest_density_deviation: f64,
     through_walls: u64,
@@ -189,23 +190,21 @@ struct FluidSums {
 }
 
 impl FluidSums {
-    fn join(self, other: Self) -> Self {
-        Self {
-            count: self.count + other.count,
-            square_speed: self.square_speed + other.square_speed,
-            velocity: self.velocity + other.velocity,
-            pressure: self.pressure + other.pressure,
-            largest_speed: self.largest_speed.max(other.largest_speed),
-            largest_density_deviation: self.largest_density_deviation.max(other.largest_density_deviation),
-            through_walls: self.through_walls + other.through_walls,
-            close_pairs: self.close_pairs + other.close_pairs,
-            closest_pair: ClosestPair::closer(self.closest_pair, other.closest_pair),
-        }
+    fn join(mut self, other: Self) -> Self {
+        self.count += other.count;
+        self.square_speed += &other.square_speed;
+        self.velocity.iter_mut().zip(&other.velocity).for_each(|(sum, other)| *sum += other);
+        self.pressure += &other.pressure;
+        self.largest_speed = self.largest_speed.max(other.largest_speed);
+        self.largest_density_deviation = self.largest_density_deviation.max(other.largest_density_deviation);
+        self.through_walls += other.through_walls;
+        self.close_pairs += other.close_pairs;
+        self.closest_pair = ClosestPair::closer(self.closest_pair, other.closest_pair);
+        self
     }
 }
 
-/// Rows per partial sum: constant, so that the sums are bitwise independent of the number of
-/// threads.
+/// Rows per partial sum.
 const CHUNK: usize = 4096;
 
 fn fluid_sums<R: PairReal<D>, const D: usize>(
@@ -224,7 +223,7 @@ fn fluid_sums<R: PairReal<D>, const D: usize>(
             sums.count += 1;
             let v = arrays.velocity_of(a);
             sums.square_speed += v.length_squared();
-            sums.velocity += v;
+            sums.velocity.iter_mut().zip(v.to_array()).for_each(|(sum, component)| *sum += component);
             sums.largest_speed = sums.largest_speed.max(v.length());
             let deviation = (arrays.density[a].to_f64() / scene.fluid.density - 1.0).abs();
             sums.largest_density_deviation = sums.largest_density_deviation.max(deviation);
