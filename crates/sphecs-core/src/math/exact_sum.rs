@@ -123,8 +123,8 @@ impl ExactSum {
         let dropped = in_window - STORED_BITS;
         let (mut significand, rest) = (window >> dropped, window & ((1 << dropped) - 1));
         let half = 1_u128 << (dropped - 1);
-        let is_above_half =
-            rest > half || rest == half && self.chunks[..top.saturating_sub(2)].iter().any(|&chunk| chunk != 0);
+        let is_above_half = rest > half
+            || rest == half && self.chunks[..top.saturating_sub(2)].iter().any(|&chunk| chunk != 0);
         if is_above_half || rest == half && significand & 1 == 1 {
             significand += 1;
         }
