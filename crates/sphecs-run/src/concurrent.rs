@@ -18,6 +18,7 @@ use sphecs_output::error::OutputError;
 use sphecs_output::paths::SCENE;
 use sphecs_output::summary::{Status, Summary};
 use sphecs_scene::model::Scene;
+use sphecs_scene::notation::same_content::same_content;
 
 /// Does `count` pieces of work, each on one thread, until all are done, one fails or a signal
 /// arrives.
@@ -92,9 +93,10 @@ impl EarlierRun {
     fn find(scene: &Scene, folder: &Path) -> Self {
         let Ok(summary) = Summary::read(folder) else { return EarlierRun::None };
         let run = &summary.run;
-        let same_text = || std::fs::read_to_string(folder.join(SCENE)).is_ok_and(|text| text == scene.text);
+        let is_same =
+            || std::fs::read_to_string(folder.join(SCENE)).is_ok_and(|text| same_content(&text, &scene.text));
         let to_its_end = run.until.is_none() && run.max_steps.is_none();
-        if run.version != env!("CARGO_PKG_VERSION") || !to_its_end || !same_text() {
+        if run.version != env!("CARGO_PKG_VERSION") || !to_its_end || !is_same() {
             return EarlierRun::None;
         }
         match summary.status {

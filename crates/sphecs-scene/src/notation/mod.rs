@@ -8,9 +8,11 @@
 //! * [`reader`]: text → tree, with all syntax faults
 //! * [`typed`]: tree → serde types, with all faults of kind and name
 //! * [`paths`]: `--set path=value`
+//! * [`same_content`](mod@same_content): comparison without comments and layout
 
 pub mod lexer;
 pub mod paths;
 pub mod reader;
+pub mod same_content;
 pub mod tree;
 pub mod typed;
