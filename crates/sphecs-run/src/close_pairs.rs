@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use sphecs_core::format::{coordinate, grouped, significant, with_digits};
 use sphecs_engine::systems::monitor::MonitorRow;
 use sphecs_scene::model::Scene;
+use sphecs_scene::scheme::Scheme;
 
 /// Number of successive rows after which close pairs are noted: a pair that passes an edge is none.
 const ROWS: u32 = 3;
@@ -49,12 +50,16 @@ impl CloseRows {
 /// Returns what to do about close pairs.
 fn cure(scene: &Scene) -> String {
     let stronger = format!("`shifting: Fickian(coefficient: {STRONG_SHIFTING})`");
-    match scene.scheme.wcsph().map(|scheme| scheme.shifting.strength()) {
-        Some(strength) if strength >= STRONG_SHIFTING => {
+    match &scene.scheme {
+        Scheme::Wcsph(scheme) if scheme.shifting.strength() >= STRONG_SHIFTING => {
             "a smaller spacing, with more particles across what is there".to_owned()
         }
-        Some(_) => format!("{stronger} of `Wcsph`, or a smaller spacing"),
-        None => format!("a smaller spacing, or `Wcsph` with {stronger}"),
+        Scheme::Wcsph(_) => format!("{stronger} of `Wcsph`, or a smaller spacing"),
+        Scheme::EdacTvf(scheme) if scheme.terms.relaxation == 0.0 => format!(
+            "`EdacTvf(kernel: WendlandC2, smoothing_ratio: 1.7, relaxation: 0.01)`, which with `fill: Packed()` leaves a \
+             tenth in front of a sphere, a smaller spacing, or `Wcsph` with {stronger}"
+        ),
+        Scheme::EdacTvf(_) => format!("a smaller spacing, or `Wcsph` with {stronger}"),
     }
 }
 
@@ -96,6 +101,7 @@ mod tests {
         let of = |set: &str| cure(&scene(&[("scheme", set)]));
         assert!(of("Wcsph(shifting: Off)").contains("Fickian"));
         assert!(of("Wcsph(shifting: Fickian(coefficient: 16.0))").starts_with("a smaller spacing, with"));
-        assert!(of("EdacTvf()").starts_with("a smaller spacing, or `Wcsph` with"));
+        assert!(of("EdacTvf()").starts_with("`EdacTvf(kernel: WendlandC2"));
+        assert!(of("EdacTvf(relaxation: 0.01)").starts_with("a smaller spacing, or `Wcsph` with"));
     }
 }
