@@ -215,7 +215,7 @@ fn runs_section(runs: &[RunLine], command: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::shipped;
+    use crate::case::{shipped, shipped_text};
     use crate::measures::measurement::Measurement;
 
     /// Returns a case with figures of the given bands, and its results with the given values.
@@ -329,7 +329,7 @@ mod tests {
     #[test]
     fn shipped_cases_name_their_reference_and_at_most_ten_main_figures() {
         for name in shipped() {
-            let file = Case::load(&name).expect("no faults").file;
+            let file = shipped_text(&name).expect("no faults").file;
             assert!(file.compared_with.is_some(), "{name}: state `compared_with`");
             let main = file.figures.iter().filter(|figure| figure.in_summary).count();
             assert!(main <= SUMMARY, "{name}: {main} main figures");

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! A number adds the bits of its significand to three of the integers, and nothing is rounded until
-//! the sum is read: Neal (2015), the small superaccumulator. Sums over parts of the particles can be
-//! joined in any order, so that a figure depends neither on the order of the particles nor on how
-//! they are shared among threads. One addition takes some 2 ns. The crates for exact sums do not
-//! hand out sums that can be joined.
+//! the sum is read: Neal (2015), the small superaccumulator. Sums over parts of the particles can
+//! be joined in any order, so that a figure depends neither on the order of the particles nor on
+//! how they are shared among threads. The crates for exact sums do not hand out sums that can be
+//! joined.
 
 use std::ops::AddAssign;
 
@@ -151,7 +151,7 @@ impl FromIterator<f64> for ExactSum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
+    use proptest::{collection, num, prop_assert_eq, proptest};
 
     fn sum(values: &[f64]) -> f64 {
         values.iter().copied().collect::<ExactSum>().value()
@@ -189,7 +189,7 @@ mod tests {
     proptest! {
         /// Multiples of 2⁻⁴⁰, whose sum is one of integers.
         #[test]
-        fn sum_is_that_of_integers(integers in prop::collection::vec(-(1_i64 << 60)..1_i64 << 60, 0..300)) {
+        fn sum_is_that_of_integers(integers in collection::vec(-(1_i64 << 60)..1_i64 << 60, 0..300)) {
             let values: Vec<f64> = integers.iter().map(|&n| n as f64 * 2.0_f64.powi(-40)).collect();
             let exact: i128 = integers.iter().map(|&n| n as f64 as i128).sum();
             prop_assert_eq!(sum(&values), exact as f64 * 2.0_f64.powi(-40));
@@ -198,7 +198,7 @@ mod tests {
         /// Any numbers, in another order and joined from groups.
         #[test]
         fn order_and_grouping_do_not_matter(
-            values in prop::collection::vec(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO, 1..200),
+            values in collection::vec(num::f64::NORMAL | num::f64::SUBNORMAL | num::f64::ZERO, 1..200),
             groups in 1_usize..20,
             turn in 0_usize..200,
         ) {
