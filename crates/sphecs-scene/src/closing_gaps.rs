@@ -12,6 +12,7 @@
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
+use super::fill::periodic_distance;
 use super::model::{ParticleSeed, Scene};
 use super::movers::{Wall, WallPoses};
 use sphecs_core::particles::zone::Zone;
@@ -100,10 +101,7 @@ fn narrowest(
     let gap = |poses: &WallPoses| {
         let at = poses.movers[mover].place(place);
         let distance = match wall {
-            Wall::Casing => {
-                let of_casing = poses.casing.as_ref().map_or(at, |pose| pose.reference(at));
-                -scene.layout.casing.confines.signed_distance(of_casing)
-            }
+            Wall::Casing => distance_from_casing(scene, poses, at),
             Wall::Mover(other) => {
                 let (pose, other) = (&poses.movers[other], &scene.movers[other]);
                 let near = scene.nearest_image(at, pose.place(other.centre));
@@ -120,25 +118,48 @@ fn narrowest(
     (width < limit).then_some((index, width.max(0.0), at))
 }
 
+/// Returns the distance in front of the casing, m; infinite where the nearest face is the seam of a
+/// period, beyond which the fluid continues.
+fn distance_from_casing(scene: &Scene, poses: &WallPoses, at: DVec3) -> f64 {
+    let confines = &scene.layout.casing.confines;
+    let (low, high) = confines.bounds();
+    let of_casing = poses.casing.as_ref().map_or(at, |pose| pose.reference(at));
+    let image = scene.nearest_image(of_casing, low.midpoint(high));
+    let distance = -confines.signed_distance(image);
+    if scene.periodic.iter().any(Option::is_some) {
+        let outwards = confines.gradient(image, 1e-4 * scene.spacing, scene.dimensions);
+        let beyond = image + outwards * (distance + 0.5 * scene.spacing);
+        if periodic_distance(confines, &scene.periodic, beyond) < 0.0 {
+            return f64::INFINITY;
+        }
+    }
+    distance
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::seeds;
 
-    fn gaps(movers: &str) -> (Scene, Vec<ClosingGap>) {
+    const OUTLET: &str = "outlets: [(name: \"end\", at: (4.0, 1.0), towards: (1.0, 0.0))],";
+
+    fn gaps(movers: &str) -> Vec<ClosingGap> {
+        gaps_between(OUTLET, movers)
+    }
+
+    fn gaps_between(ends: &str, movers: &str) -> Vec<ClosingGap> {
         let text = format!(
             r#"Scene(
     title: "Gaps", dimensions: 2, spacing: 0.05,
     fluid: (density: 1000.0, viscosity: 1e-3, sound_speed: 20.0),
     domain: Box(min: (0.0, 0.0), max: (4.0, 2.0)),
-    outlets: [(name: "end", at: (4.0, 1.0), towards: (1.0, 0.0))],
+    {ends}
     movers: [{movers}],
     reference: (velocity: 1.0), time: (end: 1.0), output: (every: 0.5),
 )"#
         );
         let scene = Scene::from_text("gaps", text).load().expect("a scene");
-        let found = closing_gaps(&scene, &seeds(&scene), 1.0);
-        (scene, found)
+        closing_gaps(&scene, &seeds(&scene), 1.0)
     }
 
     fn disc(name: &str, x: f64, motion: &str) -> String {
@@ -151,7 +172,7 @@ mod tests {
     #[test]
     fn gap_to_a_wall_that_becomes_narrow_is_found() {
         // The disc sinks to 0.1 m above the bottom at 0.5 s and rises again.
-        let (_, found) = gaps(&disc("body", 2.0, "0.0, \"-0.5*sin(pi*t)\""));
+        let found = gaps(&disc("body", 2.0, "0.0, \"-0.5*sin(pi*t)\""));
         let [gap] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((gap.mover, gap.wall), (0, Wall::Casing));
         assert!((gap.width - 0.1).abs() < 0.02, "{gap:?}");
@@ -162,18 +183,29 @@ mod tests {
     fn gap_between_movers_is_found_once() {
         let movers =
             [disc("left", 1.0, "\"0.45*t\", 0.0"), disc("right", 2.3, "0.0, \"0.0001*t\"")].join(", ");
-        let (_, found) = gaps(&movers);
+        let found = gaps(&movers);
         let [gap] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((gap.mover, gap.wall, gap.time), (0, Wall::Mover(1), 1.0));
         assert!((gap.width - 0.05).abs() < 0.02, "{gap:?}");
     }
 
     #[test]
+    fn seam_of_a_period_is_no_wall() {
+        let towed = disc("body", 2.0, "\"7.0*t\", 0.0");
+        assert_eq!(gaps_between("periodic: [\"x\"],", &towed), []);
+        // The bottom is one, also of the second period.
+        let sinks = disc("body", 2.0, "\"7.0*t\", \"-0.5*sin(pi*t)\"");
+        let found = gaps_between("periodic: [\"x\"],", &sinks);
+        let [gap] = found.as_slice() else { panic!("{found:?}") };
+        assert!((gap.width - 0.1).abs() < 0.02 && (gap.time - 0.5).abs() < 1e-9, "{gap:?}");
+    }
+
+    #[test]
     fn wide_gaps_and_those_narrow_from_the_start_are_none() {
-        assert_eq!(gaps(&disc("body", 2.0, "0.0, \"-0.3*sin(pi*t)\"")).1, []);
+        assert_eq!(gaps(&disc("body", 2.0, "0.0, \"-0.3*sin(pi*t)\"")), []);
         // A piston along the side walls.
         let piston = "(name: \"piston\", shape: Box(min: (-0.5, 0.0), max: (0.5, 2.0)), motion: \
                       Translation(displacement: (\"0.3*t\", 0.0)))";
-        assert_eq!(gaps(piston).1, []);
+        assert_eq!(gaps(piston), []);
     }
 }

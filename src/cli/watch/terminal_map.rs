@@ -131,23 +131,27 @@ fn paint(map: &FieldMap, frame: &mut Frame<'_>, area: Rect) {
 mod tests {
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
+    use ratatui::buffer::Buffer;
 
     use super::*;
 
+    fn map(size: [usize; 2]) -> FieldMap {
+        let pixels = (0..size[0] * size[1]).map(|pixel| [pixel as u8, 0, 0]).collect();
+        FieldMap { field: Field::Speed, frames: 1, time: 0.25, size, pixels, range: Some((0.0, 0.31)) }
+    }
+
+    /// Paints a map into a part of a screen of 4 by 4 letters.
+    fn painted(map: &FieldMap, area: Rect) -> Buffer {
+        let mut terminal = Terminal::new(TestBackend::new(4, 4)).expect("a terminal");
+        terminal.draw(|frame| paint(map, frame, area)).expect("drawn");
+        terminal.backend().buffer().clone()
+    }
+
     #[test]
     fn pixels_are_the_halves_of_blocks() {
-        let map = FieldMap {
-            field: Field::Speed,
-            frames: 1,
-            time: 0.25,
-            size: [2, 3],
-            pixels: (0..6).map(|pixel| [pixel, 0, 0]).collect(),
-            range: Some((0.0, 0.31)),
-        };
+        let map = map([2, 3]);
         assert_eq!(title(&map), " speed, 0 to 0.31 m/s, t = 0.25 s ");
-        let mut terminal = Terminal::new(TestBackend::new(4, 4)).expect("a terminal");
-        terminal.draw(|frame| paint(&map, frame, Rect::new(0, 0, 4, 4))).expect("drawn");
-        let buffer = terminal.backend().buffer();
+        let buffer = painted(&map, Rect::new(0, 0, 4, 4));
         let cell = |x, y| buffer.cell((x, y)).expect("a cell");
         let red = |value| Color::Rgb(value, 0, 0);
         // Columns 1 and 2, rows 1 and 2 of the area.
@@ -159,17 +163,7 @@ mod tests {
 
     #[test]
     fn map_larger_than_its_area_is_cut() {
-        let map = FieldMap {
-            field: Field::Zone,
-            frames: 1,
-            time: 0.0,
-            size: [9, 9],
-            pixels: vec![[1, 2, 3]; 81],
-            range: None,
-        };
-        let mut terminal = Terminal::new(TestBackend::new(4, 4)).expect("a terminal");
-        terminal.draw(|frame| paint(&map, frame, Rect::new(1, 1, 2, 2))).expect("drawn");
-        let blocks = terminal.backend().buffer().content().iter().filter(|cell| cell.symbol() == "▀").count();
-        assert_eq!(blocks, 4);
+        let buffer = painted(&map([9, 9]), Rect::new(1, 1, 2, 2));
+        assert_eq!(buffer.content().iter().filter(|cell| cell.symbol() == "▀").count(), 4);
     }
 }
