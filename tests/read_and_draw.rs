@@ -308,6 +308,18 @@ fn command_line_draws_means_lines_movies_and_plots() {
     refused(folder, "render run --contours --field zone", "not numbers");
 }
 
+/// A lock lasts as long as any process has the file open, a child that inherited it among them.
+#[test]
+fn locks_of_other_programs_do_not_hinder_reading() {
+    let parent = tempfile::tempdir().expect("a folder");
+    let path = parent.path().join("run");
+    run(&path, 2).finish(Summary::default()).expect("ended");
+    let held = std::fs::File::open(path.join("particles.nc")).expect("open");
+    held.lock().expect("locked");
+    assert!(done(parent.path(), "info run").contains("3 from 0 s"));
+    done(parent.path(), "render run --width 320 -o flow.png");
+}
+
 #[test]
 fn particles_of_a_3d_flow_are_drawn_in_perspective() {
     let parent = tempfile::tempdir().expect("a folder");

@@ -80,12 +80,14 @@ fn imports_are_found_however_they_are_written() {
 }
 
 /// Places of `unsafe` code: lanes, packs that read whole vectors of their own storage, chunks and
-/// the end of HDF5. `scripts/reliability/sanitizer.sh` runs them.
-const UNSAFE: [&str; 4] = [
+/// the end of HDF5, which `scripts/reliability/sanitizer.sh` runs, and the environment of HDF5,
+/// which the program sets before it has a second thread.
+const UNSAFE: [&str; 5] = [
     "crates/sphecs-core/src/math/lanes/",
     "crates/sphecs-core/src/pass/pack/",
     "crates/sphecs-output/src/netcdf/chunks.rs",
     "crates/sphecs-output/src/netcdf/file.rs",
+    "src/main.rs",
 ];
 
 #[test]
