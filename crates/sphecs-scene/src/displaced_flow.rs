@@ -20,9 +20,9 @@
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use super::domain_cells::Cells;
 use super::model::Scene;
 use super::movers::WallPoses;
-use super::potential_flow::Cells;
 
 /// Number of intervals of the run at whose ends the integrals are found.
 const INTERVALS: usize = 64;

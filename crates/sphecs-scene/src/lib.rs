@@ -43,6 +43,7 @@ pub mod constants;
 pub mod disk_estimate;
 pub mod displaced_flow;
 pub mod distance_grid;
+mod domain_cells;
 pub mod driven_flow;
 pub mod emitters;
 pub mod expression;

@@ -12,6 +12,7 @@ use sphecs_run::memory;
 use sphecs_scene::constants;
 use sphecs_scene::expression::Constants;
 use sphecs_scene::faults::{Fault, SceneErrors, advice};
+use sphecs_scene::meshes::MeshFile;
 use sphecs_scene::model::Scene;
 use sphecs_scene::notation::{reader, typed};
 
@@ -76,6 +77,16 @@ pub(crate) fn shipped_text(name: &str) -> Result<Case, CaseFaults> {
     let file = CASES.get_file(format!("{name}.ron"));
     let text = file.and_then(|file| file.contents_utf8()).unwrap_or_default();
     Case::parse(name, text, None)
+}
+
+/// Returns the shipped files of meshes and outlines that the text of a scene names.
+fn shipped_meshes(text: &str) -> impl Iterator<Item = MeshFile> {
+    let folder = SCENES.get_dir("meshes").map_or(&[][..], |folder| folder.entries());
+    let files = folder.iter().filter_map(|entry| entry.as_file());
+    files.filter_map(move |file| {
+        let path = file.path().to_str()?.to_owned();
+        text.contains(&path).then(|| MeshFile { path, bytes: file.contents().into() })
+    })
 }
 
 impl Case {
@@ -148,7 +159,10 @@ impl Case {
         }
         let file = SCENES.get_file(format!("{name}.ron"));
         match file.and_then(|file| file.contents_utf8()) {
-            Some(text) => Scene::from_text(name, text).sets(sets).memory(memory::available()).load(),
+            Some(text) => {
+                let scene = Scene::from_text(name, text).meshes(shipped_meshes(text));
+                scene.sets(sets).memory(memory::available()).load()
+            }
             None => {
                 let known = SCENES.files().filter_map(|file| file.path().file_stem()?.to_str());
                 let fault = Fault::placeless(format!("there is no scene `{name}`"))

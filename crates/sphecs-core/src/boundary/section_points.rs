@@ -9,6 +9,9 @@ use super::patch::Patch;
 /// the plane itself, the surface of the domain, rounding would decide.
 const UPSTREAM: f64 = 1e-3;
 
+/// Samples along each direction of the part of a point's cell that is in the section.
+const SAMPLES: usize = 4;
+
 /// Relative difference of width and period below which a section spans the period.
 const SPANS_PERIOD: f64 = 1e-6;
 
@@ -20,6 +23,9 @@ const SPANS_PERIOD: f64 = 1e-6;
 pub struct SectionPoints {
     /// Offsets of the points from the centre of the section, m.
     pub offsets: Vec<DVec3>,
+    /// Share of the section that each point represents. Where a wall cuts cells of points they
+    /// differ: with equal ones the mean velocity of a pipe of 16 points would be 3 % too small.
+    pub shares: Vec<f64>,
     /// Indices of the previous and the next point along both directions; a point at a wall is its
     /// own neighbour.
     pub neighbours: Vec<[u32; 4]>,
@@ -59,11 +65,11 @@ impl SectionPoints {
                 place(i, 0) * patch.across[0] + second * patch.across[1]
             })
             .collect();
-        let inside = |offset: DVec3| {
+        let inside = |offset: &DVec3| {
             let upstream = patch.at - UPSTREAM * flow.spacing * patch.towards;
-            patch.covers(upstream + offset, 0.0) && (flow.is_in_domain)(upstream + offset)
+            patch.covers(upstream + *offset, 0.0) && (flow.is_in_domain)(upstream + *offset)
         };
-        let cells: Vec<usize> = (0..rectangle.len()).filter(|&cell| inside(rectangle[cell])).collect();
+        let cells: Vec<usize> = (0..rectangle.len()).filter(|&cell| inside(&rectangle[cell])).collect();
         section.offsets = cells.iter().map(|&cell| rectangle[cell]).collect();
         section.nearest = (0..rectangle.len())
             .map(|cell| {
@@ -76,8 +82,33 @@ impl SectionPoints {
                 points.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as u32
             })
             .collect();
+        let parts = rectangle.iter().map(|&centre| {
+            let samples = section.samples(patch, centre);
+            let (count, open) = (samples.len(), samples.iter().filter(|&sample| inside(sample)).count());
+            open as f64 / count as f64
+        });
+        let mut shares = vec![0.0; cells.len()];
+        for (part, &nearest) in parts.zip(&section.nearest) {
+            if let Some(share) = shares.get_mut(nearest as usize) {
+                *share += part;
+            }
+        }
+        let whole = shares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        section.shares = shares.iter().map(|share| share / whole).collect();
         section.neighbours = (0..cells.len()).map(|point| section.around(&cells, point)).collect();
         section
+    }
+
+    /// Returns samples of the cell about an offset, m.
+    fn samples(&self, patch: &Patch, centre: DVec3) -> Vec<DVec3> {
+        let step = |axis: usize, index: usize| {
+            ((index as f64 + 0.5) / SAMPLES as f64 - 0.5) * self.spacing[axis] * patch.across[axis]
+        };
+        let of_line = |second: DVec3| (0..SAMPLES).map(move |index| centre + step(0, index) + second);
+        if self.spacing[1].is_infinite() {
+            return of_line(DVec3::ZERO).collect();
+        }
+        (0..SAMPLES).flat_map(|line| of_line(step(1, line))).collect()
     }
 
     /// Returns the neighbours of a point; `cells` are the points' indices in the rectangle.
@@ -197,6 +228,11 @@ mod tests {
         assert!(disc.offsets.iter().all(|offset| offset.length() < 0.5 && offset.x.abs() < 1e-12));
         let area = disc.offsets.len() as f64 * disc.spacing[0] * disc.spacing[1];
         assert!((area / (0.25 * std::f64::consts::PI) - 1.0).abs() < 0.05, "{area} m²");
+        // Half of the square of the radius: the mean of 1 − r²/R² is ½.
+        let squares = disc.offsets.iter().zip(&disc.shares).map(|(at, share)| at.length_squared() * share);
+        let mean = 1.0 - 4.0 * squares.sum::<f64>();
+        assert!((mean - 0.5).abs() < 0.02, "{mean}");
+        assert!((disc.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         // Neighbours are mutual, and a linear field is exact between four points.
         for (point, around) in disc.neighbours.iter().enumerate() {
             for (side, &other) in around.iter().enumerate() {

@@ -20,6 +20,7 @@
 //! neither.
 
 use std::marker::PhantomData;
+use std::ops::AddAssign;
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
@@ -27,6 +28,7 @@ use super::fused::{FluidRow, FusedInputs, FusedScheme};
 use super::pack::{NeighbourMask, Only, Pack, PackPool, Source};
 use super::settings::PairSettings;
 use super::sums::PairSums;
+use crate::math::exact_sum::ExactSum;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised};
@@ -55,6 +57,31 @@ impl BodySum {
             viscous_force: self.viscous_force + other.viscous_force,
             pressure_torque: self.pressure_torque + other.pressure_torque,
             viscous_torque: self.viscous_torque + other.viscous_torque,
+        }
+    }
+
+    fn vectors(&self) -> [DVec3; 4] {
+        [self.pressure_force, self.viscous_force, self.pressure_torque, self.viscous_torque]
+    }
+}
+
+/// Sum of forces and torques without rounding, so that their order does not matter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExactBodySum([[ExactSum; 3]; 4]);
+
+impl ExactBodySum {
+    /// Returns the sum, rounded once.
+    pub fn value(&self) -> BodySum {
+        let vector = |sums: &[ExactSum; 3]| DVec3::from_array(sums.each_ref().map(ExactSum::value));
+        let [pressure_force, viscous_force, pressure_torque, viscous_torque] = self.0.each_ref().map(vector);
+        BodySum { pressure_force, viscous_force, pressure_torque, viscous_torque }
+    }
+}
+
+impl AddAssign<&BodySum> for ExactBodySum {
+    fn add_assign(&mut self, part: &BodySum) {
+        for (sums, vector) in self.0.iter_mut().zip(part.vectors()) {
+            sums.iter_mut().zip(vector.to_array()).for_each(|(sum, component)| *sum += component);
         }
     }
 }
@@ -153,9 +180,9 @@ pub(super) struct BodyPass<'a, S, R: Real, const D: usize> {
 }
 
 impl<S: FusedScheme<R, D>, R: Real, const D: usize> WithShape for BodyPass<'_, S, R, D> {
-    type Output = BodySum;
+    type Output = ExactBodySum;
 
-    fn run<K: KernelShape>(self) -> BodySum {
+    fn run<K: KernelShape>(self) -> ExactBodySum {
         let Self { scheme, inputs, of_body, packs, body } = self;
         let source = inputs.source(K::SUPPORT, Only::Positive(of_body, &[]));
         let Body { about, cells, sums: of_cells, .. } = body;
@@ -171,9 +198,10 @@ impl<S: FusedScheme<R, D>, R: Real, const D: usize> WithShape for BodyPass<'_, S
             };
             R::dispatch(inputs.pair.lanes, block)
         };
-        // Cell by cell and then in their order: bitwise identical for any number of threads.
         cells.par_iter().map(of_cell).collect_into_vec(of_cells);
-        of_cells.iter().fold(BodySum::default(), |sum, cell| sum.plus(*cell))
+        let mut sum = ExactBodySum::default();
+        of_cells.iter().for_each(|cell| sum += cell);
+        sum
     }
 }
 

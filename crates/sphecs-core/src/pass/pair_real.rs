@@ -4,7 +4,7 @@
 //! engine, its tests and the tools would each compile all vectorised loops again, which takes
 //! minutes. The methods of [`PairReal`] are not generic, so the loops are compiled here, once.
 
-use super::body::{Body, BodySum};
+use super::body::{Body, ExactBodySum};
 use super::edac::EdacSummary;
 use super::fits::PointFit;
 use super::points::PointFlows;
@@ -97,7 +97,7 @@ pair_passes! {
         level: TimeLevel,
         sums: &mut PairSums<Self, D>,
         body: &mut Body,
-    ) -> BodySum;
+    ) -> ExactBodySum;
     edac::sum_rates as fn sum_edac_rates(
         pair: &PairSettings,
         edac: &Edac,
@@ -112,7 +112,7 @@ pair_passes! {
         particles: &ParticleArrays<Self, D>,
         sums: &mut PairSums<Self, D>,
         body: &mut Body,
-    ) -> BodySum;
+    ) -> ExactBodySum;
     wall_distance::find_wall_distance as fn find_wall_distance(
         pair: &PairSettings,
         grid: &CellGrid<D>,

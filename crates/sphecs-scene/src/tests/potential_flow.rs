@@ -88,3 +88,23 @@ fn a_single_outlet_takes_all_that_an_inlet_brings() {
     let flow = potential_flows(&channel, |_| true).remove(0).expect("a flow");
     assert!((flow.inlet_potential - 1.0).abs() < 1e-6, "{}", flow.inlet_potential);
 }
+
+/// A pipe of 16 whole cells would have 3 % more than the section of the circle.
+#[test]
+fn flow_through_a_pipe_is_its_mean_velocity_times_the_area() {
+    let text = r#"Scene(
+    title: "Pipe", dimensions: 3, spacing: 0.125,
+    fluid: (density: 1000.0, viscosity: 1e-3, sound_speed: 20.0),
+    domain: Cylinder(from: (0.0, 0.0, 0.0), to: (4.0, 0.0, 0.0), radius: 1.0),
+    outlets: [(at: (4.0, 0.0, 0.0), towards: (1.0, 0.0, 0.0)), (at: (0.0, 0.0, 0.0), towards: (-1.0, 0.0, 0.0))],
+    reference: (velocity: 1.0, length: 1.0),
+    time: (end: 1.0), output: (every: 0.5),
+)"#;
+    let pipe = Scene::from_text("pipe", text).load().expect("a scene");
+    let flow = potential_flows(&pipe, |_| true).remove(0).expect("a flow");
+    // φ is x/4, so that the integral of its square is the area over the length.
+    let area = 4.0 * flow.square;
+    assert!((area / std::f64::consts::PI - 1.0).abs() < 0.005, "{area}");
+    assert!((flow.gradient(DVec3::new(2.1, 0.9, 0.3))[0] - 0.25).abs() < 1e-3);
+    assert!((flow.overlaps[0] * 3.0 / area - 4.0).abs() < 0.02, "{:?}", flow.overlaps);
+}

@@ -15,7 +15,7 @@ use std::marker::PhantomData;
 use edac_columns::{EdacColumns, columns};
 use edac_terms::EdacSettings;
 
-use super::body::{Body, BodyPass, BodySum};
+use super::body::{Body, BodyPass, ExactBodySum};
 use super::fused::{
     BlockLoop, FluidRow, FusedBlock, FusedInputs, FusedPass, FusedScheme, General, GeneralWithMoments,
     LoopShape, OutputColumns, Plain, PlainWithWalls, RateColumns, RateScalars, RowForce, Summary, sum_pairs,
@@ -86,9 +86,9 @@ pub fn sum_body_force<R: Real, const D: usize>(
     particles: &ParticleArrays<R, D>,
     sums: &mut PairSums<R, D>,
     body: &mut Body,
-) -> BodySum {
+) -> ExactBodySum {
     if !body.prepare(pair, grid, particles, sums) {
-        return BodySum::default();
+        return ExactBodySum::default();
     }
     let (places, list) = columns(pair, particles, sums, true);
     let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());

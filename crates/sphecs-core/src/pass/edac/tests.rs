@@ -286,7 +286,7 @@ fn a_body_gains_the_momentum_that_the_fluid_loses() {
         rates(&mut sample);
         let mut body = Body::new(0, DVec3::ZERO);
         let Sample { pair, grid, particles, sums } = &mut sample;
-        let found = sum_body_force(pair, &edac, grid, particles, sums, &mut body);
+        let found = sum_body_force(pair, &edac, grid, particles, sums, &mut body).value();
         let (mut lost, mut size) = (DVec3::ZERO, 0.0);
         for row in (0..particles.len()).filter(|&row| particles.zone[row] == Zone::Fluid) {
             let [x, y] = particles.acceleration.each_ref().map(|column| column[row]);

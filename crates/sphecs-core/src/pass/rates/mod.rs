@@ -24,7 +24,7 @@ use batch::{Batch, BatchedRow};
 use wcsph_columns::{WcsphColumns, columns};
 use wcsph_terms::WcsphSettings;
 
-use super::body::{Body, BodyPass, BodySum};
+use super::body::{Body, BodyPass, ExactBodySum};
 use super::column_access::WcsphRates;
 use super::fused::{
     BlockLoop, Damped, DampedWithWalls, DampedWithWallsDriftCorrected, FluidRow, FusedBlock, FusedInputs,
@@ -135,9 +135,9 @@ pub fn sum_body_force<R: Real, const D: usize>(
     level: TimeLevel,
     sums: &mut PairSums<R, D>,
     body: &mut Body,
-) -> BodySum {
+) -> ExactBodySum {
     if !body.prepare(pair, grid, particles, sums) {
-        return BodySum::default();
+        return ExactBodySum::default();
     }
     let (places, list) = columns(pair, particles, level, sums, true);
     let scheme = Wcsph { columns: places, eddy_viscosity: sums.eddy_viscosity.read(WcsphRates) };

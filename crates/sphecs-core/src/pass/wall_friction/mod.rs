@@ -25,7 +25,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::body::{Body, BodySum};
+use super::body::{Body, BodySum, ExactBodySum};
 use super::density::{LEAST_Q2, squared_distance};
 use super::pack::{Only, Pack, Source};
 use super::rates::TimeLevel;
@@ -129,15 +129,13 @@ pub fn add_friction_on<R: Real, const D: usize>(
     particles: &ParticleArrays<R, D>,
     sums: &PairSums<R, D>,
     body: &Body,
-    sum: &mut BodySum,
+    sum: &mut ExactBodySum,
 ) {
     if !pair.wall_part(body.part).wall_function {
         return;
     }
     let friction = sums.friction.read(WallFriction(()));
     let friction_felt = sums.friction_felt.read(WallFriction(()));
-    // The sum is in the order of the rows, so that it is bitwise identical for any number of
-    // threads.
     for row in 0..particles.len() {
         if particles.zone[row] != Zone::Wall || particles.patch[row] != body.part {
             continue;
@@ -154,8 +152,7 @@ pub fn add_friction_on<R: Real, const D: usize>(
             force[d] = -pair.discretisation.mass * felt * friction[d][row].to_f64();
             arm[d] = foot[d];
         }
-        sum.viscous_force += force;
-        sum.viscous_torque += arm.cross(force);
+        *sum += &BodySum { viscous_force: force, viscous_torque: arm.cross(force), ..BodySum::default() };
     }
 }
 

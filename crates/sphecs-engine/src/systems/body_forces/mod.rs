@@ -118,9 +118,10 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
-        let mut sum =
+        let mut exact =
             R::sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
-        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
+        let mut sum = exact.value();
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
         sum
     }));
@@ -142,8 +143,9 @@ pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
         covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
-        let mut sum = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
-        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut sum);
+        let mut exact = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
+        add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
+        let mut sum = exact.value();
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
         sum
     }));

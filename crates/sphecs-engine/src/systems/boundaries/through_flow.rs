@@ -28,6 +28,8 @@ use super::prescribed_inflow::PrescribedInflow;
 use sphecs_core::boundary::outlet::method::{Needs, PlanePressure};
 use sphecs_core::boundary::outlet::outflow_zone::settling_time;
 use sphecs_core::boundary::slow_part::SlowPart;
+use sphecs_core::math::exact_sum::ExactSum;
+use sphecs_core::math::grid::CellGrid;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
@@ -35,9 +37,8 @@ use sphecs_scene::displaced_flow::DisplacedFlow;
 use sphecs_scene::model::{Outlet, Scene};
 use sphecs_scene::potential_flow::{PotentialFlow, potential_flows};
 
-/// Rows per partial sum: constant, so that the sums are bitwise independent of the number of
-/// threads.
-const CHUNK: usize = 4096;
+/// Cells per part of the sums.
+const CHUNK: usize = 256;
 
 /// Time over which the velocity of sound fades, in times after which sound has left the domain.
 const SOUND_FADES: f64 = 5.0;
@@ -52,8 +53,8 @@ pub struct ThroughFlow {
     pub sound_velocity: Vec<f64>,
     /// Mean velocity through each section in the present step, m/s.
     velocities: Vec<Option<f64>>,
-    /// Σ v·∇φ (1/s) and Σ |∇φ|² (1/m²) of each part of the rows.
-    sums: Vec<[f64; 2]>,
+    /// Σ v·∇φ (1/s) and Σ |∇φ|² (1/m²) of each part of the cells.
+    sums: Vec<[ExactSum; 2]>,
 }
 
 impl ThroughFlow {
@@ -81,20 +82,32 @@ impl ThroughFlow {
         (scene, time, time_step): (&Scene, f64, f64),
         inflow: &PrescribedInflow,
         plane_pressure: impl Fn(usize) -> PlanePressure,
-        arrays: &ParticleArrays<R, D>,
+        (grid, arrays): (&CellGrid<D>, &ParticleArrays<R, D>),
     ) {
         let Self { weights, displaced, sound_velocity, velocities, sums } = self;
         velocities.clear();
         let stiffness = scene.fluid.density * scene.fluid.sound_speed.powi(2);
         for (index, (outlet, weights)) in scene.outlets.iter().zip(&*weights).enumerate() {
             velocities.push(weights.as_ref().map(|weights| {
-                let of_chunk = |chunk: usize| {
-                    let rows = chunk * CHUNK..arrays.len().min((chunk + 1) * CHUNK);
-                    let fluid = rows.filter(|&row| arrays.zone[row] == Zone::Fluid);
+                // By cells, and exactly: the sums depend neither on the number of threads nor on
+                // which cells are summed together.
+                let of_cell = |cell: usize| {
+                    let fluid = grid.rows(cell).filter(|&row| arrays.zone[row] == Zone::Fluid);
                     fluid.map(|row| products(weights, arrays, row)).fold([0.0; 2], joined)
                 };
-                (0..arrays.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect_into_vec(sums);
-                let [flow, square] = sums.iter().copied().fold([0.0; 2], joined);
+                let of_chunk = |chunk: usize| {
+                    let mut sums = <[ExactSum; 2]>::default();
+                    for cell in chunk * CHUNK..grid.len().min((chunk + 1) * CHUNK) {
+                        sums.iter_mut().zip(of_cell(cell)).for_each(|(sum, part)| *sum += part);
+                    }
+                    sums
+                };
+                (0..grid.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect_into_vec(sums);
+                let [flow, square] = std::array::from_fn(|of| {
+                    let mut all = ExactSum::default();
+                    sums.iter().for_each(|sums| all += &sums[of]);
+                    all.value()
+                });
                 let displaced =
                     displaced[index].as_mut().map(|displaced| displaced.rate(scene, weights, time));
                 let volume = if !scene.movers.is_empty() {

@@ -119,6 +119,12 @@ impl NonReflecting {
         self.split(&zone.fitted()[zone.rows.len()..], zone.adjacent)
     }
 
+    /// Returns the mean over the section of values at its points.
+    pub fn section_mean(&self, values: impl Iterator<Item = f64>) -> f64 {
+        let shares = self.section.as_ref().map_or(&[][..], |section| &section.shares);
+        values.zip(shares).map(|(value, share)| value * share).sum()
+    }
+
     /// Sets the pressure at the points to that of the plane waves, Pa, and adds the oblique ones.
     /// The waves then propagate through the zone. [`mean`](Self::mean) comes first.
     ///
@@ -162,8 +168,8 @@ impl NonReflecting {
         for ((deviation, field), mean) in self.deviation.iter_mut().zip(fields).zip(&mut means) {
             deviation.clear();
             deviation.extend(fitted.iter().map(|flow| field(flow.unwrap_or(adjacent))));
-            if !deviation.is_empty() {
-                *mean = deviation.iter().sum::<f64>() / deviation.len() as f64;
+            if let Some(section) = self.section.as_ref().filter(|_| !deviation.is_empty()) {
+                *mean = deviation.iter().zip(&section.shares).map(|(value, share)| value * share).sum();
             }
             deviation.iter_mut().for_each(|value| *value -= *mean);
         }

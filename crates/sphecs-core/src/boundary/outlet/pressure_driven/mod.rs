@@ -47,6 +47,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::method::{Advanced, Needs, OutflowMotion, OutletMethod, OutletParameters, PlanePressure};
+use super::non_reflecting::NonReflecting;
 use super::non_reflecting::plane_waves::PlaneSetting;
 use super::outflow_zone::{OutflowZone, settling_time};
 use super::pressure::{OutletPressure, Waves};
@@ -225,10 +226,13 @@ impl<L: PressureLaw> OutletMethod for L {
 }
 
 /// Returns the mean over the section of the dynamic pressure of inflow, Pa.
-fn dynamic_pressure<R: PairReal<D>, const D: usize>(zone: &OutflowZone<'_, R, D>) -> f64 {
+fn dynamic_pressure<R: PairReal<D>, const D: usize>(
+    zone: &OutflowZone<'_, R, D>,
+    section: &NonReflecting,
+) -> f64 {
     let points = &zone.fitted()[zone.rows.len()..];
     let of_point = |flow: &Option<PointFlow>| flow.map_or(0.0, |flow| flow.velocity.min(0.0).powi(2));
-    0.5 * zone.flow.density * points.iter().map(of_point).sum::<f64>() / points.len().max(1) as f64
+    0.5 * zone.flow.density * section.section_mean(points.iter().map(of_point))
 }
 
 /// Pressure at the plane in a step.
@@ -249,6 +253,8 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     memory: &mut DrivenMemory<L::State>,
 ) -> Plane {
     let impedance = zone.flow.impedance();
+    let section = &memory.wave.non_reflecting;
+    let dynamic = if law.enters_from_rest() { dynamic_pressure(zone, section) } else { 0.0 };
     // What the zone carries off, as a law that prescribes it needs.
     let measured = mean.velocity + memory.excess_speed;
     let plane = &mut memory.wave.non_reflecting.plane;
@@ -266,7 +272,6 @@ fn plane_pressure<L: PressureLaw, R: PairReal<D>, const D: usize>(
     let prescribed = law.velocity(&opening);
     opening.velocity = prescribed.unwrap_or(opening.velocity);
     let level = law.pressure(&opening, &mut memory.law);
-    let dynamic = if law.enters_from_rest() { dynamic_pressure(zone) } else { 0.0 };
     let target = level - dynamic;
     let lag = RATE_LAG * zone.extent / zone.flow.sound_speed;
     let rate = memory.rate.advance(target, lag, zone.time_step);

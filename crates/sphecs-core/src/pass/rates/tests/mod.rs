@@ -9,6 +9,7 @@ use crate::math::kernel::Kernel;
 use crate::math::lanes::InstructionSet;
 use crate::math::symmetric::components;
 use crate::particles::zone::Zone;
+use crate::pass::body::BodySum;
 use crate::pass::samples::{SPACING, Sample, WATER, assert_close, noise, settings};
 use crate::physics::viscosity::{Artificial, Sps, Viscosity};
 use crate::physics::wall::{WallModel, WallPressure};
@@ -44,7 +45,7 @@ fn body_of<const D: usize>(sample: &mut Sample<f64, D>, about: DVec3) -> BodySum
     sample.rates();
     let mut body = Body::new(0, about);
     let level = TimeLevel::Present;
-    sum_body_force(&sample.pair, &sample.grid, &sample.particles, level, &mut sample.sums, &mut body)
+    sum_body_force(&sample.pair, &sample.grid, &sample.particles, level, &mut sample.sums, &mut body).value()
 }
 
 const WALLS: [WallModel; 3] = [
