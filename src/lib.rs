@@ -61,7 +61,7 @@ pub use sphecs_engine::plugins::{Plugin, PluginContext};
 pub use sphecs_engine::resources::clock::Clock;
 pub use sphecs_engine::resources::ledger::Ledger;
 pub use sphecs_engine::schedule::{StageSet, StepSet};
-pub use sphecs_engine::simulation::{BuildError, Sample, Simulation, SimulationBuilder, Stop};
+pub use sphecs_engine::simulation::{BuildError, Sample, Simulation, SimulationBuilder, Stop, StopRequest};
 pub use sphecs_engine::systems::force_fields::FluidState;
 pub use sphecs_engine::systems::forces::{AddedForces, ParticleState};
 pub use sphecs_engine::systems::monitor::MonitorRow;

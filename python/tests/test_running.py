@@ -7,6 +7,7 @@ import sys
 import textwrap
 import time
 
+import numpy as np
 import pytest
 import sphecs
 from conftest import binary
@@ -33,6 +34,36 @@ def test_options_reach_the_run(tmp_path):
     assert run.summary["run"]["scene"] == "plain"
     assert run.particles.attrs["precision"] == "f32"
     assert run.particles.attrs["spacing"] == 0.1
+
+
+def test_forces_act_in_a_run_which_is_not_resumed_without_them(tmp_path):
+    run = sphecs.run(box(), forces=lambda t, x, v: [0.03, -0.01], until=0.2, out=tmp_path / "run")
+    last = run.particles.isel(time=-1)
+    moving = last.zone == 0
+    np.testing.assert_allclose(last.u.where(moving, drop=True), 0.03 * float(last.time), rtol=1e-5)
+    np.testing.assert_allclose(last.v.where(moving, drop=True), -0.01 * float(last.time), rtol=1e-5)
+    resumed = subprocess.run(
+        [binary(), "resume", run.folder, "--until", "0.3"], capture_output=True, text=True, check=False
+    )
+    assert resumed.returncode == 4
+    assert "plugins of the program" in " ".join(resumed.stderr.split())
+
+
+def test_an_exception_of_a_force_ends_the_run(tmp_path):
+    def late(time, position, velocity):
+        if time > 0.15:
+            raise KeyError("from the force")
+        return 0 * velocity
+
+    with pytest.raises(KeyError, match="from the force"):
+        sphecs.run(channel(), forces=[late], out=tmp_path / "run")
+    run = sphecs.open(tmp_path / "run")
+    assert run.status == "failed"
+    assert "from the force" in run.summary["message"]
+    # No frame has a step that lacks a part of its forces.
+    assert float(run.particles.time[-1]) < 0.15
+    with pytest.raises(TypeError, match="must be functions"):
+        sphecs.run(channel(), forces=[3.0], out=tmp_path / "other")
 
 
 def test_a_folder_in_use_is_kept(tmp_path):

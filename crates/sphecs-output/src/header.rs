@@ -38,6 +38,9 @@ pub struct Header {
     /// Largest number of steps given on the command line.
     #[serde(default, rename = "most_steps")]
     pub max_steps: Option<u64>,
+    /// True if plugins of the program that started the run take part in it.
+    #[serde(default)]
+    pub has_plugins: bool,
     /// SHA-256 of `text`, hexadecimal.
     pub sha256: String,
     /// Version of sphecs.
@@ -210,6 +213,7 @@ impl Header {
             changes: Vec::new(),
             until: None,
             max_steps: None,
+            has_plugins: false,
             sha256: hexadecimal(&Sha256::digest(scene.text.as_bytes())),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             dimensions: scene.dimensions,

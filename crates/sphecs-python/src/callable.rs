@@ -13,7 +13,7 @@ use pyo3::types::PyAnyMethods;
 use pyo3::{Bound, Py, PyAny, PyErr, PyResult, PyTraverseError, PyVisit, Python};
 
 use crate::snapshot::vectors;
-use sphecs::{AddedForces, FluidState, Plugin, PluginContext};
+use sphecs::{AddedForces, FluidState, Plugin, PluginContext, StopRequest};
 
 /// First exception of a function in a simulation.
 #[derive(Clone, Debug, Default)]
@@ -90,6 +90,7 @@ impl Plugin for CallableForces {
         }
         let (functions, dimensions, failure) =
             (self.functions.clone(), self.dimensions, self.failure.clone());
+        let stop = context.world.get_resource_or_init::<StopRequest>().clone();
         let add_all = move |fluid: &FluidState<'_>, force: &mut [DVec3]| {
             if failure.is_set() {
                 return;
@@ -100,6 +101,7 @@ impl Plugin for CallableForces {
             });
             let ends = || PyRuntimeError::new_err("the interpreter is about to end");
             if let Err(error) = called.unwrap_or_else(|| Err(ends())) {
+                stop.set(format!("a force raised {error}"));
                 failure.set(error);
             }
         };

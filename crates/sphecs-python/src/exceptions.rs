@@ -127,6 +127,7 @@ fn flow_error(py: Python<'_>, error: RunError) -> PyErr {
         Stop::Diverged { step, time, .. } => ("diverged", *step, *time),
         Stop::Drained { step, time, .. } => ("drained", *step, *time),
         Stop::ReservoirEmpty { step, time } => ("reservoir empty", *step, *time),
+        Stop::Requested { step, time, .. } => ("stopped", *step, *time),
     };
     let made = || {
         let attributes = PyDict::new(py);

@@ -10,17 +10,18 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use pyo3::{FromPyObject, PyErr, PyResult, Python, pyfunction};
+use pyo3::{FromPyObject, Py, PyAny, PyErr, PyResult, Python, pyfunction};
 
+use crate::callable::{CallableForces, Failure, Functions};
 use crate::exceptions::{error_of_run, output_error, run_error};
 use crate::guard::internal_error;
 use crate::scene_input::SceneInput;
-use sphecs::Scene;
+use sphecs::{Plugin, Scene};
 use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
 use sphecs_run::signals::{Signal, Signals};
 use sphecs_run::threads::on_threads;
-use sphecs_run::{Ending, RunOptions, default_folder, environment, memory, run_on_current_pool};
+use sphecs_run::{Ending, RunOptions, default_folder, environment, memory, run_with_plugins};
 
 /// Time between two looks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
@@ -58,9 +59,14 @@ impl Options {
     }
 }
 
-/// Runs a scene to its end and returns its folder.
+/// Runs a scene to its end, with forces of the caller, and returns its folder.
 #[pyfunction]
-pub(crate) fn run(py: Python<'_>, scene: SceneInput, options: Options) -> PyResult<PathBuf> {
+pub(crate) fn run(
+    py: Python<'_>,
+    scene: SceneInput,
+    forces: Vec<Py<PyAny>>,
+    options: Options,
+) -> PyResult<PathBuf> {
     environment::check().map_err(|error| output_error(py, &error))?;
     let memory = memory::available().filter(|_| !options.allow_oversize);
     let shown = scene.shown();
@@ -80,20 +86,34 @@ pub(crate) fn run(py: Python<'_>, scene: SceneInput, options: Options) -> PyResu
         allow_oversize: options.allow_oversize,
         console: options.console(),
     };
-    let ended = run_watched(py, scene, options)?;
+    let ended = run_watched(py, scene, forces, options)?;
     ended.map(|_ending| folder).map_err(|error| error_of_run(py, &shown, error))
 }
 
 /// Runs a scene on another thread and asks the run to stop when Python has a signal to handle; the
-/// exception of its handler is raised when the files of the run are closed.
-fn run_watched(py: Python<'_>, scene: Scene, options: RunOptions) -> PyResult<Result<Ending, RunError>> {
+/// exception of its handler, or that of a force, is raised when the files of the run are closed.
+fn run_watched(
+    py: Python<'_>,
+    scene: Scene,
+    forces: Vec<Py<PyAny>>,
+    options: RunOptions,
+) -> PyResult<Result<Ending, RunError>> {
     let signals = Signals::without_handlers();
     let obeyed = signals.shared();
+    let failure = Failure::default();
+    let mut plugins: Vec<Box<dyn Plugin + Send>> = Vec::new();
+    if !forces.is_empty() {
+        plugins.push(Box::new(CallableForces {
+            functions: Functions::new(forces),
+            dimensions: scene.dimensions,
+            failure: failure.clone(),
+        }));
+    }
     let (ended, mut end) = channel::<()>();
     let work = move || {
         // Dropped when the run ends, also by a panic.
         let _ended = ended;
-        on_threads(options.threads, || run_on_current_pool(scene, &options, obeyed))?
+        on_threads(options.threads, || run_with_plugins(scene, plugins, &options, obeyed))?
     };
     let run = thread::Builder::new()
         .name("run".to_owned())
@@ -111,6 +131,7 @@ fn run_watched(py: Python<'_>, scene: Scene, options: RunOptions) -> PyResult<Re
         }
     }
     let ended = py.detach(|| run.join());
+    let interrupt = interrupt.or_else(|| failure.take());
     match (interrupt, ended) {
         (Some(interrupt), _) => Err(interrupt),
         (None, Ok(ended)) => Ok(ended),

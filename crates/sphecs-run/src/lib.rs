@@ -51,6 +51,7 @@ use run_loop::RunLoop;
 use signals::{Signal, Signals};
 use threads::on_threads;
 
+use sphecs_engine::plugins::Plugin;
 use sphecs_output::error::OutputError;
 use sphecs_output::start::check_free;
 use sphecs_scene::model::Scene;
@@ -103,12 +104,27 @@ pub fn run(scene: Scene, options: &RunOptions) -> Result<Ending, RunError> {
 /// # Errors
 /// As [`run`].
 pub fn run_on_current_pool(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Ending, RunError> {
+    run_with_plugins(scene, Vec::new(), options, signals)
+}
+
+/// Runs a scene as [`run_on_current_pool`] does, with plugins of the caller.
+///
+/// The header of the run says so: `sphecs resume`, which lacks the plugins, refuses to continue it.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with_plugins(
+    scene: Scene,
+    plugins: Vec<Box<dyn Plugin + Send>>,
+    options: &RunOptions,
+    signals: Signals,
+) -> Result<Ending, RunError> {
     // The folder is checked before the domain is filled, and again when the folder is made.
     check_free(&options.folder, options.force)?;
     if !options.allow_oversize {
         disk_check::check(&scene, options)?;
     }
-    RunLoop::start(scene, options, signals)?.run()
+    RunLoop::start(scene, plugins, options, signals)?.run()
 }
 
 /// Returns the folder `runs/NAME` of a scene without a folder of its own.
@@ -125,7 +141,75 @@ pub fn default_folder(name: &str) -> Result<PathBuf, OutputError> {
 
 #[cfg(test)]
 mod tests {
+    use super::resume::{ResumeOptions, resume_on_current_pool};
     use super::*;
+    use sphecs_engine::plugins::PluginContext;
+    use sphecs_engine::simulation::{Stop, StopRequest};
+    use sphecs_engine::systems::force_fields::FluidState;
+    use sphecs_engine::systems::forces::AddedForces;
+    use sphecs_output::results::Results;
+    use sphecs_output::summary::{Status, Summary};
+
+    /// Pushes the fluid along x until a time, s, at which it asks to stop.
+    struct PushUntil(f64);
+
+    impl Plugin for PushUntil {
+        fn build(&self, context: &mut PluginContext<'_>) {
+            let stop = context.world.get_resource_or_init::<StopRequest>().clone();
+            let end = self.0;
+            let push = move |fluid: &FluidState<'_>, force: &mut [glam::DVec3]| {
+                if fluid.time > end {
+                    stop.set("far enough");
+                }
+                force.iter_mut().for_each(|force| force.x += 0.5);
+            };
+            context.world.get_resource_or_init::<AddedForces>().add_field(push);
+        }
+    }
+
+    fn options(folder: PathBuf) -> RunOptions {
+        RunOptions {
+            folder,
+            force: false,
+            threads: None,
+            until: None,
+            max_steps: None,
+            checkpoint_every: None,
+            max_wall_time: None,
+            allow_oversize: false,
+            console: Console::Quiet,
+        }
+    }
+
+    #[test]
+    fn plugins_act_in_a_run_which_is_not_resumed_without_them() {
+        let parent = tempfile::tempdir().expect("a folder");
+        let options = options(parent.path().join("run"));
+        let text = r#"Scene(
+            title: "Box", dimensions: 2, spacing: 0.05, periodic: ["x", "y"],
+            fluid: (density: 1000.0, viscosity: 1e-3, sound_speed: 2.0),
+            domain: Box(min: (0.0, 0.0), max: (0.5, 0.4)),
+            reference: (velocity: 0.1, length: 0.4),
+            time: (end: 1.0), output: (every: 0.05),
+        )"#;
+        let scene = Scene::from_text("box", text).load().expect("a scene");
+        let plugins: Vec<Box<dyn Plugin + Send>> = vec![Box::new(PushUntil(0.12))];
+        let ended = run_with_plugins(scene, plugins, &options, Signals::without_handlers());
+        let Err(RunError::Flow { stop: Stop::Requested { time, reason, .. }, .. }) = ended else {
+            panic!("{ended:?}");
+        };
+        assert!(time > 0.12 && time < 0.15 && reason == "far enough", "{time}: {reason}");
+        assert_eq!(Summary::read(&options.folder).expect("a summary").status, Status::Failed);
+        let results = Results::open(&options.folder).expect("a run");
+        assert_eq!(results.times().len(), 3);
+        let last = results.frame(2).expect("a frame");
+        let u = f64::from(last.velocity[0][0]);
+        assert!((u - 0.5 * last.time).abs() < 1e-6, "{u} m/s at {} s", last.time);
+
+        let resumed = ResumeOptions { run: options, sets: Vec::new(), allow_other_isa: false };
+        let refused = resume_on_current_pool(&resumed, Signals::without_handlers()).expect_err("refused");
+        assert!(refused.to_string().contains("plugins of the program"), "{refused}");
+    }
 
     #[test]
     fn no_scene_name_leads_out_of_the_runs_folder() {

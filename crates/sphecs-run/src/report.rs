@@ -226,6 +226,7 @@ pub fn status_and_cure(stop: &Stop) -> (Status, String) {
             Status::Failed,
             "raise `reservoir.particles`, or let the reservoir grow by `when_empty: Grow`".to_owned(),
         ),
+        Stop::Requested { .. } => (Status::Failed, "see the plugin of the program".to_owned()),
     }
 }
 

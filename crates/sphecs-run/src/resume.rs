@@ -74,6 +74,13 @@ pub fn resume_on_current_pool(options: &ResumeOptions, signals: Signals) -> Resu
 fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>, RunError> {
     let path = options.run.folder.as_path();
     let mut header = read_header(path)?;
+    if header.has_plugins {
+        return Err(request(format!(
+            "`{}`: has forces or plugins of the program that started it, without which the flow would be another: \
+             run the scene from its start in that program",
+            path.display()
+        )));
+    }
     let lock = Lock::acquire_without_links(path)?;
     let status = Summary::read(path)?.status;
     let (scene, changes) = changed_scene(options, &header)?;

@@ -14,8 +14,9 @@
 //! [`displaced_flow`](super::displaced_flow).
 //!
 //! Laplace's equation is solved by conjugate gradients on cells with the size of a particle, or
-//! larger ones in a large domain. Walls cut cells: what is open of each face and of each cell counts.
-//! With whole cells the section of a pipe of 16 cells would be 3 % too large, and so its flow.
+//! larger ones in a large domain. Walls cut cells: what is open of each face and of each cell
+//! counts. With whole cells the section of a pipe of 16 cells would be 3 % too large, and so its
+//! flow.
 
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -252,8 +253,8 @@ fn open_part(samples: impl Iterator<Item = DVec3>, is_open: impl Fn(DVec3) -> bo
     f64::from(open) / f64::from(count.max(1))
 }
 
-/// Returns true for the centre (m) of a cell just beyond the plane of an outlet, whose face the cell
-/// before it has.
+/// Returns true for the centre (m) of a cell just beyond the plane of an outlet. The face between
+/// them belongs to the cell before it.
 fn is_beyond(scene: &Scene, cells: &Cells, centre: DVec3) -> bool {
     scene.outlets.iter().any(|outlet| {
         let patch = &outlet.patch;

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from . import _sphecs
 from ._exceptions import Fault
+from ._forces import Force, force_functions
 from ._results import Run, open_run
 from ._scene import SceneLike, scene_input
 
@@ -17,6 +18,7 @@ def run(
     scene: SceneLike,
     *,
     set: Mapping[str, Any] | None = None,
+    forces: Force | Iterable[Force] = (),
     smoke: bool = False,
     until: float | None = None,
     steps: int | None = None,
@@ -39,6 +41,8 @@ def run(
     scene: path or text of a scene file, or a dictionary (see `sphecs.variant`).
     set: changes of the scene, as `{"fluid.sound_speed": 1.0, "outlets.0.condition": "Mirror()"}`; text is taken as on the
         command line.
+    forces: functions that return the acceleration of the fluid particles, as those of `sphecs.Simulation`. An exception
+        ends the run, whose files stay. `sphecs resume` refuses a run with forces, which it would lack.
     smoke: take the coarse smoke spacing of the scene.
     until: end, s; None: that of the scene.
     steps: largest number of steps.
@@ -69,7 +73,7 @@ def run(
         "allow_oversize": allow_oversize,
         "verbosity": verbosity,
     }
-    return open_run(_sphecs.run(given, options))
+    return open_run(_sphecs.run(given, force_functions(forces), options))
 
 
 @dataclass(frozen=True)

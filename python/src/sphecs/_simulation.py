@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _sphecs
 from ._exceptions import StaleStateError
+from ._forces import Floats, Force, force_functions
 from ._running import count
 from ._scene import SceneLike, scene_input
-
-Floats: TypeAlias = npt.NDArray[np.float64]
-
-#: Acceleration (n, dimensions), m/s², of all fluid particles from time, s, position, m, and velocity, m/s.
-Force: TypeAlias = Callable[[float, Floats, Floats], npt.ArrayLike]
 
 #: Zones by their numbers.
 ZONES = ("fluid", "wall", "inflow", "outflow", "reservoir")
@@ -193,17 +189,13 @@ class Simulation:
         scene: SceneLike,
         *,
         set: Mapping[str, Any] | None = None,
-        forces: Iterable[Force] = (),
+        forces: Force | Iterable[Force] = (),
         smoke: bool = False,
         threads: int | None = None,
         name: str | None = None,
     ) -> None:
-        functions = [forces] if callable(forces) else list(forces)
-        for function in functions:
-            if not callable(function):
-                raise TypeError(f"forces: has {function!r}, must be functions of time, position and velocity")
         given = scene_input(scene, set, smoke, name)
-        self._engine = _sphecs.Simulation(given, functions, count(threads, "threads"))
+        self._engine = _sphecs.Simulation(given, force_functions(forces), count(threads, "threads"))
         self._scene = self._engine.scene()
         self._state: State | None = None
 

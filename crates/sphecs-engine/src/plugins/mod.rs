@@ -57,3 +57,9 @@ pub trait Plugin {
     /// resumed run would otherwise start without its value.
     fn build(&self, context: &mut PluginContext<'_>);
 }
+
+impl Plugin for Box<dyn Plugin + Send> {
+    fn build(&self, context: &mut PluginContext<'_>) {
+        (**self).build(context);
+    }
+}

@@ -12,7 +12,7 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 
 pub use builder::{BuildError, SimulationBuilder};
-pub use stop::Stop;
+pub use stop::{Stop, StopRequest};
 
 use crate::arrays::Arrays;
 use crate::particle_table::ParticleTable;
@@ -127,6 +127,9 @@ impl Simulation {
     /// Returns the reason to stop that the last step found.
     fn stop_reason(&self) -> Option<Stop> {
         let Clock { step, time, .. } = self.clock();
+        if let Some(reason) = self.world.get_resource::<StopRequest>().and_then(StopRequest::reason) {
+            return Some(Stop::Requested { step, time, reason: reason.to_owned() });
+        }
         let failure = self.world.resource::<Failure>();
         if let Some(particle) = &failure.diverged {
             return Some(Stop::Diverged { step, time, found: particle.describe(), advice: particle.advice });

@@ -16,8 +16,9 @@ use crate::{Ending, RunOptions, report, waiting};
 use sphecs_core::format::{duration, grouped, significant};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
+use sphecs_engine::plugins::Plugin;
 use sphecs_engine::saved_state::encode_record;
-use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_engine::simulation::{Simulation, SimulationBuilder, Stop};
 use sphecs_output::error::OutputError;
 use sphecs_output::folder::RunFolder;
 use sphecs_output::frame::Frame;
@@ -64,12 +65,20 @@ impl RunLoop {
     ///
     /// # Errors
     /// [`RunError::Output`] when the folder cannot be made.
-    pub fn start(scene: Scene, options: &RunOptions, signals: Signals) -> Result<Self, RunError> {
-        let mut simulation = waiting::during("placing the particles", || Simulation::builder(scene).build())?;
+    pub fn start(
+        scene: Scene,
+        plugins: Vec<Box<dyn Plugin + Send>>,
+        options: &RunOptions,
+        signals: Signals,
+    ) -> Result<Self, RunError> {
+        let has_plugins = !plugins.is_empty();
+        let builder = plugins.into_iter().fold(Simulation::builder(scene), SimulationBuilder::plugin);
+        let mut simulation = waiting::during("placing the particles", || builder.build())?;
         let first = Frame::from_world(simulation.world());
         let scene = simulation.scene();
         let mut header = Header::new(scene, &first);
         (header.until, header.max_steps) = (options.until, options.max_steps);
+        header.has_plugins = has_plugins;
         let probes = ProbeSet::new(scene);
         let until = options.until.unwrap_or(scene.time.end);
         let folder = RunFolder::create(&options.folder, options.force, &header, &probes)?;
