@@ -56,6 +56,17 @@ def compare(grid, frame, present):
     np.testing.assert_array_equal(array(grid, "particle_id"), frame.particle_id.values[present])
 
 
+def has_constants(grid, attributes):
+    """Checks the arrays of numbers that all particles of a 2D run share."""
+    spacing = attributes["spacing"]
+    for name, value in [
+        ("mass", attributes["reference_density"] * spacing**2),
+        ("spacing", spacing),
+        ("smoothing_length", attributes["smoothing_length"]),
+    ]:
+        np.testing.assert_allclose(array(grid, name), value, rtol=1e-6)
+
+
 @pytest.fixture(scope="module")
 def particles(run_folder):
     with xr.open_dataset(run_folder / "particles.nc") as data:
@@ -84,13 +95,7 @@ def test_vtkhdf_has_the_particles_of_every_frame(file, particles):
 
 def test_arrays_suit_point_gaussian_and_the_sph_filters(file, particles):
     grid = Reader(file).at()
-    spacing, density = particles.attrs["spacing"], particles.attrs["reference_density"]
-    for name, value in [
-        ("mass", density * spacing**2),
-        ("spacing", spacing),
-        ("smoothing_length", particles.attrs["smoothing_length"]),
-    ]:
-        np.testing.assert_allclose(array(grid, name), value, rtol=1e-6)
+    has_constants(grid, particles.attrs)
     # The sum of m/rho W over the particles around a point inside the fluid, which VTK computes, is one.
     grid.GetPointData().SetActiveScalars("tag")
     place = vtk.vtkPolyData()
@@ -99,7 +104,7 @@ def test_arrays_suit_point_gaussian_and_the_sph_filters(file, particles):
     place.SetPoints(inside)
     kernel = vtk.vtkSPHQuinticKernel()
     kernel.SetDimension(2)
-    kernel.SetSpatialStep(spacing)
+    kernel.SetSpatialStep(particles.attrs["spacing"])
     interpolator = vtk.vtkSPHInterpolator()
     interpolator.SetInputData(place)
     interpolator.SetSourceData(grid)
@@ -161,9 +166,11 @@ def test_compressed_vtu_has_the_values_of_the_frames(run_folder, particles, tmp_
         reader.Update()
         frame = particles.isel(time=index)
         compare(reader.GetOutput(), frame, np.isin(frame.zone, PRESENT))
+        has_constants(reader.GetOutput(), particles.attrs)
     reader.SetFileName(str(tmp_path / "vtu" / "walls.vtu"))
     reader.Update()
     np.testing.assert_array_equal(points(reader.GetOutput())[:, 1], particles.wall_y)
+    np.testing.assert_allclose(array(reader.GetOutput(), "spacing"), particles.attrs["spacing"], rtol=1e-6)
 
 
 def test_exports_replace_earlier_ones(run_folder, tmp_path):

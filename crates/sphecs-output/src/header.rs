@@ -201,6 +201,17 @@ impl ProbeShape {
 }
 
 impl Header {
+    /// Returns the numbers that all particles share, as arrays with which the filters of ParaView
+    /// need no typing: mass, kg (kg/m in 2D), spacing, m, and smoothing length, m.
+    pub(crate) fn particle_constants(&self) -> [(&'static str, f32); 3] {
+        let mass = self.reference_density * self.spacing.powi(self.dimensions as i32);
+        [
+            ("mass", mass as f32),
+            ("spacing", self.spacing as f32),
+            ("smoothing_length", self.smoothing_length as f32),
+        ]
+    }
+
     /// Returns the header of a scene with the initial state `first`.
     pub fn new(scene: &Scene, first: &Frame) -> Self {
         Self {

@@ -17,6 +17,7 @@ use rayon::slice::ParallelSlice;
 use super::disk;
 use super::error::OutputError;
 use super::frame::Frame;
+use super::header::Header;
 use super::netcdf::deflated;
 use super::results::Results;
 
@@ -50,10 +51,10 @@ pub fn export_vtu(
         let frame = results.frame(index)?;
         if index == 0 {
             let walls: Vec<usize> = frame.fixed_walls().collect();
-            write_grid(&folder.join("walls.vtu"), &frame, &walls, false)?;
+            write_grid(&folder.join("walls.vtu"), &results.header, &frame, &walls, false)?;
         }
         let name = frame_name(index);
-        write_grid(&folder.join(&name), &frame, &frame.present(), true)?;
+        write_grid(&folder.join(&name), &results.header, &frame, &frame.present(), true)?;
         series += &format!("<DataSet timestep=\"{}\" part=\"0\" file=\"{name}\"/>\n", frame.time);
         done(index + 1, results.len());
     }
@@ -104,10 +105,16 @@ const HEAD: &str = "<?xml version=\"1.0\"?>\n\
     <UnstructuredGrid>\n\
     <FieldData><DataArray type=\"Float64\" Name=\"TimeValue\"";
 
-fn write_grid(path: &Path, frame: &Frame, slots: &[usize], moving: bool) -> Result<(), OutputError> {
+fn write_grid(
+    path: &Path,
+    header: &Header,
+    frame: &Frame,
+    slots: &[usize],
+    moving: bool,
+) -> Result<(), OutputError> {
     let written = File::create(disk::fresh_partial(path)).and_then(|file| {
         let mut out = BufWriter::new(file);
-        grid(&mut out, frame, slots, moving)?;
+        grid(&mut out, header, frame, slots, moving)?;
         out.flush()
     });
     match written {
@@ -119,7 +126,13 @@ fn write_grid(path: &Path, frame: &Frame, slots: &[usize], moving: bool) -> Resu
     }
 }
 
-fn grid(out: &mut impl Write, frame: &Frame, slots: &[usize], moving: bool) -> std::io::Result<()> {
+fn grid(
+    out: &mut impl Write,
+    header: &Header,
+    frame: &Frame,
+    slots: &[usize],
+    moving: bool,
+) -> std::io::Result<()> {
     let count = slots.len();
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     writeln!(
@@ -150,6 +163,9 @@ fn grid(out: &mut impl Write, frame: &Frame, slots: &[usize], moving: bool) -> s
     array(out, "zone", 1, &pick(&frame.zone, slots))?;
     let ids: Vec<u32> = slots.iter().map(|&slot| slot as u32).collect();
     array(out, "particle_id", 1, &ids)?;
+    for (name, value) in header.particle_constants() {
+        array(out, name, 1, &vec![value; count])?;
+    }
     writeln!(out, "</PointData>\n<Points>")?;
     let places: Vec<f64> =
         slots.iter().flat_map(|&slot| [0, 1, 2].map(|axis| frame.position[axis][slot])).collect();
@@ -258,7 +274,7 @@ mod tests {
         let mut frame = Frame::absent(4);
         frame.zone[..3].copy_from_slice(&[0, 1, 4]);
         let mut text = Vec::new();
-        grid(&mut text, &frame, &[0], true).expect("written");
+        grid(&mut text, &Header::default(), &frame, &[0], true).expect("written");
         let text = String::from_utf8(text).expect("text");
         assert!(text.contains("NumberOfPoints=\"1\" NumberOfCells=\"1\""));
         assert!(text.starts_with(HEAD));

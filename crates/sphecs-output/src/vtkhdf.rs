@@ -49,7 +49,7 @@ pub fn export_vtkhdf(
     let mut set = PointSet {
         times: frames.iter().map(|&index| times[index]).collect(),
         counts: Vec::new(),
-        constants: constants(results),
+        constants: results.header.particle_constants().to_vec(),
     };
     for &index in &frames {
         set.counts.push(results.occupancy(index, false)?.present().len());
@@ -69,18 +69,6 @@ pub fn export_vtkhdf(
     Ok(VtkHdfExport { walls: write_walls(results, target)?, frames: frames.len() })
 }
 
-/// Returns the numbers that all particles share, as arrays with which the filters of ParaView need
-/// no typing.
-fn constants(results: &Results) -> Vec<(&'static str, f32)> {
-    let header = &results.header;
-    let mass = header.reference_density * header.spacing.powi(header.dimensions as i32);
-    vec![
-        ("mass", mass as f32),
-        ("spacing", header.spacing as f32),
-        ("smoothing_length", header.smoothing_length as f32),
-    ]
-}
-
 /// Writes the walls at rest, or removes those of an earlier export where there are none.
 fn write_walls(results: &Results, target: &Path) -> Result<Option<PathBuf>, OutputError> {
     let mut name = target.file_stem().unwrap_or_default().to_os_string();
@@ -96,7 +84,11 @@ fn write_walls(results: &Results, target: &Path) -> Result<Option<PathBuf>, Outp
             _ => Ok(None),
         };
     }
-    let set = PointSet { times: Vec::new(), counts: vec![walls.len()], constants: constants(results) };
+    let set = PointSet {
+        times: Vec::new(),
+        counts: vec![walls.len()],
+        constants: results.header.particle_constants().to_vec(),
+    };
     point_sets::write(&path, &results.header, &set, |_| {
         Ok(vec![
             positions(&frame, &walls),
