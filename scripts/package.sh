@@ -9,10 +9,11 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 program=
+static=
 build=(--profile dist --locked)
 while [ $# -gt 0 ]; do
     case $1 in
-        --static) build+=(--features static) ;;
+        --static) build+=(--features static); static=yes ;;
         --program) program=$2; shift ;;
         *) echo "unknown option $1; see the head of $0" >&2; exit 2 ;;
     esac
@@ -20,6 +21,9 @@ while [ $# -gt 0 ]; do
 done
 if [ -z "$program" ]; then
     . scripts/setup.sh
+    if [ -n "$static" ]; then
+        new_cmake || { echo "cmake 3.26 or later is needed to build netcdf-c: install it" >&2; exit 1; }
+    fi
     cargo build "${build[@]}" "${FEATURES[@]}"
     program=${CARGO_TARGET_DIR:-target}/dist/sphecs
 fi
