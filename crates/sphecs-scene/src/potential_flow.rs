@@ -86,16 +86,15 @@ impl Face {
         }
     }
 
-    /// Returns the rise of a potential from a cell's to the other side of the face, over the
-    /// distance in cells; 0 at a wall.
-    fn slope(self, own: f64, potential: &[f64], outlet: u16) -> f64 {
-        match self {
-            Self::Cell(other, _) => potential[other as usize] - own,
-            Self::Outlet(number, distance, _) => {
-                (f64::from(u8::from(number == outlet)) - own) / f64::from(distance)
-            }
-            Self::Wall => 0.0,
-        }
+    /// Returns the flow through the face, of the gradient of a potential, times the distance of the
+    /// face from the centre, in cells.
+    fn moment(self, own: f64, potential: &[f64], outlet: u16) -> f64 {
+        let (other, distance) = match self {
+            Self::Cell(other, _) => (potential[other as usize], 0.5),
+            Self::Outlet(number, distance, _) => (f64::from(u8::from(number == outlet)), distance.min(0.5)),
+            Self::Wall => return 0.0,
+        };
+        self.conductance() * (other - own) * f64::from(distance)
     }
 }
 
@@ -233,10 +232,13 @@ impl Laplace {
     fn gradient(&self, potential: &[f64], outlet: u16) -> Vec<[f32; 3]> {
         let mut gradient = vec![[0.0; 3]; self.cells.len()];
         for (cell, (&at, faces)) in self.inside.iter().zip(&self.faces).enumerate() {
-            let slope = |face: &Face| face.slope(potential[cell], potential, outlet);
+            // The mean of a field without divergence is the sum of its flows through the faces
+            // times their places, over the volume. It holds where an oblique wall cuts the cell.
+            let moment = |face: &Face| face.moment(potential[cell], potential, outlet);
+            let volume = self.parts[cell] * self.cells.size;
             for axis in 0..self.dimensions {
-                let both = slope(&faces[2 * axis + 1]) - slope(&faces[2 * axis]);
-                gradient[at][axis] = (0.5 * both / self.cells.size) as f32;
+                let both = moment(&faces[2 * axis + 1]) - moment(&faces[2 * axis]);
+                gradient[at][axis] = (both / volume) as f32;
             }
         }
         gradient
@@ -253,14 +255,15 @@ fn open_part(samples: impl Iterator<Item = DVec3>, is_open: impl Fn(DVec3) -> bo
     f64::from(open) / f64::from(count.max(1))
 }
 
-/// Returns true for the centre (m) of a cell just beyond the plane of an outlet. The face between
-/// them belongs to the cell before it.
+/// Returns true for the centre (m) of a cell just beyond the plane of an outlet. Its faces towards
+/// the domain are those of the outlet. A margin takes the cells at the edge of an oblique section:
+/// one that stayed would have a neighbour without it, and the equations would not be symmetric.
 fn is_beyond(scene: &Scene, cells: &Cells, centre: DVec3) -> bool {
     scene.outlets.iter().any(|outlet| {
         let patch = &outlet.patch;
         let along = patch.along(centre);
         let is_near = along >= 0.0 && along < 2.0 * cells.size;
-        is_near && cells.samples(centre, None, scene.dimensions).any(|point| patch.covers(point, 0.0))
+        is_near && patch.covers(centre, 1.5 * cells.size)
     })
 }
 

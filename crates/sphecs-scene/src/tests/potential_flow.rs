@@ -108,3 +108,27 @@ fn flow_through_a_pipe_is_its_mean_velocity_times_the_area() {
     assert!((flow.gradient(DVec3::new(2.1, 0.9, 0.3))[0] - 0.25).abs() < 1e-3);
     assert!((flow.overlaps[0] * 3.0 / area - 4.0).abs() < 0.02, "{:?}", flow.overlaps);
 }
+
+/// Oblique walls and openings.
+#[test]
+fn flow_through_a_turned_channel_is_its_mean_velocity_times_the_width() {
+    for angle in [15.0_f64, 37.0, 45.0] {
+        let (s, c) = angle.to_radians().sin_cos();
+        let turned = scene(
+            &format!("Rotated(angle: {angle}, shape: Box(min: (0.0, -0.5), max: (6.0, 0.5)))"),
+            &format!(
+                "outlets: [(at: ({}, {}), towards: ({c}, {s})), (at: (0.0, 0.0), towards: ({}, {}))]",
+                6.0 * c,
+                6.0 * s,
+                -c,
+                -s
+            ),
+        );
+        let flow = potential_flows(&turned, |_| true).remove(0).expect("a flow");
+        // φ rises by one over the length of 6 m, in a channel of 6 m².
+        assert!((6.0 * flow.square - 1.0).abs() < 0.03, "{angle}°: {}", flow.square);
+        assert!((flow.conductances[0] + flow.conductances[1]).abs() < 0.03, "{:?}", flow.conductances);
+        let gradient = DVec3::from(flow.gradient(DVec3::new(3.0 * c, 3.0 * s, 0.0)).map(f64::from));
+        assert!((gradient - DVec3::new(c, s, 0.0) / 6.0).length() < 0.01, "{angle}°: {gradient}");
+    }
+}
