@@ -61,6 +61,8 @@ pub struct WallSurface {
     pub distance: f64,
     /// Unit normal of the surface at the nearest point, into the fluid.
     pub normal: DVec3,
+    /// Thickness of the solid, m, where it is thin and one-sided; else 0.
+    pub thickness: f64,
 }
 
 /// Role: inflow particle, upstream of the inlet `inlet`.

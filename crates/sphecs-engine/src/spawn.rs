@@ -38,7 +38,11 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
         match group[0].zone {
             Zone::Fluid => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
             Zone::Wall => spawn.all(state.map(|(bundle, seed)| {
-                let surface = WallSurface { distance: seed.wall_distance, normal: seed.wall_normal };
+                let surface = WallSurface {
+                    distance: seed.wall_distance,
+                    normal: seed.wall_normal,
+                    thickness: seed.wall_thickness,
+                };
                 (bundle, (Wall { part: seed.patch }, surface))
             })),
             Zone::Inflow => spawn.all(state.map(|(bundle, seed)| (bundle, Inflow { inlet: seed.patch }))),

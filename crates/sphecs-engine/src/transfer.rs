@@ -67,6 +67,7 @@ pub(crate) fn gather<R: PairReal<D>, const D: usize>(world: &mut World, arrays: 
             drift: past.drift,
             wall_distance: surface.distance,
             wall_normal: surface.normal,
+            wall_thickness: surface.thickness,
         }
     };
     let mut rows = Vec::with_capacity(BATCH.min(particles.len()));

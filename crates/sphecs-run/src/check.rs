@@ -13,6 +13,7 @@ use sphecs_core::physics::wall::WallPressure;
 use sphecs_scene::closing_gaps::{ClosingGap, NARROW, closing_gaps};
 use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
+use sphecs_scene::missing_walls::missing_wall;
 use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
 use sphecs_scene::movers::Wall;
 use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
@@ -46,16 +47,16 @@ pub struct CheckOptions {
 pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) -> CheckReport {
     let until = options.until.unwrap_or(scene.time.end);
     // The path of the flow takes as long as all else together.
-    let (path, (passage, (mut figures, overlaps, thin_wall))) = rayon::join(
+    let (path, (passage, (mut figures, overlaps, thin_walls))) = rayon::join(
         || flow_path(scene, &seeds),
         || {
             let rest =
-                || (summary(scene, &seeds), overlap_notes(scene, &seeds), thinnest_wall(scene, &seeds));
+                || (summary(scene, &seeds), overlap_notes(scene, &seeds), thin_wall_notes(scene, &seeds));
             rayon::join(|| narrowest_passage(scene, &seeds), rest)
         },
     );
     figures.notes.extend(overlaps);
-    figures.notes.extend(thin_wall.and_then(|wall| thin_wall_note(scene, &wall)));
+    figures.notes.extend(thin_walls);
     for mesh in &scene.mesh_reports {
         figures.notes.extend(mesh.notes.iter().map(|note| format!("the mesh {} {note}", mesh.name)));
     }
@@ -238,6 +239,20 @@ fn closing_gap_note(scene: &Scene, gap: &ClosingGap) -> String {
     )
 }
 
+/// Returns the notes on solids thinner than the support.
+fn thin_wall_notes(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
+    let missing = missing_wall(scene, seeds).map(|wall| {
+        let thickness = significant(wall.thickness());
+        format!(
+            "the solid at {} is {thickness} m thin and has no particles, so that the flow passes through it: make it a \
+             spacing thick, or `spacing` of at most {thickness} m",
+            point_text(scene, wall.middle())
+        )
+    });
+    let thin = thinnest_wall(scene, seeds).and_then(|wall| thin_wall_note(scene, &wall));
+    missing.into_iter().chain(thin).collect()
+}
+
 fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {
     let (thickness, at) = (significant(wall.thickness()), point_text(scene, wall.middle()));
     // Both limits are in proportion to the spacing.
@@ -246,17 +261,15 @@ fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {
     if wall.thickness() < leaking {
         return Some(format!(
             "the wall at {at} is {thickness} m thin: the fluid of its two sides feels each other through less than \
-             {} m, `spacing` of at most {} m",
+             {} m, `walls: (one_sided: true)` separates them, or `spacing` of at most {} m",
             significant(leaking),
             cure(leaking)
         ));
     }
-    // Walls that move cannot mirror the pressure.
-    let other = if scene.has_moving_walls() { "" } else { " or a wall model with `pressure: Mirrored`" };
     (wall.thickness() < mixing && scene.walls.model.pressure() == WallPressure::Extrapolated).then(|| {
         format!(
             "the wall at {at} is {thickness} m thin: its particles mix the pressures of both sides below {} m, \
-             `spacing` of at most {} m{other}",
+             `walls: (one_sided: true)` separates them, or `spacing` of at most {} m",
             significant(mixing),
             cure(mixing)
         )

@@ -27,7 +27,7 @@
 //! * [`movers`], [`mover_places`]: walls that move, and their particles
 //! * [`displaced_flow`], [`closing_gaps`]: the flow that they displace, and gaps that they close
 //! * [`wall_points`]: points of its walls at which pressure and shear stress are measured
-//! * [`thin_walls`]: solid that is thinner than the kernel reaches
+//! * [`thin_walls`], [`missing_walls`]: solid that is thinner than the kernel reaches, or than particles
 //! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
 //!   are sought
 //! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run
@@ -62,6 +62,7 @@ pub mod loader;
 pub mod manual;
 pub mod memory_estimate;
 pub mod meshes;
+pub mod missing_walls;
 pub mod model;
 pub mod motion;
 pub mod mover_places;

@@ -157,6 +157,8 @@ pub enum BodyForce {
 pub struct Walls {
     /// Treatment of walls in the sums.
     pub model: WallModel,
+    /// True if thin walls separate the fluid on their two sides.
+    pub one_sided: bool,
     /// Parts, in the order of the scene; a wall particle's `patch` is an index into this. The first
     /// part is the remaining surface.
     pub parts: Vec<WallPart>,
@@ -388,4 +390,6 @@ pub struct ParticleSeed {
     pub wall_distance: f64,
     /// Wall: unit normal of the surface at the nearest point, into the fluid. Others: 0.
     pub wall_normal: DVec3,
+    /// Particle of a thin wall that is one-sided: thickness of the solid, m. Others: 0.
+    pub wall_thickness: f64,
 }

@@ -8,6 +8,7 @@ use super::expression::Expression;
 use super::fill::{Place, places};
 use super::model::{ParticleSeed, Scene};
 use super::movers::{Wall, WallPoses};
+use super::thin_walls::find_thicknesses;
 use super::wall_particles;
 use sphecs_core::particles::zone::Zone;
 
@@ -22,6 +23,9 @@ pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
     let mut seeds = Vec::with_capacity(places.len() + scene.reservoir.initial);
     seeds.par_extend(places.into_par_iter().map(|place| seed(scene, &poses, place)));
     set_emitter_velocities(scene, &mut seeds);
+    if scene.walls.one_sided {
+        find_thicknesses(scene, &mut seeds);
+    }
     let parked = scene.inlets.first().map_or(DVec3::ZERO, |inlet| inlet.patch.at);
     let reservoir = ParticleSeed {
         position: parked,
@@ -32,6 +36,7 @@ pub fn seeds(scene: &Scene) -> Vec<ParticleSeed> {
         tag: 0.0,
         wall_distance: 0.0,
         wall_normal: DVec3::ZERO,
+        wall_thickness: 0.0,
     };
     seeds.extend(std::iter::repeat_n(reservoir, scene.reservoir.initial));
     seeds
@@ -49,6 +54,7 @@ fn seed(scene: &Scene, poses: &WallPoses, place: Place) -> ParticleSeed {
         tag: at(&scene.initial.tag),
         wall_distance: 0.0,
         wall_normal: DVec3::ZERO,
+        wall_thickness: 0.0,
     };
     match place.zone {
         Zone::Wall => {

@@ -11,12 +11,13 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec3;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use super::fill::{behind_far_end, confined_distance};
 use super::model::{ParticleSeed, Scene};
 use super::wall_particles::surface_at;
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::physics::wall::Slip;
 
 /// Largest number of lines; more walls than that are sampled evenly.
 const MOST_LINES: usize = 20_000;
@@ -59,13 +60,33 @@ pub fn mixing_thickness(scene: &Scene) -> f64 {
 /// Returns the thinnest wall of a scene below the [mixing thickness](mixing_thickness); None
 /// without one.
 pub fn thinnest_wall(scene: &Scene, seeds: &[ParticleSeed]) -> Option<ThinWall> {
-    let at_surface = |seed: &&ParticleSeed| seed.zone == Zone::Wall && seed.wall_distance < scene.spacing;
+    // One-sided walls do neither.
+    let at_surface = |seed: &&ParticleSeed| {
+        seed.zone == Zone::Wall && seed.wall_distance < scene.spacing && seed.wall_thickness == 0.0
+    };
     let first_layer: Vec<&ParticleSeed> = seeds.iter().filter(at_surface).collect();
     let stride = first_layer.len().div_ceil(MOST_LINES).max(1);
     (0..first_layer.len().div_ceil(stride))
         .into_par_iter()
         .filter_map(|index| through(scene, first_layer[index * stride]))
         .min_by(|a, b| a.thickness().total_cmp(&b.thickness()))
+}
+
+/// Finds the thickness of the solid at the particles of no-slip walls where it is below the [mixing
+/// thickness](mixing_thickness). A particle in the middle, where the surface has no direction, gets
+/// that of the line through the wall.
+pub fn find_thicknesses(scene: &Scene, seeds: &mut [ParticleSeed]) {
+    let sticks = |seed: &&mut ParticleSeed| {
+        seed.zone == Zone::Wall && scene.walls.parts[usize::from(seed.patch)].slip == Slip::NoSlip
+    };
+    seeds.par_iter_mut().filter(sticks).for_each(|seed| {
+        if let Some(wall) = through(scene, seed) {
+            seed.wall_thickness = wall.thickness();
+            if seed.wall_normal == DVec3::ZERO {
+                seed.wall_normal = (wall.ends[0] - wall.ends[1]).normalize_or_zero();
+            }
+        }
+    });
 }
 
 /// Returns the line through the wall from the surface in front of one of its particles.
@@ -143,6 +164,31 @@ mod tests {
             assert!((0.5..0.75).contains(&found.middle().y), "{found:?}");
         }
         assert_eq!(with_plate(0.3), None);
+    }
+
+    #[test]
+    fn particles_of_one_sided_walls_have_the_thickness_of_the_solid() {
+        let text = r#"Scene(
+    title: "Thin", dimensions: 2, spacing: 0.05,
+    fluid: (density: 1000.0, viscosity: 1e-3, sound_speed: 10.0),
+    domain: Difference([Box(min: (0.0, 0.0), max: (2.0, 1.0)), Box(min: (0.5, 0.5), max: (1.5, 0.6)),
+        Box(min: (0.5, 0.2), max: (1.5, 0.25))]),
+    walls: (one_sided: true, parts: [(name: "slippery", region: Box(min: (0.4, 0.15), max: (1.6, 0.3)), slip: FreeSlip)]),
+    reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 0.5),
+)"#;
+        let scene = Scene::from_text("thin", text).load().unwrap_or_else(|faults| panic!("{faults:?}"));
+        let seeds = seeds(&scene);
+        for seed in seeds.iter().filter(|seed| seed.zone == Zone::Wall) {
+            let inside = (0.5..0.6).contains(&seed.position.y) && (0.6..1.4).contains(&seed.position.x);
+            let expected = if inside { 0.1 } else { 0.0 };
+            if inside || !(0.45..1.55).contains(&seed.position.x) {
+                assert!((seed.wall_thickness - expected).abs() < 2e-3, "{seed:?}");
+            }
+            let is_slippery = (0.2..0.25).contains(&seed.position.y) && (0.5..1.5).contains(&seed.position.x);
+            assert!(!is_slippery || seed.wall_thickness == 0.0, "{seed:?}");
+        }
+        let left = thinnest_wall(&scene, &seeds).expect("the slippery one");
+        assert!((left.thickness() - 0.05).abs() < 2e-3, "{left:?}");
     }
 
     #[test]

@@ -47,12 +47,18 @@ columns! {
     wall_distance: Vec<R> => f64, "wall_distance", Always, PermuteIfWalls(reals);
     /// Wall: unit normal of its surface, into the fluid. Others: 0.
     wall_normal: [Vec<R>; D] => DVec3, "wall_normal", WallsExist, Permute(reals);
+    /// Particle of a thin wall that is one-sided: thickness of the solid, m. Others: 0.
+    wall_thickness: Vec<R> => f64, "wall_thickness", WallsAreThin, Permute(reals);
 }
 
 impl When {
-    /// Returns true if a particle of a zone brings the column into use.
-    fn begins_with(self, zone: Zone) -> bool {
-        self == When::WallsExist && zone == Zone::Wall
+    /// Returns true if a particle brings the column into use.
+    fn begins_with(self, particle: &ParticleRow) -> bool {
+        match self {
+            When::WallsExist => particle.zone == Zone::Wall,
+            When::WallsAreThin => particle.wall_thickness != 0.0,
+            When::Always | When::PressureEvolves | When::ParticlesDrift => false,
+        }
     }
 }
 
@@ -74,6 +80,7 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             When::PressureEvolves => self.evolves_pressure,
             When::ParticlesDrift => self.drifts,
             When::WallsExist => self.wall_normal.iter().any(|column| !column.is_empty()),
+            When::WallsAreThin => !self.wall_thickness.is_empty(),
         }
     }
 
@@ -84,7 +91,7 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
             When::Always => [rows; 2],
             When::PressureEvolves => [if self.evolves_pressure { rows } else { 0 }; 2],
             When::ParticlesDrift => [if self.drifts { rows } else { 0 }; 2],
-            When::WallsExist => [rows, 0],
+            When::WallsExist | When::WallsAreThin => [rows, 0],
         }
     }
 
@@ -201,6 +208,7 @@ mod tests {
             drift: [count(13), count(14)],
             wall_distance: count(9),
             wall_normal: [count(10), count(11)],
+            wall_thickness: count(15),
         };
         arrays.reorder(&[3, 0, 1], &mut SpareColumns::default());
         assert_eq!(arrays.id, [3, 0, 1]);
@@ -223,6 +231,7 @@ mod tests {
             &arrays.previous_pressure,
             &arrays.drift[0],
             &arrays.drift[1],
+            &arrays.wall_thickness,
         ];
         for (column, from) in columns.into_iter().zip(1..) {
             let base = f64::from(10 * from);

@@ -86,6 +86,7 @@ mod tests {
             drift: DVec3::new(0.5, -0.5, 0.0),
             wall_distance: 0.25,
             wall_normal: DVec3::ZERO,
+            wall_thickness: 0.0,
         };
         let wall = ParticleRow { zone: Zone::Wall, wall_normal: DVec3::new(0.0, 1.0, 0.0), ..row };
         [row, wall, row].iter().for_each(|row| arrays.push(row));

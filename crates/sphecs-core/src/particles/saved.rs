@@ -86,6 +86,7 @@ mod tests {
             drift: DVec3::ZERO,
             wall_distance: f64::INFINITY,
             wall_normal: DVec3::ZERO,
+            wall_thickness: 0.0,
         };
         let zones = [Zone::Fluid, Zone::Outflow, Zone::Reservoir, Zone::Wall, Zone::Inflow];
         (0..).zip(zones).for_each(|(id, zone)| arrays.push(&row(id, zone)));

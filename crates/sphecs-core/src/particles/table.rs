@@ -19,12 +19,14 @@ pub(super) enum When {
     ParticlesDrift,
     /// A wall particle has been added.
     WallsExist,
+    /// A particle of a thin wall, each side of which has fluid of its own, has been added.
+    WallsAreThin,
 }
 
 impl When {
     /// All conditions in their order.
-    pub(super) const ALL: [When; 4] =
-        [When::Always, When::PressureEvolves, When::ParticlesDrift, When::WallsExist];
+    pub(super) const ALL: [When; 5] =
+        [When::Always, When::PressureEvolves, When::ParticlesDrift, When::WallsExist, When::WallsAreThin];
 }
 
 /// Treatment of a column when the particles are sorted.
@@ -88,7 +90,7 @@ macro_rules! columns {
             pub fn push(&mut self, particle: &ParticleRow) {
                 let row = self.len();
                 $(
-                    if self.is_used(When::$when) || When::$when.begins_with(particle.zone) {
+                    if self.is_used(When::$when) || When::$when.begins_with(particle) {
                         Quantity::push(&mut self.$name, row, particle.$name);
                     }
                 )*
@@ -104,7 +106,7 @@ macro_rules! columns {
                         let is_used = used[When::$when as usize];
                         let column = &mut self.$name;
                         tasks.spawn(move |_| {
-                            let begins = |row: &ParticleRow| is_used || When::$when.begins_with(row.zone);
+                            let begins = |row: &ParticleRow| is_used || When::$when.begins_with(row);
                             let begin = particles.iter().position(begins).unwrap_or(particles.len());
                             // Rows before the one that brings a column into use have its default.
                             for (at, particle) in particles.iter().enumerate().skip(begin) {

@@ -24,6 +24,7 @@ use std::ops::AddAssign;
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use super::column_access::BodySums;
 use super::fused::{FluidRow, FusedInputs, FusedScheme};
 use super::pack::{NeighbourMask, Only, Pack, PackPool, Source};
 use super::settings::PairSettings;
@@ -129,7 +130,15 @@ impl Body {
         if !sums.columns.find_images(pair, particles) {
             return false;
         }
-        sums.columns.find_body(particles, |row| self.has(particles, row));
+        let sides = sums.sides.read(BodySums);
+        let part = f64::from(self.part);
+        // Flow behind a thin wall of the body stands for its particles.
+        let stands_for = |row: usize| {
+            sides.part.get(row).is_some_and(|of| of.to_f64() == part)
+                && particles.zone[row].flows()
+                && sides.facing.iter().any(|column| column[row] != R::default())
+        };
+        sums.columns.find_body(particles, |row| self.has(particles, row) || stands_for(row));
         self.find_cells(grid, particles);
         true
     }

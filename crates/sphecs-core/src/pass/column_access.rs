@@ -11,6 +11,7 @@ use super::gradients::Gradients;
 use super::strain::Strain;
 use super::stress::Stress;
 use super::wall_friction::WallFriction;
+use super::wall_sides::WallSides;
 use super::wall_velocity::WallVelocity;
 
 /// Columns `C` that the pass `W` writes.
@@ -29,6 +30,15 @@ pub(super) struct WcsphRates;
 /// Rates of the scheme `EdacTvf`, as a reader.
 pub(super) struct EdacRates;
 
+/// Rates of either scheme, as a reader.
+pub(super) struct FusedInputsReader;
+
+/// Force on a body, as a reader.
+pub(super) struct BodySums;
+
+/// Pressures of the walls, as a reader.
+pub(super) struct WallPressures;
+
 /// Systems and outputs, as readers: they run after all passes of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct AfterPasses;
@@ -36,6 +46,10 @@ pub struct AfterPasses;
 impl Reads<WallVelocity> for Gradients {}
 impl Reads<WallVelocity> for WcsphRates {}
 impl Reads<WallVelocity> for EdacRates {}
+impl Reads<WallSides> for FusedInputsReader {}
+impl Reads<WallSides> for WallPressures {}
+impl Reads<WallSides> for BodySums {}
+impl Reads<WallSides> for Gradients {}
 impl Reads<Gradients> for Stress {}
 impl Reads<Strain> for WcsphRates {}
 impl Reads<Stress> for WcsphRates {}

@@ -12,11 +12,12 @@
 //! is kept.
 
 use super::density::LEAST_Q2;
-use super::pack::{NeighbourMask, Only, Pack, Source};
+use super::pack::{NeighbourMask, Only, Pack, Source, Vector};
 use super::rates::TimeLevel;
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
+use super::wall_sides::{Behind, OwnSide, SideColumns};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{Lanes, dot};
@@ -25,9 +26,9 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::physics::wall::image;
 
-/// Largest number of columns besides the coordinates: velocity, density, image distance and normal
-/// in 3D.
-const MOST_COLUMNS: usize = 3 + 2 + 3;
+/// Largest number of columns besides the coordinates: velocity, density, image distance, normal and
+/// facing in 3D.
+const MOST_COLUMNS: usize = 3 + 2 + 3 + 3;
 
 /// Columns of the neighbours that describe walls, after velocity and density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +77,7 @@ pub fn sum_gradients<R: Real, const D: usize>(
 ) {
     sums.packs.prepare();
     let has_walls = sums.columns.find_images(pair, particles);
-    let PairSums { gradient, near, velocity_seen, columns, packs, .. } = sums;
+    let PairSums { gradient, near, velocity_seen, sides, columns, packs, .. } = sums;
     let gradient = gradient.write(Gradients(()));
     for column in gradient.iter_mut().flatten() {
         column.resize(particles.len(), R::default());
@@ -91,10 +92,19 @@ pub fn sum_gradients<R: Real, const D: usize>(
     neighbours[D] = &particles.density;
     neighbours[D + 1] = &columns.image_distance;
     let walls = WallColumns::new(pair, has_walls);
-    let columns = &neighbours[..walls.columns(D)];
+    let mut count = walls.columns(D);
+    let sides = sides.read(Gradients(()));
+    let facing = (!sides.facing[0].is_empty()).then(|| {
+        for (slot, column) in neighbours[count..].iter_mut().zip(&sides.facing) {
+            *slot = column;
+        }
+        count += D;
+        Vector(count)
+    });
+    let columns = &neighbours[..count];
     let input = PassInput { pair, grid, position: &particles.position, columns, only: Only::All, packs };
     let outputs = gradient.each_mut().map(|row| row.each_mut().map(Vec::as_mut_slice));
-    input.run(&GradientPass { pair, particles, near, walls }, outputs);
+    input.run(&GradientPass { pair, particles, near, walls, sides, facing }, outputs);
 }
 
 struct GradientPass<'a, R: Real, const D: usize> {
@@ -102,6 +112,9 @@ struct GradientPass<'a, R: Real, const D: usize> {
     particles: &'a ParticleArrays<R, D>,
     near: &'a [NeighbourMask],
     walls: WallColumns,
+    sides: &'a SideColumns<R, D>,
+    /// Facing of the neighbours, only where a wall is thin.
+    facing: Option<Vector>,
 }
 
 impl<'a, R: Real, const D: usize> RowPass<R, D> for GradientPass<'a, R, D> {
@@ -134,6 +147,9 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for GradientPass<'a, R, D> {
         let cap = L::constant(model.largest_factor());
         let (has_walls, free_slip) = (self.walls != WallColumns::None, self.walls == WallColumns::FreeSlip);
 
+        let h = self.pair.discretisation.smoothing_length;
+        let side = OwnSide::<L, D>::new(self.sides, row, wall_distance, h, None);
+
         let mut sum = [[zero; D]; D];
         let mut moment = [[zero; D]; D];
         let near = NeighbourMask::of_row(self.near, row);
@@ -151,7 +167,13 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for GradientPass<'a, R, D> {
             let volume_slope = slope * entry.column(2 * D).inverse();
             let mut factor = one;
             if has_walls {
-                factor = image::velocity_factor(entry.column(2 * D + 1).abs(), inverse_distance, cap);
+                let mut distance = entry.column(2 * D + 1).abs();
+                if let Some(facing) = self.facing {
+                    let behind = Behind::new(&side, facing, entry, x);
+                    v = side.relative_velocity(&behind, v_a, v);
+                    distance = L::select(behind.mask(), behind.depth, distance);
+                }
+                factor = image::velocity_factor(distance, inverse_distance, cap);
             }
             if free_slip {
                 let slips = entry.column(2 * D + 1).less(zero);

@@ -35,6 +35,7 @@
 //! - [`settings`]: the scene in the form of plain values
 //! - [`sums`]: columns that the passes write
 //! - [`wall_velocity`]: velocities of dummy walls
+//! - [`wall_sides`]: sides of thin walls
 
 pub mod blocks;
 pub mod body;
@@ -63,6 +64,7 @@ pub mod sums;
 pub mod surface_flow;
 pub mod wall_distance;
 pub mod wall_friction;
+pub mod wall_sides;
 pub mod wall_velocity;
 pub mod walls;
 pub mod waves;

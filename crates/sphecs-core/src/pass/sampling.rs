@@ -23,6 +23,7 @@ use super::density::LEAST_Q2;
 use super::near_columns::{FIELDS, NearColumns, sums_of, whole};
 use super::neighbours::Neighbours;
 use super::settings::PairSettings;
+use super::wall_sides::{PointSide, SideColumns};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised};
@@ -55,6 +56,7 @@ pub struct Sampler<'a, R: Real, const D: usize> {
     neighbours: Neighbours<'a, R, D>,
     pair: &'a PairSettings,
     sees: fn(Zone) -> bool,
+    sides: Option<&'a SideColumns<R, D>>,
 }
 
 impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
@@ -65,7 +67,13 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
         pair: &'a PairSettings,
         sees: fn(Zone) -> bool,
     ) -> Self {
-        Self { neighbours: Neighbours::new(grid, particles), pair, sees }
+        Self { neighbours: Neighbours::new(grid, particles), pair, sees, sides: None }
+    }
+
+    /// Returns the sampler with the particles on the other side of thin walls left out.
+    #[must_use]
+    pub fn with_sides(self, sides: &'a SideColumns<R, D>) -> Self {
+        Self { sides: Some(sides), ..self }
     }
 
     /// Returns velocity, pressure and density at each point; None where no particle is in the
@@ -96,8 +104,9 @@ impl<'a, R: Real, const D: usize> Sampler<'a, R, D> {
         let particles = self.neighbours.particles;
         let (mass, scale) = (self.pair.discretisation.mass, 1.0 / self.pair.discretisation.smoothing_length);
         near.clear();
+        let side = self.sides.and_then(|sides| PointSide::at(&self.neighbours, self.pair, sides, point));
         self.neighbours.for_each(point, |row, x_ab, _| {
-            if !(self.sees)(particles.zone[row]) {
+            if !(self.sees)(particles.zone[row]) || side.is_some_and(|side| side.hides(row, x_ab)) {
                 return;
             }
             for d in 0..D {

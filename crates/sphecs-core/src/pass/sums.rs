@@ -15,6 +15,7 @@ use super::settings::PairSettings;
 use super::strain::Strain;
 use super::stress::Stress;
 use super::wall_friction::WallFriction;
+use super::wall_sides::{SideColumns, WallSides};
 use super::wall_velocity::WallVelocity;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
@@ -78,6 +79,8 @@ pub struct PairSums<R, const D: usize> {
     pub friction: Written<[Vec<R>; D], WallFriction>,
     /// Σ w(q) over the fluid that the friction acts on; empty with it.
     pub friction_felt: Written<Vec<R>, WallFriction>,
+    /// Sides of the particles near thin walls, written by `wall_sides`; empty where no wall is thin.
+    pub sides: Written<SideColumns<R, D>, WallSides>,
     /// Vectors of the pack with a neighbour in the support, for particles whose density was summed
     /// since the last sort.
     ///
@@ -143,6 +146,7 @@ impl<R: Real, const D: usize> Default for PairSums<R, D> {
             body_force: std::array::from_fn(|_| Vec::new()),
             friction: Written::new(std::array::from_fn(|_| Vec::new())),
             friction_felt: Written::new(Vec::new()),
+            sides: Written::new(SideColumns::default()),
             near: Vec::new(),
             columns: PairColumns::default(),
             packs: PackPool::default(),

@@ -16,15 +16,13 @@ use super::pack::{Only, Pack, Source};
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
+use super::wall_sides::{DISC, find_wall_sides};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{Lanes, dot};
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
-
-/// Radius R of the disc that a wall particle represents, over Δ.
-const DISC: f64 = 0.75;
 
 /// Finds the wall distance of fluid, inflow and outflow particles, m; infinite where no wall is in
 /// the support.
@@ -37,6 +35,10 @@ pub fn find_wall_distance<R: Real, const D: usize>(
     sums.packs.prepare();
     if sums.columns.find_walls(pair, particles) == 0 {
         particles.wall_distance.fill(R::from_f64(f64::INFINITY));
+        return;
+    }
+    if !particles.wall_thickness.is_empty() {
+        find_wall_sides(pair, grid, particles, sums);
         return;
     }
     let PairSums { columns, packs, .. } = sums;

@@ -11,8 +11,9 @@
 use std::ops::Range;
 
 use super::blocks::{GROUP, for_each_part};
+use super::column_access::WallPressures;
 use super::density::LEAST_Q2;
-use super::pack::{Only, Pack, Source};
+use super::pack::{ColumnList, Only, Pack, Source, Vector};
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::{PairColumns, PairSums};
@@ -27,8 +28,8 @@ use crate::particles::zone::Zone;
 /// nothing contributes.
 pub(super) const LEAST_WEIGHT: f64 = 1e-20;
 
-/// Columns of the pack besides the coordinates: density and pressure of the flow.
-const COLUMNS: usize = 2;
+/// Most columns of the pack besides the coordinates: density and pressure of the flow, facing.
+const MOST_COLUMNS: usize = 5;
 
 /// Sets pressure and density of the wall particles from the flow around them.
 ///
@@ -46,15 +47,20 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     }
     let PairColumns { wall_pressure, image_distance, walls_before, .. } = &mut sums.columns;
     wall_pressure.resize(particles.len(), R::default());
+    let mut list = ColumnList::<R, D, MOST_COLUMNS>::empty();
+    list.add_scalar(&particles.density);
+    list.add_scalar(&particles.pressure);
+    let sides = sums.sides.read(WallPressures);
+    let facing = (!sides.facing[0].is_empty()).then(|| list.add_vector(&sides.facing));
     let input = PassInput {
         pair,
         grid,
         position: &particles.position,
-        columns: &[&particles.density, &particles.pressure],
+        columns: list.as_slice(),
         only: Only::NotPositive(image_distance, walls_before),
         packs: &sums.packs,
     };
-    input.run(&WallPressurePass { pair, particles: &*particles, force }, &mut wall_pressure[..]);
+    input.run(&WallPressurePass { pair, particles: &*particles, force, facing }, &mut wall_pressure[..]);
     set_wall_states(pair, particles, wall_pressure, walls_before);
 }
 
@@ -93,6 +99,8 @@ struct WallPressurePass<'a, R: Real, const D: usize> {
     pair: &'a PairSettings,
     particles: &'a ParticleArrays<R, D>,
     force: &'a WallForce<'a, R, D>,
+    /// Facing of the flow, only where a wall is thin.
+    facing: Option<Vector>,
 }
 
 impl<'a, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, R, D> {
@@ -119,7 +127,8 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, R, D> {
         row: usize,
     ) -> f64 {
         let force = (self.force)(self.particles, row).map(|g| g * self.pair.discretisation.smoothing_length);
-        mean_pressure::<K, L, D>(pack, pack.relative(source, row), force)
+        let facing = self.facing.map(|facing| (facing, source.splat_vector::<L>(facing, row)));
+        mean_pressure::<K, L, D>(pack, source.columns.len(), pack.relative(source, row), force, facing)
     }
 
     #[inline(always)]
@@ -133,8 +142,10 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallPressurePass<'a, R, D> {
 #[inline(always)]
 fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
     pack: &Pack<L::Real>,
+    columns: usize,
     point: [L::Real; D],
     force: [f64; D],
+    facing: Option<(Vector, [L; D])>,
 ) -> f64 {
     let zero = L::constant(0.0);
     let x_w = splat::<L, D>(point);
@@ -144,14 +155,20 @@ fn mean_pressure<K: KernelShape, L: Lanes, const D: usize>(
     }
     let mut sum = zero;
     let mut weights = zero;
-    for entry in pack.entries::<L>(D + COLUMNS) {
+    for entry in pack.entries::<L>(D + columns) {
         let mut x = [zero; D];
         let mut q2 = L::constant(LEAST_Q2);
         for d in 0..D {
             x[d] = x_w[d] - entry.column(d);
             q2 = x[d].mul_add(x[d], q2);
         }
-        let weight = K::value(q2.roots().0);
+        let mut weight = K::value(q2.roots().0);
+        if let Some((facing, own)) = facing {
+            // The flow on the other side of a thin wall does not count.
+            let depth = (-dot(entry.vector_at(facing), own)).max(zero);
+            let behind = L::select(zero.less(dot(x, own)), depth, zero);
+            weight = L::select(zero.less(behind), zero, weight);
+        }
         let pressure = entry.column(D).mul_add(dot(force_w, x), entry.column(D + 1));
         sum = pressure.mul_add(weight, sum);
         weights = weights + weight;

@@ -82,6 +82,7 @@ fn save_components(world: &mut World, to: &mut Columns) {
     to.put("particle.returned", returned);
     to.put("wall.id", walls.iter().map(|(id, _)| *id).collect::<Vec<u32>>());
     to.put("wall.distance", walls.iter().map(|(_, surface)| surface.distance).collect::<Vec<f64>>());
+    to.put("wall.thickness", walls.iter().map(|(_, surface)| surface.thickness).collect::<Vec<f64>>());
     put_vectors("wall.normal", walls.iter().map(|(_, surface)| surface.normal), to);
 }
 
@@ -304,6 +305,7 @@ fn restore_components(
     });
     let walls = from.take::<u32>("wall.id")?;
     let distance = from.take_exactly::<f64>("wall.distance", walls.len())?;
+    let thickness = from.take_exactly::<f64>("wall.thickness", walls.len())?;
     let normal = take_vectors("wall.normal", walls.len(), from)?;
     let count = particles.iter().flatten().filter(|particle| particle.zone == Zone::Wall).count();
     if count != walls.len() {
@@ -318,7 +320,7 @@ fn restore_components(
         let wall = wall.ok_or_else(|| {
             ColumnMismatch(format!("particle {id} has a wall surface but is not a wall particle"))
         })?;
-        wall.surface = WallSurface { distance: distance[at], normal: normal[at] };
+        wall.surface = WallSurface { distance: distance[at], normal: normal[at], thickness: thickness[at] };
     }
     Ok(())
 }

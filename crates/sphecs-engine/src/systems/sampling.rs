@@ -10,12 +10,14 @@ use crate::components::Tracer;
 use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
 use crate::resources::state_location;
 use crate::systems::boundaries::walls::find_dummy_velocity;
 use crate::systems::edac::sum_volumes;
 use crate::systems::neighbours::sort_particles;
 use crate::systems::wcsph::rates::{sum_density, sum_gradients};
 use sphecs_core::particles::sample::Sample;
+use sphecs_core::pass::column_access::AfterPasses;
 use sphecs_core::pass::grid_rows::{NodeRow, RowSampler, RowSink};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::sampling::Sampler;
@@ -79,6 +81,7 @@ fn by_sight<R: PairReal<D>, T: Clone, const D: usize>(
 ) -> Vec<Option<T>> {
     let (grid, arrays) = (&world.resource::<Grid<D>>().0, world.resource::<Arrays<R, D>>());
     let pair = &world.resource::<Pair>().0;
+    let sides = world.resource::<Sums<R, D>>().0.sides.read(AfterPasses);
     let mut found = vec![None; points.len()];
     for sight in [ProbeSight::Fluid, ProbeSight::Flow] {
         let sees = match sight {
@@ -87,7 +90,7 @@ fn by_sight<R: PairReal<D>, T: Clone, const D: usize>(
         };
         let chosen: Vec<usize> = (0..points.len()).filter(|&index| points[index].1 == sight).collect();
         let places: Vec<DVec3> = chosen.iter().map(|&index| points[index].0).collect();
-        let samples = at(Sampler::new(grid, arrays, pair, sees), &places);
+        let samples = at(Sampler::new(grid, arrays, pair, sees).with_sides(sides), &places);
         chosen.into_iter().zip(samples).for_each(|(index, sample)| found[index] = sample);
     }
     found
@@ -108,6 +111,7 @@ pub(crate) fn sample_rows<R: PairReal<D>, const D: usize>(
         particles: arrays,
         pair: &world.resource::<Pair>().0,
         tags: &tags,
+        sides: Some(world.resource::<Sums<R, D>>().0.sides.read(AfterPasses)),
     };
     sampler.sample(rows, sinks, |sink, fields| sink.take(fields));
 }

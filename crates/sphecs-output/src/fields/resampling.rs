@@ -184,7 +184,7 @@ fn sample_in<const D: usize>(scene: &Scene, frame: &Frame, rows: &[NodeRow], sin
     let Ok(order) = grid.build(&particles.position, &particles.id, |_| true) else { return };
     particles.reorder(order, &mut SpareColumns::default());
     let tags: Vec<f32> = particles.id.iter().map(|&id| tags[id as usize]).collect();
-    let sampler = RowSampler { grid: &grid, particles: &particles, pair: &pair, tags: &tags };
+    let sampler = RowSampler { grid: &grid, particles: &particles, pair: &pair, tags: &tags, sides: None };
     sampler.sample(rows, sinks, |sink, fields| sink.take(fields));
 }
 

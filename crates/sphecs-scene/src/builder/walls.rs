@@ -23,6 +23,9 @@ description! {
         /// Sets the arrangement of the particles behind the surface, default on the lattice of the
         /// fluid.
         fill: WallFill,
+        /// Separates the fluid on the two sides of walls thinner than the support, if true, default
+        /// false.
+        one_sided: bool,
     } lists {
         /// Adds a part that differs from the rest.
         part -> parts: WallPart,

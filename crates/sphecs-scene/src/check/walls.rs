@@ -41,10 +41,22 @@ pub fn walls(
     let Some(file) = scene.walls.as_ref().map(|file| &file.value) else {
         let parts = vec![rest(Slip::NoSlip, at_rest())];
         let model = WallModel::default();
-        return (Walls { model, parts }, WallLayout::default());
+        return (Walls { model, one_sided: false, parts }, WallLayout::default());
     };
     if let Some(fault) = file.model.fault() {
         check.report(Fault::placeless(fault));
+    }
+    if let Some(one_sided) = file.one_sided.as_ref().filter(|one_sided| one_sided.value)
+        && !matches!(file.model, WallModel::Image { .. })
+    {
+        check.report(
+            Fault::new(
+                "`one_sided` walls need images",
+                one_sided.head,
+                "must be left out beside this `model`",
+            )
+            .help("or `model: Image()`: other models take velocity and pressure from both sides"),
+        );
     }
     let mut parts = vec![rest(file.slip, check.components_or_zero(file.velocity.as_ref()))];
     let WallLayout { mut regions, mut rings, mut layered } = WallLayout::default();
@@ -94,7 +106,14 @@ pub fn walls(
             parts.push(WallPart { name: name.value.clone(), slip, velocity, mover: None });
         }
     }
-    (Walls { model: file.model, parts }, WallLayout { regions, rings, layered })
+    (
+        Walls {
+            model: file.model,
+            one_sided: file.one_sided.as_ref().is_some_and(|one_sided| one_sided.value),
+            parts,
+        },
+        WallLayout { regions, rings, layered },
+    )
 }
 
 /// Reports walls with an arrangement of their own beside `WallFitted`, whose rows continue into the

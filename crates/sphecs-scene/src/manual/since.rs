@@ -42,6 +42,7 @@ const NEWER: [(&str, &[&str]); 2] = [
             "Shape.Outline",
             "LengthUnit",
             "Walls.fill",
+            "Walls.one_sided",
             "WallFill.Layers",
         ],
     ),

@@ -31,6 +31,10 @@ pub struct WallsFile {
     /// Arrangement of their particles behind the surface, default on the lattice of the fluid.
     #[serde(default)]
     pub fill: Option<Spanned<WallFillFile>>,
+    /// Whether walls thinner than the support separate the fluid on their two sides, default false;
+    /// take it for plates, baffles and blades of few spacings.
+    #[serde(default)]
+    pub one_sided: Option<Spanned<bool>>,
     /// Parts with settings of their own, default none.
     #[serde(default)]
     pub parts: Vec<WallPartFile>,

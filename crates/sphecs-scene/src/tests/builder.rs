@@ -221,7 +221,7 @@ fn complete() -> SceneBuilder {
     let body = Body::new("drum").about((0.0, 0.0)).velocity(1.0).area("2*R").length(0.1);
     let walls = Walls::new().model(WallModel::default()).slip(Slip::NoSlip).velocity((0.0, 0.0));
     let walls = walls.fill(WallFill::Layers).motion(Turning::by((0.0, 0.0), "t").axis((0.0, 0.0, 1.0)));
-    let walls = walls.part(part);
+    let walls = walls.one_sided(true).part(part);
     let opening = Inlet::default()
         .name("left")
         .depth("5*R")

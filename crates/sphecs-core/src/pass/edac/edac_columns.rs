@@ -7,10 +7,11 @@ use crate::pass::fused::LoopShape;
 use crate::pass::pack::{ColumnList, Scalar, Vector};
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
+use crate::pass::wall_sides::facing_column;
 
 /// Most columns beside the coordinates in 3D: velocity, drift, three scalars, normal and the
 /// velocity of dummy walls.
-const MOST_COLUMNS: usize = 3 + 3 + 3 + 3 + 3;
+const MOST_COLUMNS: usize = 3 + 3 + 3 + 3 + 3 + 3;
 
 /// Columns of a pass in their order.
 pub(super) type EdacColumnList<'a, R, const D: usize> = ColumnList<'a, R, D, MOST_COLUMNS>;
@@ -29,6 +30,8 @@ pub(super) struct EdacColumns {
     pub normal: Option<Vector>,
     /// Velocities as the viscous term takes them, only where walls are dummy particles.
     pub viscous_velocity: Option<Vector>,
+    /// Facing of the neighbours, only where a wall is thin.
+    pub facing: Option<Vector>,
     /// Number of columns, coordinates included.
     pub width: usize,
 }
@@ -47,6 +50,7 @@ impl EdacColumns {
             image_distance: if S::WALLS { Some(Scalar(of_flow)) } else { None },
             normal: None,
             viscous_velocity: None,
+            facing: None,
             width: if S::WALLS { of_flow + 1 } else { of_flow },
         }
     }
@@ -71,6 +75,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
         image_distance: has_walls.then(|| list.add_scalar(&sums.columns.image_distance)),
         normal: (has_walls && pair.has_free_slip()).then(|| list.add_vector(&particles.wall_normal)),
         viscous_velocity: has_dummies.then(|| list.add_vector(sums.velocity_seen.read(EdacRates))),
+        facing: facing_column(&mut list, sums),
         width: 0,
     };
     (EdacColumns { width: list.width(), ..places }, list)

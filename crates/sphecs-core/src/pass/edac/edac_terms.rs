@@ -121,6 +121,7 @@ impl<'a, L: Lanes, const D: usize> EdacSettings<'a, L, D> {
         self.choices == EdacChoices::default()
             && self.columns.normal.is_none()
             && self.columns.viscous_velocity.is_none()
+            && self.columns.facing.is_none()
     }
 
     /// Returns the settings of the pair passes.
@@ -153,21 +154,26 @@ impl<L: Lanes, S: LoopShape, const D: usize> EdacTerms<'_, '_, L, S, D> {
     #[inline(always)]
     fn pair<K: KernelShape>(&self, own: &EdacParticle<L, D>, neighbours: Entry<'_, L>) -> EdacPair<L, D> {
         let columns = self.columns();
-        let geometry = own.common.geometry::<K>(neighbours, columns.velocity);
+        let (mut geometry, behind) = own.common.geometry::<K>(neighbours, columns.velocity, columns.facing);
         // One division for 1/(ρ_a + ρ_b) and 1/ρ_b.
         let density = neighbours.scalar(columns.density);
         let density_sum = own.common.density + density;
         let inverse = (density_sum * density).inverse();
         // All neighbours have one mass, so it is multiplied at the end.
         let volume = inverse * density_sum;
+        let cap = self.settings.cap;
+        let image =
+            WallImage::new(&own.common, neighbours, columns.image_distance, columns.normal, behind, cap);
+        if S::WITH_MOMENTS {
+            geometry.slope = geometry.slope * image.acts_on_body::<D>(neighbours, columns.facing);
+        }
         let weight = edac::weight(own.volume_square, volume, geometry.slope);
         let shared = weight * (inverse * density);
-        let cap = self.settings.cap;
-        let image = WallImage::new(&own.common, neighbours, columns.image_distance, columns.normal, cap);
         let mut pressure = neighbours.scalar(columns.pressure);
         if self.choices().mirrored {
             pressure = image.mirrored_pressure(pressure, &own.common, geometry.x);
         }
+        pressure = image.mirrored_behind(pressure, &own.common, geometry.x);
         let pressure_difference = pressure - own.common.pressure;
         EdacPair { geometry, image, density, volume, weight, shared, pressure_difference }
     }
@@ -273,6 +279,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for EdacTerms<'_, '
         let pressure = edac::pressure_term(pair.shared, pair.pressure_difference);
         let v_b: [L; D] = neighbours.vector_at(columns.velocity);
         let drift_along = dot(neighbours.vector_at::<D>(columns.drift), x);
+        let drift_along = pair.image.without_behind(drift_along);
         let carried = edac::transport_term(pair.weight, pair.density, drift_along) * own.half_of_stress;
         for d in 0..D {
             let along = carried.mul_add(v_b[d], sums.along_x[d]);

@@ -91,7 +91,10 @@ pub fn sum_body_force<R: Real, const D: usize>(
         return ExactBodySum::default();
     }
     let (places, list) = columns(pair, particles, sums, true);
-    let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());
+    let inputs = FusedInputs {
+        body: Some(body.part),
+        ..FusedInputs::new(pair, grid, particles, sums, list.as_slice())
+    };
     let scheme = EdacTvf { edac, columns: places };
     let of_body = &sums.columns.body;
     pair.discretisation.kernel.with_shape(BodyPass {

@@ -26,10 +26,12 @@ pub(super) use shape::{
 pub(super) use wall_image::WallImage;
 
 use super::blocks::for_each_block;
+use super::column_access::FusedInputsReader;
 use super::density::LEAST_Q2;
 use super::pack::{Entry, NeighbourMask, Only, Pack, PackPool, Source, Vector};
 use super::settings::PairSettings;
 use super::sums::PairSums;
+use super::wall_sides::{Behind, OwnSide, SideColumns};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, Vectorised};
@@ -50,6 +52,10 @@ pub(super) struct FusedInputs<'a, R: Real, const D: usize> {
     pub wall_distance: &'a [R],
     /// Body force of the rows, m/s²; empty where it is that of `pair`.
     pub body_force: &'a [Vec<R>; D],
+    /// Sides of the rows near thin walls; empty where no wall is thin.
+    pub sides: &'a SideColumns<R, D>,
+    /// Part of the wall, in sums of the force on a body: only sides of this part count.
+    pub body: Option<u16>,
     /// Masks of the neighbours in the support; empty where none were made.
     pub masks: &'a [NeighbourMask],
     /// Columns of the neighbours in the order in which they are packed.
@@ -101,6 +107,8 @@ pub(super) struct OwnParticle<L, const D: usize> {
     pub hydrostatic: [L; D],
     /// 1/d_a of the image factor 1 + d_b/d_a, 1/m.
     pub inverse_wall_distance: L,
+    /// Side of a thin wall.
+    pub side: OwnSide<L, D>,
 }
 
 /// Part of a scheme's loop that does not depend on the neighbours.
@@ -213,6 +221,13 @@ impl<L: Lanes, const D: usize> OwnParticle<L, D> {
             density: L::constant(density),
             hydrostatic,
             inverse_wall_distance: L::constant(inverse_distance),
+            side: OwnSide::new(
+                inputs.sides,
+                row.row,
+                row.wall_distance,
+                pair.discretisation.smoothing_length,
+                inputs.body,
+            ),
         }
     }
 
@@ -222,7 +237,8 @@ impl<L: Lanes, const D: usize> OwnParticle<L, D> {
         &self,
         neighbours: Entry<'_, L>,
         velocity: Vector,
-    ) -> PairGeometry<L, D> {
+        facing: Option<Vector>,
+    ) -> (PairGeometry<L, D>, Option<Behind<L>>) {
         let mut x = [L::constant(0.0); D];
         let mut v = [L::constant(0.0); D];
         let mut q2 = L::constant(LEAST_Q2);
@@ -232,7 +248,11 @@ impl<L: Lanes, const D: usize> OwnParticle<L, D> {
             q2 = x[d].mul_add(x[d], q2);
         }
         let (q, inverse_q) = q2.roots();
-        PairGeometry { x, v, q2, q, inverse_q, slope: K::slope(q, inverse_q) }
+        let behind = facing.map(|facing| Behind::new(&self.side, facing, neighbours, x));
+        if let Some(behind) = &behind {
+            v = self.side.relative_velocity(behind, self.v, v);
+        }
+        (PairGeometry { x, v, q2, q, inverse_q, slope: K::slope(q, inverse_q) }, behind)
     }
 }
 
@@ -252,6 +272,8 @@ impl<'a, R: Real, const D: usize> FusedInputs<'a, R, D> {
             position: &particles.position,
             wall_distance: &particles.wall_distance,
             body_force: &sums.body_force,
+            sides: sums.sides.read(FusedInputsReader),
+            body: None,
             masks: &sums.near,
             columns,
         }

@@ -6,6 +6,7 @@
 use super::OwnParticle;
 use crate::math::lanes::{Lanes, dot};
 use crate::pass::pack::{Entry, Scalar, Vector};
+use crate::pass::wall_sides::Behind;
 use crate::physics::pair::PairGeometry;
 use crate::physics::wall::image;
 
@@ -24,6 +25,8 @@ pub(in crate::pass) struct WallImage<L> {
     walls: Option<Scalar>,
     /// Column of the wall normals, only where a wall is free-slip.
     normal: Option<Vector>,
+    /// Neighbours behind a thin wall, only where one is thin.
+    behind: Option<Behind<L>>,
 }
 
 impl<L: Lanes> WallImage<L> {
@@ -35,14 +38,18 @@ impl<L: Lanes> WallImage<L> {
         neighbours: Entry<'_, L>,
         walls: Option<Scalar>,
         normal: Option<Vector>,
+        behind: Option<Behind<L>>,
         cap: L,
     ) -> Self {
         let (mut factor, mut distance) = (L::constant(1.0), L::constant(0.0));
         if let Some(column) = walls {
             distance = neighbours.scalar(column);
+            if let Some(behind) = &behind {
+                distance = L::select(behind.mask(), behind.depth, distance);
+            }
             factor = image::velocity_factor(distance.abs(), own.inverse_wall_distance, cap);
         }
-        Self { factor, distance, walls, normal }
+        Self { factor, distance, walls, normal, behind }
     }
 
     /// Returns true if a neighbour belongs to a free-slip wall.
@@ -106,6 +113,50 @@ impl<L: Lanes> WallImage<L> {
     pub(crate) fn viscous(&self, value: L) -> L {
         let value = if self.walls.is_some() { value * self.factor } else { value };
         self.without_free_slip(value)
+    }
+
+    /// Returns the pressure of the neighbours, Pa, with a mirrored one behind thin walls.
+    #[inline(always)]
+    pub(crate) fn mirrored_behind<const D: usize>(
+        &self,
+        pressure: L,
+        own: &OwnParticle<L, D>,
+        x: [L; D],
+    ) -> L {
+        match &self.behind {
+            Some(behind) => L::select(behind.mask(), own.pressure + dot(own.hydrostatic, x), pressure),
+            None => pressure,
+        }
+    }
+
+    /// Returns 0 for neighbours of the flow that do not stand for a thin wall, 1 for all others: the
+    /// factor of the pairs that act on a body.
+    #[inline(always)]
+    pub(crate) fn acts_on_body<const D: usize>(&self, neighbours: Entry<'_, L>, facing: Option<Vector>) -> L {
+        match (&self.behind, facing) {
+            (Some(behind), Some(facing)) => behind.of_wall::<D>(facing, neighbours, self.distance),
+            _ => L::constant(1.0),
+        }
+    }
+
+    /// Returns a tensor of the neighbours with that of the particle behind thin walls.
+    #[inline(always)]
+    pub(crate) fn own_behind(&self, own: [L; 6], mut other: [L; 6]) -> [L; 6] {
+        if let Some(behind) = &self.behind {
+            for (other, own) in other.iter_mut().zip(own) {
+                *other = L::select(behind.mask(), own, *other);
+            }
+        }
+        other
+    }
+
+    /// Returns a term of the neighbours that walls do not have: 0 behind thin walls.
+    #[inline(always)]
+    pub(crate) fn without_behind(&self, value: L) -> L {
+        match &self.behind {
+            Some(behind) => L::select(behind.mask(), L::constant(0.0), value),
+            None => value,
+        }
     }
 
     /// Returns the pressure of the neighbours, Pa, with that of walls mirrored from the particle's

@@ -27,9 +27,11 @@ use rayon::iter::{
 };
 
 use near::{Gathered, Group};
-use node_sums::{Sums, solved};
+use node_sums::{NodeSides, Sums, solved};
 
+use super::neighbours::Neighbours;
 use super::settings::PairSettings;
+use super::wall_sides::{PointSide, SideColumns};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
 use crate::math::lanes::{Lanes, MOST_LANES, Vectorised};
@@ -99,6 +101,8 @@ pub struct RowSampler<'a, R: Real, const D: usize> {
     pub pair: &'a PairSettings,
     /// Passive scalar of each row of the particles; empty for none.
     pub tags: &'a [f32],
+    /// Sides of the particles near thin walls, so that those on the other side of a node do not count.
+    pub sides: Option<&'a SideColumns<R, D>>,
 }
 
 impl<R: Real, const D: usize> RowSampler<'_, R, D> {
@@ -202,6 +206,29 @@ impl<K: KernelShape, R: Real, const D: usize> Vectorised<f64> for VectorRow<'_, 
 }
 
 impl<R: Real, const D: usize> RowSampler<'_, R, D> {
+    /// Returns the sides of the nodes of a group; None where no wall is thin.
+    #[inline(always)]
+    fn sides_of<L: Lanes<Real = f64>>(&self, group: &Group) -> Option<NodeSides<L, D>> {
+        let sides = self.sides.filter(|sides| !sides.facing[0].is_empty())?;
+        let neighbours = Neighbours::new(self.grid, self.particles);
+        let (mut normals, mut fronts) = ([[0.0; MOST_LANES]; D], [f64::INFINITY; MOST_LANES]);
+        for lane in 0..L::COUNT {
+            let node = group.start + lane as f64 * group.step;
+            let side = PointSide::at(&neighbours, self.pair, sides, std::array::from_fn(|d| node[d]));
+            if let Some(side) = side {
+                fronts[lane] = side.front / self.pair.discretisation.smoothing_length;
+                for d in 0..D {
+                    normals[d][lane] = side.normal[d];
+                }
+            }
+        }
+        let mut normal = [L::constant(0.0); D];
+        for d in 0..D {
+            normal[d] = L::first_of(&normals[d]);
+        }
+        Some(NodeSides { normal, front: L::first_of(&fronts) })
+    }
+
     #[inline(always)]
     fn group<K: KernelShape, L: Lanes<Real = f64>, const N: usize>(
         &self,
@@ -216,7 +243,8 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
         for d in 0..D {
             step[d] = group.step[d] * inverse_h;
         }
-        let sums = Sums::<L, N>::of::<K, D>(&gathered.near, step);
+        let sides = self.sides_of::<L>(group);
+        let sums = Sums::<L, N>::of::<K, D>(&gathered.near, step, sides.as_ref());
         let norm = L::constant(discretisation.kernel_scale());
         let open = (L::constant(1.0) - sums.solid * norm).max(L::constant(LEAST_OPEN));
         let fraction = (sums.flow * norm / open).min(L::constant(1.0)).to_array();

@@ -28,6 +28,8 @@ pub(super) struct Near<const D: usize> {
     pub(super) solid: f64,
     /// True for fluid, whose fields are fitted.
     pub(super) is_fluid: bool,
+    /// Facing of a particle of the flow near a thin wall, m; 0 for others.
+    pub(super) facing: [f64; D],
     /// Fields relative to those of the first fluid particle.
     pub(super) values: [f64; FIELDS],
 }
@@ -78,11 +80,17 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
         for d in 0..D {
             offset[d] = relative[d] * inverse_h;
         }
-        let mut near = Near { offset, flow: 0.0, solid: 0.0, is_fluid: false, values: [0.0; FIELDS] };
+        let mut near =
+            Near { offset, flow: 0.0, solid: 0.0, is_fluid: false, facing: [0.0; D], values: [0.0; FIELDS] };
         if zone == Zone::Wall {
             near.solid = discretisation.cell_volume();
         } else {
             near.flow = discretisation.mass / density;
+            if let Some(sides) = self.sides {
+                for d in 0..D {
+                    near.facing[d] = sides.facing[d].get(row).map_or(0.0, |facing| facing.to_f64());
+                }
+            }
         }
         if zone == Zone::Fluid {
             let mut values = [0.0; FIELDS];

@@ -41,6 +41,30 @@ struct Weighted<'a, L, const D: usize, const N: usize> {
     basis: [L; N],
 }
 
+/// Sides of the nodes of a group near thin walls.
+pub(super) struct NodeSides<L, const D: usize> {
+    /// Normal of the surface that a node faces; 0 for a node without a side.
+    pub(super) normal: [L; D],
+    /// Distance of that surface, over h; infinite for a node without a side.
+    pub(super) front: L,
+}
+
+impl<L: Lanes<Real = f64>, const D: usize> NodeSides<L, D> {
+    /// Returns the weight of a particle of the flow, 0 for the nodes that have it behind a wall; the
+    /// offset is (x_b − x)/h.
+    #[inline(always)]
+    fn visible(&self, particle: &Near<D>, offset: [L; D], weight: L) -> L {
+        let zero = L::constant(0.0);
+        let (mut depth, mut into) = (zero, zero);
+        for d in 0..D {
+            depth = self.normal[d].mul_add(L::constant(-particle.facing[d]), depth);
+            into = self.normal[d].mul_add(-offset[d], into);
+        }
+        let behind = L::select(self.front.less(into), depth, zero);
+        L::select(zero.less(behind), zero, weight)
+    }
+}
+
 impl<L: Lanes<Real = f64>, const N: usize> Sums<L, N> {
     /// Sums over particles near a group whose nodes are `step`/h apart.
     ///
@@ -48,7 +72,11 @@ impl<L: Lanes<Real = f64>, const N: usize> Sums<L, N> {
     /// sums are taken row by row of the moments, since all of them together do not fit into the
     /// registers.
     #[inline(always)]
-    pub(super) fn of<K: KernelShape, const D: usize>(near: &[Near<D>], step: [f64; D]) -> Self {
+    pub(super) fn of<K: KernelShape, const D: usize>(
+        near: &[Near<D>],
+        step: [f64; D],
+        sides: Option<&NodeSides<L, D>>,
+    ) -> Self {
         let zero = L::constant(0.0);
         let mut sums = Self { moments: [[zero; N]; N], right: [[zero; N]; FIELDS], flow: zero, solid: zero };
         let mut numbers = [0.0; MOST_LANES];
@@ -59,14 +87,19 @@ impl<L: Lanes<Real = f64>, const N: usize> Sums<L, N> {
         let mut from = 0;
         while from < near.len() {
             let to = near.len().min(from + BLOCK);
-            sums.add_block::<K, D>(&near[from..to], step, lane);
+            sums.add_block::<K, D>(&near[from..to], (step, lane), sides);
             from = to;
         }
         sums
     }
 
     #[inline(always)]
-    fn add_block<K: KernelShape, const D: usize>(&mut self, near: &[Near<D>], step: [f64; D], lane: L) {
+    fn add_block<K: KernelShape, const D: usize>(
+        &mut self,
+        near: &[Near<D>],
+        (step, lane): ([f64; D], L),
+        sides: Option<&NodeSides<L, D>>,
+    ) {
         let zero = L::constant(0.0);
         let Some(first) = near.first() else { return };
         let mut fluid = [Weighted { particle: first, weight: zero, basis: [zero; N] }; BLOCK];
@@ -80,7 +113,13 @@ impl<L: Lanes<Real = f64>, const N: usize> Sums<L, N> {
             }
             let value = K::value(q2.roots().0);
             self.solid = value.mul_add(L::constant(particle.solid), self.solid);
-            let weight = value * L::constant(particle.flow);
+            let mut weight = value * L::constant(particle.flow);
+            if let Some(sides) = sides {
+                let visible = sides.visible(particle, offset, weight);
+                // The flow behind a wall stands for the wall.
+                self.solid = self.solid + (weight - visible);
+                weight = visible;
+            }
             self.flow = self.flow + weight;
             if particle.is_fluid {
                 fluid[count] = Weighted { particle, weight, basis: basis::<L, D, N>(offset) };

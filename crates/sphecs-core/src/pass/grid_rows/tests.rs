@@ -84,7 +84,13 @@ fn velocity(x: DVec3) -> DVec3 {
 fn check<const D: usize>(kernel: Kernel, set: InstructionSet) {
     let flow = linear_flow::<D>(kernel, set);
     let tags: Vec<f32> = vec![0.7; flow.particles.len()];
-    let sampler = RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &tags };
+    let sampler = RowSampler {
+        grid: &flow.grid,
+        particles: &flow.particles,
+        pair: &flow.pair,
+        tags: &tags,
+        sides: None,
+    };
     let rows = rows([12; D]);
     let curl = if D == 2 { DVec3::Z * 3.0 } else { DVec3::new(-3.0, -4.0, 3.0) };
     for (row, found) in rows.iter().zip(sampled(&sampler, &rows)) {
@@ -119,7 +125,8 @@ fn linear_fields_are_exact_next_to_walls_and_openings() {
 fn agree<const D: usize>() {
     let mut flow = linear_flow::<D>(Kernel::WendlandC2, InstructionSet::best());
     flow.stir(0.1, 1.0);
-    let sampler = RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[] };
+    let sampler =
+        RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[], sides: None };
     let probe = Sampler::new(&flow.grid, &flow.particles, &flow.pair, |zone| zone == Zone::Fluid);
     let rows = rows([12; D]);
     for (row, found) in rows.iter().zip(sampled(&sampler, &rows)) {
@@ -148,7 +155,8 @@ fn a_group_of_nodes_in_a_periodic_box_sees_the_images() {
     for row in 0..flow.particles.len() {
         flow.particles.velocity[0][row] = 0.3;
     }
-    let sampler = RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[] };
+    let sampler =
+        RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[], sides: None };
     let row = |y: f64| NodeRow {
         start: DVec3::new(-0.3, -0.3 + y, 0.0),
         step: DVec3::X * 0.5 * SPACING,
@@ -168,7 +176,8 @@ fn the_fraction_is_one_at_a_wall_and_half_at_a_free_surface() {
             flow.particles.zone[row] = Zone::Wall;
         }
     }
-    let sampler = RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[] };
+    let sampler =
+        RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[], sides: None };
     let at = |height: f64| NodeRow {
         start: DVec3::new(-0.3 + 9.7 * SPACING, -0.3 + height * SPACING, 0.0),
         step: DVec3::X * SPACING,
@@ -186,7 +195,8 @@ fn nodes_are_bitwise_independent_of_threads() {
     let mut flow = Particles::<f32, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.5), [20; 2], false);
     flow.stir(0.2, 0.1);
     flow.density();
-    let sampler = RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[] };
+    let sampler =
+        RowSampler { grid: &flow.grid, particles: &flow.particles, pair: &flow.pair, tags: &[], sides: None };
     let rows = rows([20; 2]);
     let on_threads = |count: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("a pool");

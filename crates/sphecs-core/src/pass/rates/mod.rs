@@ -141,7 +141,10 @@ pub fn sum_body_force<R: Real, const D: usize>(
     }
     let (places, list) = columns(pair, particles, level, sums, true);
     let scheme = Wcsph { columns: places, eddy_viscosity: sums.eddy_viscosity.read(WcsphRates) };
-    let inputs = FusedInputs::new(pair, grid, particles, sums, list.as_slice());
+    let inputs = FusedInputs {
+        body: Some(body.part),
+        ..FusedInputs::new(pair, grid, particles, sums, list.as_slice())
+    };
     let of_body = &sums.columns.body;
     pair.discretisation.kernel.with_shape(BodyPass {
         scheme: &scheme,

@@ -9,10 +9,11 @@ use crate::pass::pack::{ColumnList, Scalar, Symmetric, Vector};
 use crate::pass::rates::TimeLevel;
 use crate::pass::settings::PairSettings;
 use crate::pass::sums::PairSums;
+use crate::pass::wall_sides::facing_column;
 
 /// Most columns beside the coordinates in 3D: velocity, three scalars, strain, ∇C and volume,
 /// normal and stress.
-const MOST_COLUMNS: usize = 3 + 3 + 6 + 4 + 3 + 6;
+const MOST_COLUMNS: usize = 3 + 3 + 6 + 4 + 3 + 6 + 3;
 
 /// Columns of a pass in their order.
 pub(super) type WcsphColumnList<'a, R, const D: usize> = ColumnList<'a, R, D, MOST_COLUMNS>;
@@ -34,6 +35,8 @@ pub(super) struct WcsphColumns {
     pub normal: Option<Vector>,
     /// T/ρ², only with sub-particle-scale stress.
     pub stress: Option<Symmetric>,
+    /// Facing of the neighbours, only where a wall is thin.
+    pub facing: Option<Vector>,
     /// Number of columns, coordinates included.
     pub width: usize,
 }
@@ -64,6 +67,7 @@ impl WcsphColumns {
             concentration: if S::CORRECTS_DRIFT { Some(concentration) } else { None },
             normal: None,
             stress: None,
+            facing: None,
             width: if S::CORRECTS_DRIFT { before + D + 1 } else { before },
         }
     }
@@ -94,6 +98,7 @@ pub(super) fn columns<'a, R: Real, const D: usize>(
         }),
         normal: (has_walls && pair.has_free_slip()).then(|| list.add_vector(&particles.wall_normal)),
         stress: pair.viscous_term.needs().stress.then(|| list.add_symmetric(sums.stress.read(WcsphRates))),
+        facing: facing_column(&mut list, sums),
         width: 0,
     };
     (WcsphColumns { width: list.width(), ..places }, list)

@@ -123,6 +123,7 @@ impl<'a, L: Lanes, const D: usize> WcsphSettings<'a, L, D> {
         self.choices == WcsphChoices::default()
             && self.columns.normal.is_none()
             && self.columns.stress.is_none()
+            && self.columns.facing.is_none()
     }
 
     /// Returns the settings of the pair passes.
@@ -244,11 +245,12 @@ impl<L: Lanes, const D: usize> WcsphPair<L, D> {
         columns: &WcsphColumns,
         cap: L,
     ) -> Self {
-        let geometry = own.common.geometry::<K>(neighbours, columns.velocity);
+        let (geometry, behind) = own.common.geometry::<K>(neighbours, columns.velocity, columns.facing);
         let other = neighbours.scalar(columns.density);
         let densities = PairDensities::new(own.common.density, own.square, other, geometry.q2);
         let product = dot(geometry.x, geometry.v);
-        let image = WallImage::new(&own.common, neighbours, columns.image_distance, columns.normal, cap);
+        let image =
+            WallImage::new(&own.common, neighbours, columns.image_distance, columns.normal, behind, cap);
         let image_product = image.product(product, &geometry, neighbours);
         Self { geometry, densities, image, product, image_product }
     }
@@ -300,7 +302,11 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for WcsphTerms<'_, 
         sums: &mut WcsphSums<L, D>,
     ) {
         let (columns, choices) = (self.columns(), self.choices());
-        let pair = WcsphPair::new::<K>(own, neighbours, &columns, self.settings.cap);
+        let mut pair = WcsphPair::new::<K>(own, neighbours, &columns, self.settings.cap);
+        if S::WITH_MOMENTS {
+            pair.geometry.slope =
+                pair.geometry.slope * pair.image.acts_on_body::<D>(neighbours, columns.facing);
+        }
         let WcsphPair { geometry, densities, image, .. } = &pair;
         let volume_slope = densities.inverse_other * geometry.slope;
 
@@ -313,6 +319,7 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for WcsphTerms<'_, 
         if choices.mirrored {
             pressure = image.mirrored_pressure(pressure, &own.common, geometry.x);
         }
+        pressure = image.mirrored_behind(pressure, &own.common, geometry.x);
         let mut along_line = momentum::pressure_term(own.added_pressure, pressure, volume_slope);
         if S::WITH_MOMENTS {
             for d in 0..D {
@@ -336,7 +343,8 @@ impl<L: Lanes, S: LoopShape, const D: usize> PairTerms<L, D> for WcsphTerms<'_, 
             add_scaled(&mut sums.moments[1], drag, cross(geometry.x, geometry.v));
         }
         if let Some(stress) = columns.stress {
-            self.add_stress(own, neighbours.symmetric::<D>(stress), geometry, sums);
+            let other = image.own_behind(own.stress, neighbours.symmetric::<D>(stress));
+            self.add_stress(own, other, geometry, sums);
         }
         self.add_shift::<K>(neighbours, geometry, volume_slope, sums);
     }

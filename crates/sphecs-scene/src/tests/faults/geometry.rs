@@ -158,6 +158,8 @@ fn arrangements_that_exclude_each_other_are_faults() {
         "`Concentric` of all walls",
         "Concentric",
     );
+    let dummies = "walls: (model: Dummy, one_sided: true)";
+    check(walls, dummies, "`one_sided` walls need images", "true");
     check(
         walls,
         "fill: WallFitted(lower: 0.0, upper: \"H\"), walls: (fill: Layers)",
