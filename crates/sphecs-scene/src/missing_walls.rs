@@ -146,7 +146,7 @@ mod tests {
     fn plates_with_particles_and_tips_are_not_missing() {
         assert_eq!(missing("Box(min: (0.5, 0.5), max: (1.5, 0.55))"), None);
         assert_eq!(missing("Circle(center: (1.0, 0.5), radius: 0.2)"), None);
-        let wedge = "Polygon(points: [(0.5, 0.4), (1.5, 0.5), (0.5, 0.6)])";
+        let wedge = "Polygon(points: [(0.5, 0.1), (0.9, 0.5), (0.5, 0.9)])";
         assert_eq!(missing(wedge), None, "the last spacing of a tip does not matter");
     }
 }
