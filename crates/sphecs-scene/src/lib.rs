@@ -27,7 +27,8 @@
 //! * [`movers`], [`mover_places`]: walls that move, and their particles
 //! * [`displaced_flow`], [`closing_gaps`]: the flow that they displace, and gaps that they close
 //! * [`wall_points`]: points of its walls at which pressure and shear stress are measured
-//! * [`thin_walls`], [`missing_walls`]: solid that is thinner than the kernel reaches, or than particles
+//! * [`thin_walls`], [`missing_walls`]: solid that is thinner than the kernel reaches, and solid
+//!   without particles
 //! * [`given_speed`], [`sampled_times`]: the largest prescribed speeds, and the times at which they
 //!   are sought
 //! * [`disk_estimate`], [`memory_estimate`]: disk space and memory of its run

@@ -79,7 +79,9 @@ pub struct PairSums<R, const D: usize> {
     pub friction: Written<[Vec<R>; D], WallFriction>,
     /// Σ w(q) over the fluid that the friction acts on; empty with it.
     pub friction_felt: Written<Vec<R>, WallFriction>,
-    /// Sides of the particles near thin walls, written by `wall_sides`; empty where no wall is thin.
+    /// Sides of the particles near thin walls, written by `wall_sides`.
+    ///
+    /// Empty where no wall is thin.
     pub sides: Written<SideColumns<R, D>, WallSides>,
     /// Vectors of the pack with a neighbour in the support, for particles whose density was summed
     /// since the last sort.

@@ -25,7 +25,7 @@ use sphecs_core::math::column::{Column, Columns};
 use sphecs_engine::saved_state::{decode_record, encode_record};
 
 /// Version of the file format and of the columns of a state, raised with every change of either.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 const MAGIC: [u8; 8] = *b"\x89sphecs\n";
 const DIGEST: usize = 32;

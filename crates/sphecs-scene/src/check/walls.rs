@@ -10,7 +10,7 @@ use crate::model::{Fill, Rings, Scene, WallPart, Walls};
 use crate::movers::Wall;
 use crate::notation::typed::Spanned;
 use crate::rings::FirstRing;
-use crate::schema::{FillFile, Number, SceneFile, Vector, WallFillFile};
+use crate::schema::{FillFile, Number, SceneFile, Vector, WallFillFile, WallsFile};
 use glam::DVec3;
 use sphecs_core::physics::wall::{Slip, WallModel};
 
@@ -46,18 +46,7 @@ pub fn walls(
     if let Some(fault) = file.model.fault() {
         check.report(Fault::placeless(fault));
     }
-    if let Some(one_sided) = file.one_sided.as_ref().filter(|one_sided| one_sided.value)
-        && !matches!(file.model, WallModel::Image { .. })
-    {
-        check.report(
-            Fault::new(
-                "`one_sided` walls need images",
-                one_sided.head,
-                "must be left out beside this `model`",
-            )
-            .help("or `model: Image()`: other models take velocity and pressure from both sides"),
-        );
-    }
+    let one_sided = is_one_sided(file, check);
     let mut parts = vec![rest(file.slip, check.components_or_zero(file.velocity.as_ref()))];
     let WallLayout { mut regions, mut rings, mut layered } = WallLayout::default();
     let all = file.fill.as_ref();
@@ -106,14 +95,23 @@ pub fn walls(
             parts.push(WallPart { name: name.value.clone(), slip, velocity, mover: None });
         }
     }
-    (
-        Walls {
-            model: file.model,
-            one_sided: file.one_sided.as_ref().is_some_and(|one_sided| one_sided.value),
-            parts,
-        },
-        WallLayout { regions, rings, layered },
-    )
+    (Walls { model: file.model, one_sided, parts }, WallLayout { regions, rings, layered })
+}
+
+/// Returns whether thin walls are one-sided, which only walls of images can be.
+fn is_one_sided(file: &WallsFile, check: &mut Checker<'_>) -> bool {
+    let Some(one_sided) = file.one_sided.as_ref().filter(|one_sided| one_sided.value) else { return false };
+    if !matches!(file.model, WallModel::Image { .. }) {
+        check.report(
+            Fault::new(
+                "`one_sided` walls need images",
+                one_sided.head,
+                "must be left out beside this `model`",
+            )
+            .help("or `model: Image()`: other models take velocity and pressure from both sides"),
+        );
+    }
+    true
 }
 
 /// Reports walls with an arrangement of their own beside `WallFitted`, whose rows continue into the

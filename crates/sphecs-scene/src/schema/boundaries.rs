@@ -31,7 +31,7 @@ pub struct WallsFile {
     /// Arrangement of their particles behind the surface, default on the lattice of the fluid.
     #[serde(default)]
     pub fill: Option<Spanned<WallFillFile>>,
-    /// Whether walls thinner than the support separate the fluid on their two sides, default false;
+    /// Separation of the fluid on the two sides of walls thinner than the support, default false;
     /// take it for plates, baffles and blades of few spacings.
     #[serde(default)]
     pub one_sided: Option<Spanned<bool>>,

@@ -129,8 +129,8 @@ impl<L: Lanes> WallImage<L> {
         }
     }
 
-    /// Returns 0 for neighbours of the flow that do not stand for a thin wall, 1 for all others: the
-    /// factor of the pairs that act on a body.
+    /// Returns the factor of the pairs that act on a body: 0 for neighbours of the flow that do not
+    /// stand for a thin wall, 1 for all others.
     #[inline(always)]
     pub(crate) fn acts_on_body<const D: usize>(&self, neighbours: Entry<'_, L>, facing: Option<Vector>) -> L {
         match (&self.behind, facing) {

@@ -101,7 +101,7 @@ pub struct RowSampler<'a, R: Real, const D: usize> {
     pub pair: &'a PairSettings,
     /// Passive scalar of each row of the particles; empty for none.
     pub tags: &'a [f32],
-    /// Sides of the particles near thin walls, so that those on the other side of a node do not count.
+    /// Sides of the particles near thin walls: those on the other side of a node do not count.
     pub sides: Option<&'a SideColumns<R, D>>,
 }
 

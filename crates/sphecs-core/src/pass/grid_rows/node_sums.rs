@@ -50,8 +50,8 @@ pub(super) struct NodeSides<L, const D: usize> {
 }
 
 impl<L: Lanes<Real = f64>, const D: usize> NodeSides<L, D> {
-    /// Returns the weight of a particle of the flow, 0 for the nodes that have it behind a wall; the
-    /// offset is (x_b − x)/h.
+    /// Returns the weight of a particle of the flow, 0 for the nodes that have it behind a wall.
+    /// The offset is (x_b − x)/h.
     #[inline(always)]
     fn visible(&self, particle: &Near<D>, offset: [L; D], weight: L) -> L {
         let zero = L::constant(0.0);

@@ -17,7 +17,7 @@ pub(in crate::pass) struct PointSide<'a, R, const D: usize> {
 }
 
 impl<'a, R: Real, const D: usize> PointSide<'a, R, D> {
-    /// Returns the side of a point (m); None where the nearest wall is not thin, and beyond an edge.
+    /// Returns the side of a point (m); None where the nearest wall is thick, and beyond an edge.
     pub(in crate::pass) fn at(
         neighbours: &Neighbours<'_, R, D>,
         pair: &PairSettings,
@@ -55,8 +55,9 @@ impl<'a, R: Real, const D: usize> PointSide<'a, R, D> {
         side
     }
 
-    /// Returns true if a particle of the flow is behind the wall that the point faces; x is the point
-    /// less the position of the particle, m.
+    /// Returns true if a particle of the flow is behind the wall that the point faces.
+    ///
+    /// x is the point less the position of the particle, m.
     pub(in crate::pass) fn hides(&self, row: usize, x: [f64; D]) -> bool {
         let along =
             |d: usize| self.sides.facing[d].get(row).map_or(0.0, |facing| facing.to_f64()) * self.normal[d];

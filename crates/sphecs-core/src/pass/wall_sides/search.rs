@@ -1,4 +1,4 @@
-//! Search for the sides of particles: by the nearest wall particle, together with the wall distance.
+//! Search for the sides of particles, by the nearest wall particle; it finds the wall distance too.
 
 use std::ops::Range;
 
