@@ -115,7 +115,8 @@ fn thin_wall_is_to_its_fluid_as_a_thick_one() {
             }
             above(&mut sample)
         });
-        assert_close(&thin, &thick, 1e-3, &format!("{law:?}"));
+        // Under `EdacTvf` there is no acceleration across: both directions have one scale.
+        assert_close(&[thin.concat()], &[thick.concat()], 1e-3, &format!("{law:?}"));
     }
 }
 
