@@ -139,7 +139,11 @@ mod tests {
         assert!((found.thickness() - 0.01).abs() < 1e-3, "{found:?}");
         assert!((found.middle().y - 0.5).abs() < 1e-3, "{found:?}");
         let oblique = "Polygon(points: [(0.5, 0.3), (1.5, 0.7), (1.5, 0.705), (0.5, 0.305)])";
-        assert!(missing(oblique).is_some());
+        // Along x the plate is 0.005/0.4 m thick.
+        let found = missing(oblique).expect("no particle has its place there");
+        assert!((found.thickness() - 0.0125).abs() < 1e-3, "{found:?}");
+        let middle = found.middle();
+        assert!((middle.y - 0.3 - 0.4 * (middle.x - 0.5)).abs() < 0.01, "{found:?}");
     }
 
     #[test]
