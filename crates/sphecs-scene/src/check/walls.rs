@@ -101,7 +101,7 @@ pub fn walls(
 /// Returns whether thin walls are one-sided, which only walls of images can be.
 fn is_one_sided(file: &WallsFile, check: &mut Checker<'_>) -> bool {
     let Some(one_sided) = file.one_sided.as_ref().filter(|one_sided| one_sided.value) else { return false };
-    if !matches!(file.model, WallModel::Image { .. }) {
+    if !file.model.can_be_one_sided() {
         check.report(
             Fault::new(
                 "`one_sided` walls need images",

@@ -47,6 +47,10 @@ impl WallMethod for Image {
         distance
     }
 
+    fn can_be_one_sided(&self) -> bool {
+        true
+    }
+
     fn fault(&self) -> Option<&'static str> {
         let points_backwards = self.velocity_cap.is_some_and(|cap| cap.is_nan() || cap < 1.0);
         points_backwards.then_some(

@@ -73,6 +73,12 @@ pub trait WallMethod {
         false
     }
 
+    /// Returns true if wall particles have a velocity and pressure of their own for each fluid
+    /// particle, so that the fluid behind a thin wall can take their place.
+    fn can_be_one_sided(&self) -> bool {
+        false
+    }
+
     /// Returns what is wrong with the parameters, if anything is.
     fn fault(&self) -> Option<&'static str> {
         None
@@ -140,6 +146,12 @@ impl WallModel {
     /// particles.
     pub fn mirrors_velocity(self) -> bool {
         with_model!(self, method => method.mirrors_velocity())
+    }
+
+    /// Returns true if wall particles have a velocity and pressure of their own for each fluid
+    /// particle, so that the fluid behind a thin wall can take their place.
+    pub fn can_be_one_sided(self) -> bool {
+        with_model!(self, method => method.can_be_one_sided())
     }
 
     /// Returns what is wrong with the parameters, if anything is.
