@@ -10,6 +10,7 @@ use common::{shipped_scenes, smoke_scene, text_scene};
 use rayon::ThreadPoolBuilder;
 use sphecs::Simulation;
 use sphecs::glam::DVec3;
+use sphecs_scene::seeds;
 
 /// Least and largest number of steps of each run, which include many changes of zone and corrective
 /// steps.
@@ -21,8 +22,14 @@ const PARTICLE_STEPS: u64 = 600_000;
 /// Steps of the runs with reads between the steps.
 const STEPS_WITH_READS: usize = 60;
 
-fn simulation(path: &Path) -> Simulation {
-    common::simulation(smoke_scene(path, &[]))
+/// Returns simulations of a scene file at its smoke spacing, from particles that are placed once.
+fn simulations<const N: usize>(path: &Path) -> [Simulation; N] {
+    let scene = smoke_scene(path, &[]);
+    let particles = seeds(&scene);
+    [(); N].map(|()| {
+        let builder = Simulation::builder(scene.clone()).particles(particles.clone());
+        builder.build().expect("a scene without plugins can be built")
+    })
 }
 
 /// Returns every bit of a particle: `==` would equate −0 and 0.
@@ -60,7 +67,7 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_threads() {
         ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads")
     });
     for path in shipped_scenes() {
-        let mut runs = [(); 2].map(|()| simulation(&path));
+        let mut runs: [_; 2] = simulations(&path);
         for (run, pool) in runs.iter_mut().zip(&pools) {
             let steps = (PARTICLE_STEPS / run.ledger().total()).clamp(STEPS[0], STEPS[1]);
             pool.install(|| (0..steps).for_each(|_| run.step().expect("a step")));
@@ -112,7 +119,7 @@ fn check_threads(sets: &[(&str, &str)]) {
 fn reading_between_steps_leaves_the_flow_bitwise_identical() {
     let mut faults = Vec::new();
     for path in shipped_scenes() {
-        let [mut alone, mut read, mut borrowed] = [(); 3].map(|()| simulation(&path));
+        let [mut alone, mut read, mut borrowed] = simulations(&path);
         for step in 0..STEPS_WITH_READS {
             match step % 11 {
                 0 => drop(read.monitor_row()),

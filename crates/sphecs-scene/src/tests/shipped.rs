@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::faults::SceneErrors;
-use crate::model::{BodyForce, Scene};
+use crate::model::{BodyForce, Fill, Scene};
 use crate::{seeds, summary};
 use sphecs_core::particles::zone::Zone;
 
@@ -53,7 +53,11 @@ pub(super) fn smoke(name: &str) -> Scene {
 #[test]
 fn every_shipped_scene_loads_and_has_fluid() {
     for name in names() {
-        for scene in [scene(&name), smoke(&name)] {
+        let full = scene(&name);
+        // Rows of a lattice may misfit at one spacing alone; other fills take long at full size.
+        let is_lattice = matches!(full.layout.fill, Fill::Lattice(_)) && full.layout.layered.is_empty();
+        let spacings = [Some(full).filter(|_| is_lattice), Some(smoke(&name))];
+        for scene in spacings.into_iter().flatten() {
             let seeds = seeds(&scene);
             let summary = summary::summary(&scene, &seeds);
             assert!(summary.by_zone[Zone::Fluid as usize] > 0, "{name}");
