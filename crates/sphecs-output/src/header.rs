@@ -295,6 +295,11 @@ impl Header {
     pub fn axes(&self) -> &'static [&'static str] {
         if self.dimensions == 2 { &["x", "y"] } else { &["x", "y", "z"] }
     }
+
+    /// Returns the names of the axes that a rotation or a torque may have.
+    pub fn rotation_axes(&self) -> &'static [&'static str] {
+        if self.dimensions == 2 { &["z"] } else { &["x", "y", "z"] }
+    }
 }
 
 /// Returns bytes as hexadecimal digits.

@@ -25,8 +25,11 @@ pub struct MonitorWriter {
 fn columns(header: &Header) -> Vec<(TableColumn, String)> {
     // In 2D all extensive quantities are per metre of depth.
     let planar = header.dimensions == 2;
-    let [mass, mass_flow, energy, momentum] =
-        if planar { ["kg m-1", "kg m-1 s-1", "J m-1", "kg s-1"] } else { ["kg", "kg s-1", "J", "kg m s-1"] };
+    let [mass, mass_flow, energy, momentum, angular_momentum] = if planar {
+        ["kg m-1", "kg m-1 s-1", "J m-1", "kg s-1", "kg m s-1"]
+    } else {
+        ["kg", "kg s-1", "J", "kg m s-1", "kg m2 s-1"]
+    };
     let mut columns = Vec::new();
     let mut add =
         |name: String, unit: &str, long_name: String| columns.push((TableColumn::new(name, unit), long_name));
@@ -50,6 +53,10 @@ fn columns(header: &Header) -> Vec<(TableColumn, String)> {
     add("kinetic_energy".into(), energy, "kinetic energy of the fluid".into());
     for axis in header.axes() {
         add(format!("momentum_{axis}"), momentum, format!("momentum of the fluid along {axis}"));
+    }
+    for axis in header.rotation_axes() {
+        let long_name = format!("angular momentum of the fluid about the origin along {axis}");
+        add(format!("angular_momentum_{axis}"), angular_momentum, long_name);
     }
     add("largest_speed".into(), "m s-1", "largest speed of the fluid".into());
     add(
@@ -154,6 +161,9 @@ impl MonitorWriter {
         cells.extend(numbers.map(|&value| number(value)));
         cells.push(number(row.kinetic_energy));
         cells.extend(row.momentum.to_array().iter().take(self.dimensions).map(|&value| number(value)));
+        // In 2D about z alone.
+        let first = if self.dimensions == 2 { 2 } else { 0 };
+        cells.extend(row.angular_momentum.to_array().iter().skip(first).map(|&value| number(value)));
         cells.extend(
             [row.largest_speed, row.largest_density_deviation, row.largest_divergence, row.mean_pressure]
                 .map(number),
@@ -218,6 +228,7 @@ mod tests {
             inlet_mass_flow: vec![1.5],
             outlet_mass_flow: vec![0.5, 1.0],
             momentum: DVec3::new(7.0, 8.0, 0.0),
+            angular_momentum: DVec3::new(0.0, 0.0, 3.5),
             held_at_walls: 7,
             close_pairs: 9,
             ..MonitorRow::default()
@@ -236,6 +247,7 @@ mod tests {
             ("inlet_mass_flow_in", 1.5),
             ("outlet_mass_flow_right_leg", 1.0),
             ("momentum_y", 8.0),
+            ("angular_momentum_z", 3.5),
             ("held_at_walls", 7.0),
             ("close_pairs", 9.0),
         ] {

@@ -214,6 +214,7 @@ impl<'a> Check<'a> {
                 self.table_of(run, table);
                 self.formula(reference);
             }
+            ValueFile::TorqueThrough { run, probes, .. } => self.probe(run, probes),
             ValueFile::Body { run, body, .. } => self.body(run, body),
             ValueFile::Departure { run, table, from, .. } => {
                 self.table_of(run, table);

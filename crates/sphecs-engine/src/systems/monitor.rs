@@ -47,6 +47,8 @@ pub struct MonitorRow {
     pub kinetic_energy: f64,
     /// Momentum of the fluid, kg m/s (per metre of depth in 2D).
     pub momentum: DVec3,
+    /// Angular momentum of the fluid about the origin, kg m²/s (per metre of depth in 2D).
+    pub angular_momentum: DVec3,
     /// Largest speed of the fluid, m/s.
     pub largest_speed: f64,
     /// Largest |ρ − ρ0|/ρ0 of the fluid.
@@ -162,7 +164,9 @@ fn quantities<R: PairReal<D>, const D: usize>(
     let poses = &world.resource::<PresentPoses>().0;
     let sums = fluid_sums((scene, poses), &world.resource::<Grid<D>>().0, arrays);
     row.kinetic_energy = 0.5 * mass * sums.square_speed.value();
-    row.momentum = mass * DVec3::from_array(sums.velocity.each_ref().map(ExactSum::value));
+    let of_fluid = |sums: &[ExactSum; 3]| mass * DVec3::from_array(sums.each_ref().map(ExactSum::value));
+    row.momentum = of_fluid(&sums.velocity);
+    row.angular_momentum = of_fluid(&sums.moment);
     row.largest_speed = sums.largest_speed;
     row.largest_density_deviation = sums.largest_density_deviation;
     row.mean_pressure = if sums.count > 0 { sums.pressure.value() / sums.count as f64 } else { 0.0 };
@@ -180,6 +184,8 @@ struct FluidSums {
     square_speed: ExactSum,
     /// Σ v, m/s.
     velocity: [ExactSum; 3],
+    /// Σ x × v, m²/s.
+    moment: [ExactSum; 3],
     /// Σ p, Pa.
     pressure: ExactSum,
     largest_speed: f64,
@@ -193,7 +199,9 @@ impl FluidSums {
     fn join(mut self, other: Self) -> Self {
         self.count += other.count;
         self.square_speed += &other.square_speed;
-        self.velocity.iter_mut().zip(&other.velocity).for_each(|(sum, other)| *sum += other);
+        for (sums, others) in [(&mut self.velocity, &other.velocity), (&mut self.moment, &other.moment)] {
+            sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
+        }
         self.pressure += &other.pressure;
         self.largest_speed = self.largest_speed.max(other.largest_speed);
         self.largest_density_deviation = self.largest_density_deviation.max(other.largest_density_deviation);
@@ -223,12 +231,14 @@ fn fluid_sums<R: PairReal<D>, const D: usize>(
             sums.count += 1;
             let v = arrays.velocity_of(a);
             sums.square_speed += v.length_squared();
-            sums.velocity.iter_mut().zip(v.to_array()).for_each(|(sum, component)| *sum += component);
+            let point = arrays.position_of(a);
+            for (sums, vector) in [(&mut sums.velocity, v), (&mut sums.moment, point.cross(v))] {
+                sums.iter_mut().zip(vector.to_array()).for_each(|(sum, component)| *sum += component);
+            }
             sums.largest_speed = sums.largest_speed.max(v.length());
             let deviation = (arrays.density[a].to_f64() / scene.fluid.density - 1.0).abs();
             sums.largest_density_deviation = sums.largest_density_deviation.max(deviation);
             sums.pressure += arrays.pressure[a].to_f64();
-            let point = arrays.position_of(a);
             // The signed distance of a scene is costly, and only a particle next to a wall can be
             // behind it.
             let near_wall = arrays.wall_distance[a].to_f64() < 0.5 * scene.spacing;

@@ -65,7 +65,7 @@ fn body_columns(header: &Header, body: &BodyHeader) -> Vec<(TableColumn, String)
             let long_name = format!("force {of} on {} along {axis}", body.name);
             add(format!("{part}force_{axis}"), force, long_name);
         }
-        for axis in torque_axes(header) {
+        for axis in header.rotation_axes() {
             let long_name = format!("torque {of} on {} about {axis}", body.name);
             add(format!("{part}torque_{axis}"), torque, long_name);
         }
@@ -77,7 +77,7 @@ fn body_columns(header: &Header, body: &BodyHeader) -> Vec<(TableColumn, String)
         for axis in header.axes() {
             add(format!("velocity_{axis}"), "m s-1", format!("velocity of {} along {axis}", body.name));
         }
-        for axis in torque_axes(header) {
+        for axis in header.rotation_axes() {
             let long_name = format!("angular velocity of {} about {axis}", body.name);
             add(format!("angular_velocity_{axis}"), "rad s-1", long_name);
         }
@@ -103,11 +103,6 @@ fn columns(header: &Header) -> Vec<TableColumn> {
         columns.extend(body_columns(header, body).into_iter().map(named));
     }
     columns
-}
-
-/// Returns the axes that a torque may have.
-fn torque_axes(header: &Header) -> &'static [&'static str] {
-    if header.dimensions == 2 { &["z"] } else { &["x", "y", "z"] }
 }
 
 /// Returns drag and lift coefficient of a force, N (N/m in 2D).

@@ -8,6 +8,7 @@
 //! - [`ensemble`]: distance of two flows
 //! - [`series`]: columns over time
 //! - [`waves`]: growth and reflection
+//! - [`torque`]: torque through a closed curve
 //!
 //! To add a measure: a variant of `ValueFile` in `schema`, a module here and an arm below.
 //!
@@ -21,6 +22,7 @@ pub mod measurement;
 pub mod profile;
 pub mod reference;
 pub mod series;
+pub mod torque;
 pub mod waves;
 
 use std::borrow::Cow;
@@ -123,6 +125,7 @@ pub fn runs_of(value: &ValueFile) -> Vec<&str> {
         ValueFile::Feature { run, .. }
         | ValueFile::Series { run, .. }
         | ValueFile::Signal { run, .. }
+        | ValueFile::TorqueThrough { run, .. }
         | ValueFile::Body { run, .. }
         | ValueFile::Growth { run, .. }
         | ValueFile::Reflection { run, .. } => vec![&run.value],
@@ -215,6 +218,9 @@ fn of_member(value: &ValueFile, run: &RunResults, case: &Case) -> Result<feature
             let function = reference::formula(reference, case)?;
             let of_time = |time: f64| function([0.0; 3], time);
             series::signal((&times, &values), (over.0.value, over.1.value), of_time, *take)? / factor(scale)
+        }
+        ValueFile::TorqueThrough { probes, over, .. } => {
+            torque::through(&*run.probe(&probes.value)?, (over.0.value, over.1.value))?
         }
         ValueFile::Body { body, take, .. } => series::coefficient(run, &body.value, *take)?,
         ValueFile::Growth { probe, field, waves, between, .. } => {

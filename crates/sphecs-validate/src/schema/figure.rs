@@ -78,6 +78,16 @@ pub enum ValueFile {
         #[serde(default)]
         scale: Option<Number>,
     },
+    /// Torque about the origin on the fluid inside a closed curve in 2D by pressure and momentum
+    /// that pass through it, time mean, N.
+    TorqueThrough {
+        /// Run.
+        run: Text,
+        /// Line probes whose points in their order are the curve; `*` stands for any letters.
+        probes: Text,
+        /// Interval, s.
+        over: (Number, Number),
+    },
     /// Coefficient of a body over the interval given by the scene, as in `forces_mean.csv`.
     Body {
         /// Run.
