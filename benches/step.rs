@@ -143,7 +143,7 @@ fn million_3d(bencher: Bencher, name: &str) {
     time(bencher, name);
 }
 
-#[divan::bench(args = ["channel", "channel_cylinder"], sample_count = 60, sample_size = 1)]
+#[divan::bench(args = ["channel", "channel_cylinder", "channel_mover"], sample_count = 60, sample_size = 1)]
 fn open_channels(bencher: Bencher, name: &str) {
     time(bencher, name);
 }

@@ -16,6 +16,16 @@ const CHANNEL: &str = include_str!("../../../scenes/constricted_r2.ron");
 const CYLINDER: &str = include_str!("../../../benches/channel_cylinder.ron");
 const DUCT: &str = include_str!("../../../benches/duct.ron");
 
+/// Changes that make the cylinder in the channel a mover.
+const TURNING: [(&str, &str); 2] = [
+    ("domain", "Box(min: (0.0, 0.0), max: (\"L\", \"H\"))"),
+    (
+        "movers",
+        "[(name: \"cylinder\", shape: Circle(center: (0.5, 0.3), radius: \"r\"), \
+         motion: Rotation(about: (0.5, 0.3), rate: \"v0/r*tanh(10*t)\"))]",
+    ),
+];
+
 /// Flow that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BenchCase {
@@ -25,6 +35,8 @@ pub enum BenchCase {
     Channel,
     /// `benches/channel_cylinder.ron`.
     Cylinder,
+    /// The same with the cylinder as a mover that turns: what a moving part costs.
+    Mover,
     /// `benches/duct.ron`.
     Duct,
 }
@@ -89,9 +101,10 @@ const fn with(terms: BoxTerms, laminar: PeriodicBox) -> PeriodicBox {
 impl BenchCase {
     /// All cases with their names in the order of their timing, the small ones first: see
     /// [`memory`](super::memory).
-    pub const ALL: [(&'static str, BenchCase); 19] = [
+    pub const ALL: [(&'static str, BenchCase); 20] = [
         ("channel", BenchCase::Channel),
         ("channel_cylinder", BenchCase::Cylinder),
+        ("channel_mover", BenchCase::Mover),
         ("2d-f32", BenchCase::Box(PLANE)),
         ("2d-f64", double(PLANE)),
         ("2d-quintic-f32", BenchCase::Box(with(BoxTerms::Quintic, PLANE))),
@@ -125,7 +138,7 @@ impl BenchCase {
     pub fn periodic_box(self) -> Option<PeriodicBox> {
         match self {
             BenchCase::Box(periodic_box) => Some(periodic_box),
-            BenchCase::Channel | BenchCase::Cylinder | BenchCase::Duct => None,
+            BenchCase::Channel | BenchCase::Cylinder | BenchCase::Mover | BenchCase::Duct => None,
         }
     }
 
@@ -147,7 +160,7 @@ impl BenchCase {
             BenchCase::Box(_) => Plan { warm_up: 2, repetitions: 4, steps: 1 },
             // By then the inlet has started and particles change zones.
             BenchCase::Channel => Plan { warm_up: 300, repetitions: 6, steps: 20 },
-            BenchCase::Cylinder => Plan { warm_up: 100, repetitions: 6, steps: 20 },
+            BenchCase::Cylinder | BenchCase::Mover => Plan { warm_up: 100, repetitions: 6, steps: 20 },
             BenchCase::Duct => Plan { warm_up: 10, repetitions: 3, steps: 4 },
         }
     }
@@ -159,9 +172,10 @@ impl BenchCase {
     pub fn scene(self) -> Result<Scene, SceneErrors> {
         match self {
             BenchCase::Box(periodic_box) => periodic_box.scene(),
-            BenchCase::Channel => load_shipped("constricted_r2", CHANNEL),
-            BenchCase::Cylinder => load_shipped("channel_cylinder", CYLINDER),
-            BenchCase::Duct => load_shipped("duct", DUCT),
+            BenchCase::Channel => load_shipped("constricted_r2", CHANNEL, &[]),
+            BenchCase::Cylinder => load_shipped("channel_cylinder", CYLINDER, &[]),
+            BenchCase::Mover => load_shipped("channel_mover", CYLINDER, &TURNING),
+            BenchCase::Duct => load_shipped("duct", DUCT, &[]),
         }
     }
 }
@@ -203,13 +217,13 @@ impl PeriodicBox {
             time: (end: 1.0), output: (every: 1.0),
         )"#
         );
-        load_shipped("periodic_box", &text)
+        load_shipped("periodic_box", &text, &[])
     }
 }
 
-/// Loads a scene from its text, within the available memory.
-fn load_shipped(name: &str, text: &str) -> Result<Scene, SceneErrors> {
-    Scene::from_text(name, text).memory(memory::available()).load()
+/// Loads a scene from its text with changes, within the available memory.
+fn load_shipped(name: &str, text: &str, sets: &[(&str, &str)]) -> Result<Scene, SceneErrors> {
+    Scene::from_text(name, text).sets(sets).memory(memory::available()).load()
 }
 
 #[cfg(test)]
