@@ -110,6 +110,21 @@ fn passage_text(scene: &Scene, passage: &Passage) -> String {
     )
 }
 
+/// Returns a note on a passage with few particles across. It is no fault of the scene: acute corners
+/// and wedges have such places. With n particles between two plates the flow of a developed profile
+/// is 1 + 3/n² times the exact one, measured for n = 2 to 20.
+fn passage_note(scene: &Scene, passage: &Passage) -> Option<String> {
+    let across = passage.width() / scene.spacing;
+    (across < WANTED_ACROSS - 0.01).then(|| {
+        format!(
+            "the narrowest passage has {across:.1} particles across, between plates a laminar flow is {} % too large with \
+             these: {WANTED_ACROSS} or more are wanted, `spacing` of at most {} m",
+            significant_two(300.0 / across.powi(2)),
+            significant(passage.width() / WANTED_ACROSS)
+        )
+    })
+}
+
 /// Returns the largest mean speed, and the largest of a developed laminar profile with that mean.
 fn fastest_text(scene: &Scene, path: &FlowPath) -> String {
     let speed = path.mean_speed();
@@ -279,14 +294,7 @@ fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {
 /// Returns the notes on passage, speed and duration.
 fn notes(scene: &Scene, until: f64, passage: Option<&Passage>, path: Option<&FlowPath>) -> Vec<String> {
     let mut notes = Vec::new();
-    if let Some(passage) = passage.filter(|passage| passage.width() < (WANTED_ACROSS - 0.01) * scene.spacing)
-    {
-        notes.push(format!(
-            "the narrowest passage has {:.1} particles across, {WANTED_ACROSS} or more are wanted: `spacing` of at most {} m",
-            passage.width() / scene.spacing,
-            significant(passage.width() / WANTED_ACROSS)
-        ));
-    }
+    notes.extend(passage.and_then(|passage| passage_note(scene, passage)));
     notes.extend(weight_note(scene));
     let Some(path) = path else { return notes };
     let mach = path.mean_speed() / scene.fluid.sound_speed;

@@ -22,7 +22,7 @@ use crate::error::OutputError;
 /// Options of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotOptions {
-    /// Names of the results, as `monitor.kinetic_energy`, `forces.body_c_d` or `probes.gap.u`.
+    /// Names of the results, as `monitor.kinetic_energy`, `forces.c_d_body` or `probes.gap.u`.
     pub names: Vec<String>,
     /// Times of profiles, s; empty for the last sample.
     pub times: Vec<f64>,
