@@ -22,6 +22,7 @@ use crate::systems::boundaries::outlet_diagnostics::{OutletDiagnostics, diagnose
 use crate::systems::boundaries::outlet_registry::AddedOutlets;
 use crate::systems::boundaries::outlets::{apply_outlets, find_outlet_rates};
 use crate::systems::boundaries::patch_rows::PatchRows;
+use crate::systems::boundaries::wall_contacts::WallContacts;
 use crate::systems::boundaries::wall_projection::{WallProjections, project_to_walls};
 use crate::systems::boundaries::walls::apply_walls;
 use crate::systems::divergence::{Failure, check_state};
@@ -126,6 +127,7 @@ fn add_boundaries<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_
     context.save_resource::<InflowColumns>("inflow_columns");
     context.save_resource::<OutletDiagnostics>("outlet_diagnostics");
     context.save_resource::<WallProjections>("wall_projections");
+    context.save_resource::<WallContacts>("wall_contacts");
     context.save_resource::<FreeNumbers>("free_numbers");
     context.world.init_resource::<PresentPoses>();
     if context.world.resource::<ActiveScene>().0.has_moving_walls() {

@@ -19,6 +19,7 @@ use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::emitter_states::EmitterStates;
 use crate::systems::boundaries::movers::PresentPoses;
+use crate::systems::boundaries::wall_contacts::WallContacts;
 use covered_walls::CoveredWalls;
 use sphecs_core::pass::body::{Body, BodySum};
 use sphecs_core::pass::pair_real::PairReal;
@@ -104,7 +105,7 @@ fn new_body(scene: &Scene, body: &SceneBody) -> Body {
 /// Sums the forces on all bodies by the terms of `Wcsph`.
 pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
-    emitters: Option<Res<EmitterStates>>,
+    (emitters, contacts): (Option<Res<EmitterStates>>, Res<WallContacts>),
     grid: Res<Grid<D>>,
     since_correction: Res<StepsSinceCorrection>,
     arrays: Res<Arrays<R, D>>,
@@ -115,7 +116,7 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
-    row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
+    row.forces.extend(bodies.iter_mut().zip(shear).enumerate().map(|(index, (body, shear))| {
         covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
         let mut exact =
@@ -123,6 +124,7 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
         let mut sum = exact.value();
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
+        contacts.add(index, &mut sum);
         sum
     }));
 }
@@ -130,7 +132,7 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
 pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
-    emitters: Option<Res<EmitterStates>>,
+    (emitters, contacts): (Option<Res<EmitterStates>>, Res<WallContacts>),
     grid: Res<Grid<D>>,
     arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
@@ -140,13 +142,14 @@ pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     (row.time, row.step) = (clock.time, clock.step);
     row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
-    row.forces.extend(bodies.iter_mut().zip(shear).map(|(body, shear)| {
+    row.forces.extend(bodies.iter_mut().zip(shear).enumerate().map(|(index, (body, shear))| {
         covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
         let mut exact = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
         let mut sum = exact.value();
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
+        contacts.add(index, &mut sum);
         sum
     }));
 }

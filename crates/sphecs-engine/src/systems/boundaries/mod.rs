@@ -14,6 +14,7 @@
 //! - [`patch_rows`]: rows of the arrays that belong to each inlet and outlet
 //! - [`prescribed_inflow`]: volume flow that the inlets prescribe
 //! - [`through_flow`]: flow through the openings from the velocities in the whole domain
+//! - [`wall_contacts`]: forces on bodies by particles that were returned to their surfaces
 //! - [`wall_projection`]: return of particles from behind a wall to its surface
 //! - [`walls`]: velocity and pressure of wall particles
 //!
@@ -33,5 +34,6 @@ pub mod patch_cells;
 pub mod patch_rows;
 pub mod prescribed_inflow;
 pub mod through_flow;
+pub mod wall_contacts;
 pub mod wall_projection;
 pub mod walls;

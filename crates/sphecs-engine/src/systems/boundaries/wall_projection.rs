@@ -5,11 +5,13 @@
 //! cut the corner. With six particles across a throat they do so by up to 0.1 Δ. Such a particle is
 //! moved back to the surface along the normal and loses its velocity into the wall, at both time
 //! levels; at a wall that moves, its velocity relative to the wall. [`WallProjections`] counts
-//! these events for the monitor. Where the count grows all the time, the spacing is too coarse for
+//! these events for the monitor, and what the particles lose acts on
+//! [bodies](super::wall_contacts). Where the count grows all the time, the spacing is too coarse for
 //! the corner.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use bevy_ecs::resource::Resource;
 use bevy_ecs::system::{Res, ResMut};
@@ -17,9 +19,11 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::arrays::Arrays;
+use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
 use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::movers::PresentPoses;
+use crate::systems::boundaries::wall_contacts::{WallContact, WallContacts};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::for_each_part;
@@ -46,9 +50,9 @@ const IN_FRONT: f64 = 1e-6;
 
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
 pub fn project_to_walls<R: PairReal<D>, const D: usize>(
-    (scene, poses): (Res<ActiveScene>, Res<PresentPoses>),
+    (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
     grid: Res<Grid<D>>,
-    mut projections: ResMut<WallProjections>,
+    (mut projections, mut contacts): (ResMut<WallProjections>, ResMut<WallContacts>),
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let (scene, poses) = (&*scene.0, &poses.0);
@@ -59,6 +63,8 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     let ParticleArrays { zone, position, velocity, previous_velocity, wall_distance, .. } = &mut **arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
     let count = AtomicU64::new(0);
+    // Contacts are few: a lock costs nothing.
+    let found = Mutex::new(std::mem::take(&mut contacts.found));
     let columns = (
         position.each_mut().map(Vec::as_mut_slice),
         velocity.each_mut().map(Vec::as_mut_slice),
@@ -91,20 +97,27 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
                 position[axis][at] += back[axis];
             }
             let of_wall = surface.velocity.dot(outwards);
-            for velocity in [&mut now, &mut before] {
+            let mut lost = [0.0; 2];
+            for (velocity, lost) in [&mut now, &mut before].into_iter().zip(&mut lost) {
                 let into: f64 = (0..D).map(|axis| velocity[axis][at].to_f64() * outwards[axis]).sum();
-                let into = into - of_wall;
+                *lost = (into - of_wall).max(0.0);
                 for axis in 0..D {
-                    velocity[axis][at] -= R::from_f64(into.max(0.0) * outwards[axis]);
+                    velocity[axis][at] -= R::from_f64(*lost * outwards[axis]);
                 }
             }
             if zone[row] == Zone::Fluid {
                 count.fetch_add(1, Ordering::Relaxed);
+                if !scene.bodies.is_empty() && lost[0] > 0.0 {
+                    let contact = WallContact { wall, point, lost: lost[0] * outwards };
+                    found.lock().unwrap_or_else(PoisonError::into_inner).push(contact);
+                }
             }
         }
     };
     for_each_part(0..zone.len(), columns, &work);
     projections.0 += count.into_inner();
+    contacts.found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    contacts.sum(scene, poses, clock.time_step);
 }
 
 /// Positions and velocities, present and previous, of the rows of a part.
