@@ -13,7 +13,7 @@ use sphecs_core::physics::wall::WallPressure;
 use sphecs_scene::closing_gaps::{ClosingGap, NARROW, closing_gaps};
 use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
-use sphecs_scene::missing_walls::missing_wall;
+use sphecs_scene::missing_walls::{missing_wall, movers_without_particles};
 use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
 use sphecs_scene::movers::Wall;
 use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
@@ -148,7 +148,8 @@ fn opening_text(scene: &Scene, figures: &OpeningFigures) -> String {
     let size = match (figures.section, figures.columns) {
         (_, Some((count, depth))) => {
             let unit = if is_flat { "m wide" } else { "m²" };
-            format!("{area} {unit}, {count} columns of particles {} m deep", significant(depth))
+            let columns = if count == 1 { "column" } else { "columns" };
+            format!("{area} {unit}, {count} {columns} of particles {} m deep", significant(depth))
         }
         (Some([perimeter, diameter]), None) if !is_flat => {
             let [perimeter, diameter] = [perimeter, diameter].map(significant);
@@ -265,7 +266,7 @@ fn thin_wall_notes(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
         )
     });
     let thin = thinnest_wall(scene, seeds).and_then(|wall| thin_wall_note(scene, &wall));
-    missing.into_iter().chain(thin).collect()
+    missing.into_iter().chain(movers_without_particles(scene, seeds)).chain(thin).collect()
 }
 
 fn thin_wall_note(scene: &Scene, wall: &ThinWall) -> Option<String> {

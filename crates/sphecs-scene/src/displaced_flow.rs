@@ -20,7 +20,7 @@
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use super::domain_cells::Cells;
+use super::domain_cells::{Cells, open_part};
 use super::model::Scene;
 use super::movers::WallPoses;
 
@@ -131,13 +131,32 @@ impl<'a> CasingGrid<'a> {
 
     /// Returns the volume that movers in some poses leave to the fluid, m³ (m² in 2D).
     pub(crate) fn free_volume(&self, poses: &WallPoses) -> f64 {
-        let inside: Vec<Vec<f64>> =
-            (0..self.scene.movers.len()).map(|mover| self.shares(mover, poses)).collect();
+        let dimensions = self.scene.dimensions;
         let free = |cell: usize| {
-            let covered: f64 = inside.iter().map(|shares| shares[cell]).sum();
+            let centre = self.cells.centre(cell, dimensions);
+            let covered: f64 =
+                (0..self.scene.movers.len()).map(|mover| self.covered(mover, poses, centre)).sum();
             (self.share[cell] - covered).max(0.0)
         };
-        (0..self.cells.len()).map(free).sum::<f64>() * self.cells.size.powi(self.scene.dimensions as i32)
+        (0..self.cells.len()).map(free).sum::<f64>() * self.cells.size.powi(dimensions as i32)
+    }
+
+    /// Returns the part of a cell inside a mover by samples: a distance at the centre does not say it
+    /// for a body as thin as a cell.
+    fn covered(&self, index: usize, poses: &WallPoses, centre: DVec3) -> f64 {
+        let (scene, mover, pose) = (self.scene, &self.scene.movers[index], &poses.movers[index]);
+        let middle = pose.place(mover.centre);
+        let centre = scene.nearest_image(centre, middle);
+        let half_diagonal = 0.5 * self.cells.size * (scene.dimensions as f64).sqrt();
+        if centre.distance(middle) > mover.radius + half_diagonal {
+            return 0.0;
+        }
+        let distance = mover.shape.signed_distance(pose.reference(centre));
+        if distance.abs() > half_diagonal {
+            return f64::from(u8::from(distance < 0.0));
+        }
+        let samples = self.cells.samples(centre, None, scene.dimensions);
+        open_part(samples, |point| mover.shape.contains(pose.reference(point), 0.0))
     }
 
     /// Returns the share of each cell inside a mover.

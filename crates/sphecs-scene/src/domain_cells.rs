@@ -108,3 +108,13 @@ impl Cells {
         Some(self.index(place))
     }
 }
+
+/// Returns the part of samples that are open.
+pub(crate) fn open_part(samples: impl Iterator<Item = DVec3>, is_open: impl Fn(DVec3) -> bool) -> f64 {
+    let (mut open, mut count) = (0, 0);
+    for point in samples {
+        open += u32::from(is_open(point));
+        count += 1;
+    }
+    f64::from(open) / f64::from(count.max(1))
+}

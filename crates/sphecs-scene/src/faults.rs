@@ -150,6 +150,7 @@ pub fn is_misspelt(name: &str, candidate: &str) -> bool {
 pub fn advice<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let allowed = candidates.clone().into_iter().map(|c| format!("`{c}`")).collect::<Vec<_>>().join(", ");
     match nearest(name, candidates) {
+        _ if allowed.is_empty() => "there are none: leave the name out".to_owned(),
         Some(near) => format!("did you mean `{near}`? allowed: {allowed}"),
         None => format!("allowed: {allowed}"),
     }

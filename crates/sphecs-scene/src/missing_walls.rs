@@ -13,6 +13,7 @@ use rayon::slice::ParallelSlice;
 
 use super::fill::confined_distance;
 use super::model::{ParticleSeed, Scene};
+use super::movers::{Mover, Wall};
 use super::thin_walls::ThinWall;
 use sphecs_core::particles::zone::Zone;
 
@@ -31,6 +32,21 @@ pub fn missing_wall(scene: &Scene, seeds: &[ParticleSeed]) -> Option<ThinWall> {
         .par_chunks(CHUNK)
         .filter_map(|chunk| thickest(near_surface(scene, chunk).filter_map(|point| at(scene, &walls, point))))
         .reduce_with(thicker)
+}
+
+/// Returns a note for each mover without particles.
+pub fn movers_without_particles(scene: &Scene, seeds: &[ParticleSeed]) -> Vec<String> {
+    let walls = seeds.iter().filter(|seed| seed.zone == Zone::Wall);
+    let filled: HashSet<Wall> = walls.map(|seed| Wall::of_part(scene, seed.patch)).collect();
+    let empty = scene.movers.iter().enumerate().filter(|(index, _)| !filled.contains(&Wall::Mover(*index)));
+    let note = |(_, mover): (usize, &Mover)| {
+        format!(
+            "the mover `{}` has no particles, so that the flow passes through it: make it a spacing thick, or take a smaller \
+             `spacing`",
+            mover.name
+        )
+    };
+    empty.map(note).collect()
 }
 
 fn thickest(walls: impl Iterator<Item = ThinWall>) -> Option<ThinWall> {
@@ -144,6 +160,29 @@ mod tests {
         assert!((found.thickness() - 0.0125).abs() < 1e-3, "{found:?}");
         let middle = found.middle();
         assert!((middle.y - 0.3 - 0.4 * (middle.x - 0.5)).abs() < 0.01, "{found:?}");
+    }
+
+    #[test]
+    fn mover_between_the_places_of_particles_has_none() {
+        let notes = |radius: f64| {
+            let text = format!(
+                r#"Scene(
+    title: "Small", dimensions: 2, spacing: 0.05,
+    fluid: (density: 1000.0, viscosity: 1e-3, sound_speed: 10.0),
+    domain: Box(min: (0.0, 0.0), max: (1.0, 1.0)),
+    movers: [(
+        name: "dot", shape: Circle(center: (0.5, 0.5), radius: {radius}),
+        motion: Rotation(about: (0.5, 0.5), rate: 1.0),
+    )],
+    reference: (velocity: 1.0, length: 1.0), time: (end: 1.0), output: (every: 0.5),
+)"#
+            );
+            let scene = Scene::from_text("small", &text).load().unwrap_or_else(|faults| panic!("{faults:?}"));
+            movers_without_particles(&scene, &seeds(&scene))
+        };
+        let found = notes(0.01);
+        assert!(found.len() == 1 && found[0].contains("`dot` has no particles"), "{found:?}");
+        assert!(notes(0.1).is_empty());
     }
 
     #[test]

@@ -80,7 +80,7 @@ pub struct WallPoses {
 }
 
 /// A wall: the casing or a mover.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wall {
     /// All walls that are not of a mover.
     Casing,

@@ -21,7 +21,7 @@
 use glam::DVec3;
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use super::domain_cells::Cells;
+use super::domain_cells::{Cells, open_part};
 use super::model::{Patch, Scene};
 
 /// Residual at which the solution is accepted, relative to that of φ = 0.
@@ -243,16 +243,6 @@ impl Laplace {
         }
         gradient
     }
-}
-
-/// Returns the part of samples that are open.
-fn open_part(samples: impl Iterator<Item = DVec3>, is_open: impl Fn(DVec3) -> bool) -> f64 {
-    let (mut open, mut count) = (0, 0);
-    for point in samples {
-        open += u32::from(is_open(point));
-        count += 1;
-    }
-    f64::from(open) / f64::from(count.max(1))
 }
 
 /// Returns true for the centre (m) of a cell just beyond the plane of an outlet. Its faces towards

@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::boundaries::{default_name, velocity};
 use super::checker::Checker;
 use super::mesh_groups::{PlacedMesh, meshes_of};
+use super::patches::MOST_LAYERS;
 use super::shapes;
 use crate::emitters::contour::Contour;
 use crate::emitters::{Emitter, Piece, along_curves, over_surfaces};
@@ -73,6 +74,10 @@ pub fn written(
             let label = format!("is `{depth}` m, must be at least `{least}` m (the support)");
             let title = "the zone of an emitter is shorter than the kernel's support";
             check.report(Fault::new(title, span, label));
+        }
+        if let Some((span, depth)) = depth.filter(|(_, depth)| *depth > MOST_LAYERS * spacing) {
+            let label = format!("is `{depth}` m, must be at most {MOST_LAYERS} spacings");
+            check.report(Fault::new("a zone is too long", span, label));
         }
         if file.on.is_none() && file.region.is_none() {
             let label = "must have `on`, `region` or both";

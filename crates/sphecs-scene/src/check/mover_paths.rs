@@ -10,12 +10,16 @@ use crate::faults::Fault;
 use crate::fill::{Place, patches, wall_thickness};
 use crate::model::Scene;
 use crate::movers::{Wall, WallPoses};
+use crate::sampled_times::sampled_times;
 use crate::schema::SceneFile;
 use sphecs_core::format::{point, significant};
 use sphecs_core::particles::zone::Zone;
 
-/// Number of intervals of the run at whose ends places are compared.
+/// Least number of intervals of the run at whose ends places are compared.
 const INTERVALS: u32 = 64;
+
+/// Path of a wall between two times, in spacings, where the run has time enough.
+const STRIDE: f64 = 4.0;
 
 /// Depth in a mover from which a wall particle at rest counts as overlapped, in spacings: less is
 /// the misfit of lattice and surface.
@@ -38,15 +42,35 @@ pub fn check(scene: &Scene, file: &SceneFile, places: &[Place], faults: &mut Vec
         return;
     }
     let end = if scene.time.end.is_finite() { scene.time.end } else { 0.0 };
-    let times: Vec<f64> = (0..=INTERVALS).map(|at| end * f64::from(at) / f64::from(INTERVALS)).collect();
+    let times = compared_times(scene, end);
     let poses: Vec<WallPoses> = times.iter().map(|time| scene.wall_poses(*time)).collect();
     let course = Course { scene, times: &times, poses: &poses };
     zones(&course, file, faults);
     if faults.len() == before {
         overlaps(&course, file, places, faults);
+        if faults.len() == before {
+            departures(&course, file, places, faults);
+        }
         collisions(&course, file, places, faults);
         volume(&course, file, faults);
     }
+}
+
+/// Returns the times of a run to `end`, s, at which places are compared: the ends of equal
+/// intervals, or, for walls that move far in one of these, times that follow no period.
+fn compared_times(scene: &Scene, end: f64) -> Vec<f64> {
+    let step = STRIDE * scene.spacing / scene.largest_wall_speed();
+    let interval = end / f64::from(INTERVALS);
+    if step >= interval {
+        return (0..=INTERVALS).map(|at| end * f64::from(at) / f64::from(INTERVALS)).collect();
+    }
+    let mut times = vec![0.0];
+    for time in sampled_times(end) {
+        if time >= times[times.len() - 1] + step || time == end {
+            times.push(time);
+        }
+    }
+    times
 }
 
 /// Poses of the walls at some times of the run.
@@ -141,6 +165,43 @@ fn overlaps(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mu
     }
 }
 
+/// Reports movers whose particles go from the fluid into the walls: plates that are too thin to hold
+/// particles of a wall.
+fn departures(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
+    let scene = course.scene;
+    if scene.casing_motion.is_some() {
+        return;
+    }
+    let behind = |place: DVec3| Wall::Casing.distance(scene, place);
+    for (index, mover) in scene.movers.iter().enumerate() {
+        let of_mover =
+            |place: &&Place| place.zone == Zone::Wall && Wall::numbered(place.patch) == Wall::Mover(index);
+        let in_fluid = |place: &&Place| of_mover(place) && behind(place.position) < 0.0;
+        let particles: Vec<DVec3> =
+            places.iter().filter(in_fluid).map(|place| mover.start.reference(place.position)).collect();
+        let gone = |at: usize| {
+            let pose = &course.poses[at].movers[index];
+            // What the mover covers from the start is no wall: a rod may turn in it.
+            let enters =
+                |place: DVec3| behind(place) > OVERLAP * scene.spacing && course.depth(index, 0, place) < 0.0;
+            let mut placed = particles.iter().map(|particle| pose.place(*particle));
+            placed.find(|place| enters(*place) && is_next_to_fluid(course, at, *place))
+        };
+        let first = (0..course.times.len()).into_par_iter().find_map_first(|at| Some((at, gone(at)?)));
+        if let Some((at, place)) = first {
+            let title = format!("the mover `{}` enters a wall", mover.name);
+            let label = format!(
+                "is {} m deep in it at t = {} s near {} m, next to fluid",
+                significant(behind(place)),
+                significant(course.times[at]),
+                course.text(place)
+            );
+            let help = "change shape or motion, or cut its way out of the `domain`";
+            faults.push(Fault::new(title, file.movers[index].name.span, label).help(help));
+        }
+    }
+}
+
 /// Reports movers that run into each other. Those that overlap from the start are parts of one
 /// body.
 fn collisions(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
@@ -201,18 +262,21 @@ fn volume(course: &Course<'_>, file: &SceneFile, faults: &mut Vec<Fault>) {
         return;
     }
     let grid = CasingGrid::new(scene);
-    let volumes: Vec<f64> = course.poses.par_iter().map(|poses| grid.free_volume(poses)).collect();
+    // A volume takes long and changes slowly.
+    let stride = course.times.len().div_ceil(INTERVALS as usize + 1);
+    let compared: Vec<usize> = (0..course.times.len()).step_by(stride).collect();
+    let volumes: Vec<f64> = compared.par_iter().map(|at| grid.free_volume(&course.poses[*at])).collect();
     let change = |volume: f64| (volume / volumes[0] - 1.0).abs();
-    let Some(at) = (0..volumes.len()).max_by(|a, b| change(volumes[*a]).total_cmp(&change(volumes[*b])))
+    let Some(most) = (0..volumes.len()).max_by(|a, b| change(volumes[*a]).total_cmp(&change(volumes[*b])))
     else {
         return;
     };
-    if change(volumes[at]) > VOLUME_CHANGE {
+    if change(volumes[most]) > VOLUME_CHANGE {
         let unit = if scene.dimensions == 2 { "m²" } else { "m³" };
         let label = format!(
             "leaves the fluid {} {unit} at t = {} s, {} {unit} at the start",
-            significant(volumes[at]),
-            significant(course.times[at]),
+            significant(volumes[most]),
+            significant(course.times[compared[most]]),
             significant(volumes[0])
         );
         faults.push(

@@ -14,7 +14,7 @@ use sphecs_core::boundary::patch::Extent;
 use sphecs_core::format::{point as point_text, significant};
 
 /// Largest number of layers of a zone, more than any flow needs; it bounds the number of particles.
-const MOST_LAYERS: f64 = 1e4;
+pub(super) const MOST_LAYERS: f64 = 1e4;
 
 /// Domain and discretisation that the patches are checked against.
 #[derive(Clone, Copy, Debug)]

@@ -74,6 +74,26 @@ fn paths_that_a_body_cannot_take_are_refused() {
         let found = faults(&fields);
         assert!(found.contains(expected), "{fields}: {found}");
     }
+    // A plate as thin as a spacing holds no particle of the wall that it enters; a path whose period
+    // is a 32nd of the run is seen, too.
+    let plate = path("Box(min: (1.5, 0.975), max: (2.5, 1.025))", "Translation(velocity: (0.0, 1.5))");
+    assert!(faults(&plate).contains("the mover `body` enters a wall"), "{}", faults(&plate));
+    let quick = path(DISC, "Translation(displacement: (0.0, \"0.09*sin(64*pi*t)\"))");
+    assert_eq!(faults(&quick), "");
+    let quick = path(
+        "Box(min: (1.9, 1.79), max: (2.1, 1.99))",
+        "Translation(displacement: (0.0, \"0.09*sin(64*pi*t)\"))",
+    );
+    assert!(faults(&quick).contains("the mover `body` enters a wall"), "{}", faults(&quick));
+    // A blade about a spacing thick that turns leaves the fluid its volume.
+    let blade = format!(
+        "domain: Circle(center: (0.0, 0.0), radius: 0.5), walls: (one_sided: true), {}",
+        body(
+            "Box(min: (-0.45, -0.025), max: (0.45, 0.025))",
+            "Rotation(about: (0.0, 0.0), rate: \"2*tanh(2*t)\")"
+        )
+    );
+    assert_eq!(faults(&blade), "");
     // A piston slides along the walls and out of the end of the domain; a rod turns in a wall.
     let piston =
         path("Box(min: (-2.0, 0.0), max: (0.5, 2.0))", "Translation(displacement: (\"0.3*t\", 0.0))");
