@@ -147,8 +147,8 @@ const CLOSED: &str = r#"Scene(
     time: (end: 1.0), output: (every: 1.0), reference: (velocity: 1.0, length: 1.0),
 )"#;
 
-/// Returns force (N s/m) and torque (N s) on the walls in the second step, times the first step, with
-/// a particle that begins behind the right wall with a velocity (m/s) into it.
+/// Returns force (N s/m) and torque (N s) on the walls in the second step, times the first step,
+/// with a particle that begins behind the right wall with a velocity (m/s) into it.
 fn after_a_contact(scheme: &str, velocity: f64) -> (f64, f64) {
     let scene = text_scene("closed", CLOSED, &[("scheme", scheme)]);
     let mut particles = seeds(&scene);

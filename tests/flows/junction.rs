@@ -63,7 +63,7 @@ fn two_outlets_with_different_conditions_share_the_flow() {
         ("FlowShare(share: 0.6)", "WaveEquation()", Some(0.6)),
         ("FlowShare(share: 0.6)", "Pressure(value: 0.0)", Some(0.6)),
     ];
-    // With the other scheme the pair whose order matters, and a prescribed share at a given pressure.
+    // With the other scheme the pair whose order matters, and a prescribed share at a pressure.
     let of_edac = [pairs[1], pairs[4]];
     for (scheme, pairs) in [("Wcsph()", &pairs[..]), ("EdacTvf()", &of_edac)] {
         for &(straight, aside, expected) in pairs {

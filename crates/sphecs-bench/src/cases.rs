@@ -35,7 +35,7 @@ pub enum BenchCase {
     Channel,
     /// `benches/channel_cylinder.ron`.
     Cylinder,
-    /// The same with the cylinder as a mover that turns: what a moving part costs.
+    /// Channel as above with the cylinder as a mover that turns: what a moving part costs.
     Mover,
     /// `benches/duct.ron`.
     Duct,

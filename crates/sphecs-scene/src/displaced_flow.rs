@@ -141,8 +141,8 @@ impl<'a> CasingGrid<'a> {
         (0..self.cells.len()).map(free).sum::<f64>() * self.cells.size.powi(dimensions as i32)
     }
 
-    /// Returns the part of a cell inside a mover by samples: a distance at the centre does not say it
-    /// for a body as thin as a cell.
+    /// Returns the part of a cell inside a mover by samples: a distance at the centre does not say
+    /// it for a body as thin as a cell.
     fn covered(&self, index: usize, poses: &WallPoses, centre: DVec3) -> f64 {
         let (scene, mover, pose) = (self.scene, &self.scene.movers[index], &poses.movers[index]);
         let middle = pose.place(mover.centre);

@@ -165,8 +165,8 @@ fn overlaps(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mu
     }
 }
 
-/// Reports movers whose particles go from the fluid into the walls: plates that are too thin to hold
-/// particles of a wall.
+/// Reports movers whose particles go from the fluid into the walls: plates that are too thin to
+/// hold particles of a wall.
 fn departures(course: &Course<'_>, file: &SceneFile, places: &[Place], faults: &mut Vec<Fault>) {
     let scene = course.scene;
     if scene.casing_motion.is_some() {

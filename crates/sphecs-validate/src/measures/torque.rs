@@ -104,7 +104,7 @@ fn of_edge(from: State, to: State, sign: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Square of half width 1 about (2, 1), with a state at each of 8 points and at the first again.
+    /// Square of half width 1 about (2, 1), with a state at each of 8 points.
     fn square(reversed: bool, state: impl Fn([f64; 2]) -> ([f64; 2], f64)) -> ProbeHistory {
         let ring =
             [[1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 1.0], [3.0, 2.0], [2.0, 2.0], [1.0, 2.0], [1.0, 1.0]];

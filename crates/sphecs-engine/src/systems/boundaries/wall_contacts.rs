@@ -4,9 +4,9 @@
 //! F = Σ m Δv/Δt,   T = Σ (x − c) × m Δv/Δt
 //! ```
 //!
-//! Δv is the velocity into the wall that a [moved](super::wall_projection) fluid particle lost, Δt the
-//! size of the step. The forces belong to those of the next step, so that the body gains in all what
-//! the fluid loses.
+//! Δv is the velocity into the wall that a [moved](super::wall_projection) fluid particle lost, Δt
+//! the size of the step. The forces belong to those of the next step, so that the body gains in all
+//! what the fluid loses.
 
 use bevy_ecs::resource::Resource;
 use glam::DVec3;

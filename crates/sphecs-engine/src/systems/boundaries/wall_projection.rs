@@ -6,8 +6,8 @@
 //! moved back to the surface along the normal and loses its velocity into the wall, at both time
 //! levels; at a wall that moves, its velocity relative to the wall. [`WallProjections`] counts
 //! these events for the monitor, and what the particles lose acts on
-//! [bodies](super::wall_contacts). Where the count grows all the time, the spacing is too coarse for
-//! the corner.
+//! [bodies](super::wall_contacts). Where the count grows all the time, the spacing is too coarse
+//! for the corner.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -74,8 +74,8 @@ fn paths_that_a_body_cannot_take_are_refused() {
         let found = faults(&fields);
         assert!(found.contains(expected), "{fields}: {found}");
     }
-    // A plate as thin as a spacing holds no particle of the wall that it enters; a path whose period
-    // is a 32nd of the run is seen, too.
+    // A plate as thin as a spacing holds no particle of the wall that it enters; a path whose
+    // period is a 32nd of the run is seen, too.
     let plate = path("Box(min: (1.5, 0.975), max: (2.5, 1.025))", "Translation(velocity: (0.0, 1.5))");
     assert!(faults(&plate).contains("the mover `body` enters a wall"), "{}", faults(&plate));
     let quick = path(DISC, "Translation(displacement: (0.0, \"0.09*sin(64*pi*t)\"))");
