@@ -111,8 +111,8 @@ fn passage_text(scene: &Scene, passage: &Passage) -> String {
 }
 
 /// Returns a note on a passage with few particles across. It is no fault of the scene: acute
-/// corners and wedges have such places. With n particles between two plates the flow of a developed profile
-/// is 1 + 3/n² times the exact one, measured for n = 2 to 20.
+/// corners and wedges have such places. With n particles between two plates the flow of a developed
+/// profile is 1 + 3/n² times the exact one, measured for n = 2 to 20.
 fn passage_note(scene: &Scene, passage: &Passage) -> Option<String> {
     let across = passage.width() / scene.spacing;
     (across < WANTED_ACROSS - 0.01).then(|| {
