@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
+use sphecs::Simulation;
 use sphecs::glam::DVec3;
-use sphecs::{Simulation, Zone};
 use sphecs_core::pass::body::BodySum;
 use sphecs_scene::seeds;
 
