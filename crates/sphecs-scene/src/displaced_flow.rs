@@ -141,8 +141,8 @@ impl<'a> CasingGrid<'a> {
         (0..self.cells.len()).map(free).sum::<f64>() * self.cells.size.powi(self.scene.dimensions as i32)
     }
 
-    /// Returns the volume that movers in some poses leave to the fluid, m³ (m² in 2D), by samples of
-    /// the cells: slower, and right for a body as thin as a cell.
+    /// Returns the volume that movers in some poses leave to the fluid, m³ (m² in 2D), by samples
+    /// of the cells: slower, and right for a body as thin as a cell.
     pub(crate) fn sampled_free_volume(&self, poses: &WallPoses) -> f64 {
         let dimensions = self.scene.dimensions;
         let free = |cell: usize| {
