@@ -173,6 +173,10 @@ fn emitters_need_a_smooth_surface_and_solid_behind_it() {
             "carries nothing into the domain",
         ),
         (
+            "(region: Box(min: (-0.1, -1.1), max: (0.1, -0.9)), velocity: Normal(0.1), depth: 1e9)",
+            "a zone is too long",
+        ),
+        (
             "(region: Box(min: (-0.1, -1.1), max: (0.1, -0.9)), velocity: Normal(0.1), depth: 0.01)",
             "must be at least",
         ),
