@@ -79,6 +79,29 @@ fn invalid_command_line_is_bad_input() {
     refused(&answer(["bench", "--case", "4d-f32"]), 2, &["4d-f32", "2d-f32", "3d-sps-f64", "channel"]);
 }
 
+/// As a launcher of MPI starts a program that was built without MPI, twice.
+#[test]
+#[cfg(not(feature = "mpi"))]
+fn several_processes_are_refused_without_mpi() {
+    let folder = folder();
+    let launchers = [["PMI_RANK", "PMI_SIZE"], ["OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"]];
+    for ([rank, size], number) in launchers.into_iter().zip(["0", "1"]) {
+        let started =
+            |mut command: Command| command.env(rank, number).env(size, "2").output().expect("it starts");
+        let run = short_run(&folder.path().join("run"), &[]);
+        refused(&started(run), 2, &["2 processes", "--features mpi", "--ranks 2"]);
+        refused(
+            &started(short_run(&folder.path().join("run"), &["--ranks", "3"])),
+            2,
+            &["--ranks", "launcher"],
+        );
+        refused(&started(sphecs(["check", "scenes/quickstart.ron"])), 2, &["2 processes", "start one"]);
+        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 0);
+    }
+    let alone = short_run(&folder.path().join("alone"), &["--steps", "2"]);
+    done(&{ alone }.env("PMI_RANK", "0").env("PMI_SIZE", "1").output().expect("it starts"));
+}
+
 #[test]
 fn help_has_examples_and_the_exit_codes() {
     let help = done(&answer(["--help"]));

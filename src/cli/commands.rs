@@ -7,7 +7,7 @@ use std::path::Path;
 use super::arguments::{CheckArguments, InfoArguments, PackArguments, SceneArguments};
 use super::check_arguments::{BenchArguments, ValidateArguments};
 use super::failure::{DONE, Failure, MISSED, OUT_OF_TIME};
-use super::run_arguments::{ResumeArguments, RunArguments, VerbosityArguments};
+use super::run_arguments::{LimitArguments, ResumeArguments, RunArguments, VerbosityArguments};
 use sphecs_bench::BenchOptions;
 use sphecs_bench::cases::BenchCase;
 use sphecs_output::disk;
@@ -19,6 +19,7 @@ use sphecs_run::check::{self as scene_check, CheckOptions};
 use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
 use sphecs_run::memory;
+use sphecs_run::ranks::RankSource;
 use sphecs_run::resume::{self, ResumeOptions};
 use sphecs_run::threads::on_threads;
 use sphecs_run::waiting;
@@ -32,6 +33,7 @@ use sphecs_validate::{Conclusion, ValidateError, ValidateOptions, case};
 /// # Errors
 /// [`Failure`] with its exit code.
 pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
+    let Some(ranks) = ranks(&arguments.limits)? else { return Ok(DONE) };
     let memory = memory::available().filter(|_| !arguments.allow_oversize);
     let scene = load_within(&arguments.input, memory)?;
     let options = RunOptions {
@@ -41,6 +43,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         },
         force: arguments.force,
         threads: arguments.limits.threads.map(usize::from),
+        ranks,
         until: arguments.limits.until,
         max_steps: arguments.limits.steps,
         checkpoint_every: arguments.limits.checkpoint_every,
@@ -56,11 +59,13 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
 /// # Errors
 /// [`Failure`] with its exit code.
 pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
+    let Some(ranks) = ranks(&arguments.limits)? else { return Ok(DONE) };
     let options = ResumeOptions {
         run: RunOptions {
             folder: arguments.run.clone(),
             force: false,
             threads: arguments.limits.threads.map(usize::from),
+            ranks,
             until: arguments.limits.until,
             max_steps: arguments.limits.steps,
             checkpoint_every: arguments.limits.checkpoint_every,
@@ -73,6 +78,12 @@ pub fn resume(arguments: &ResumeArguments) -> Result<u8, Failure> {
         allow_other_isa: arguments.allow_other_isa,
     };
     Ok(code_of(resume::resume(&options)?))
+}
+
+/// Returns the ranks of a run; None in a process that has followed another one to its end.
+fn ranks(limits: &LimitArguments) -> Result<Option<RankSource>, Failure> {
+    let given = limits.ranks.map(NonZeroUsize::get);
+    Ok(RankSource::of_process(given, limits.threads.map(NonZeroUsize::get))?)
 }
 
 fn console(verbosity: &VerbosityArguments) -> Console {

@@ -92,7 +92,7 @@ impl Failure {
 
 fn code_of_run(error: &RunError) -> u8 {
     match error {
-        RunError::Threads(_) | RunError::Scene(_) | RunError::Build(_) => BAD_INPUT,
+        RunError::Threads(_) | RunError::Ranks(_) | RunError::Scene(_) | RunError::Build(_) => BAD_INPUT,
         RunError::Flow { .. } => FLOW,
         RunError::Signals(_) => FILES,
         RunError::Output(error) => code_of_output(error),

@@ -41,6 +41,7 @@ use std::process::ExitCode;
 use arguments::{Arguments, Command};
 use failure::Failure;
 use sphecs_run::environment;
+use sphecs_run::ranks::launcher;
 
 /// Runs the command line of the process and returns the exit code.
 pub fn main() -> ExitCode {
@@ -62,6 +63,10 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     if let Err(error) = environment::check() {
+        return Failure::from(error).report();
+    }
+    let is_shared = matches!(arguments.command, Command::Run(_) | Command::Resume(_));
+    if let Err(error) = launcher::check(is_shared) {
         return Failure::from(error).report();
     }
     let result = match arguments.command {

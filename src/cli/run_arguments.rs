@@ -83,9 +83,14 @@ pub struct ResumeArguments {
 /// Threads, end and checkpoints of a run.
 #[derive(Args, Debug)]
 pub struct LimitArguments {
-    /// Number of threads [default: all cores]; results are bitwise identical for any number
+    /// Number of threads of each rank [default: all cores, shared among the ranks]; results are
+    /// bitwise identical for any number
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// Number of ranks in this process, each with all particles and a share of the pair sums
+    /// [default: 1]; results are bitwise identical for any number
+    #[arg(long, value_name = "N")]
+    pub ranks: Option<NonZeroUsize>,
     /// Stop at this time, s [default: end of the scene, or of the run that is resumed]
     #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     pub until: Option<f64>,

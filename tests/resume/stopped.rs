@@ -31,8 +31,11 @@ fn resumed_run_is_bitwise_identical() {
         ends(run(scene, &whole, &["--steps", end, "--threads", "1"]), 0);
         let pieces = folder.path().join(format!("{name}_pieces"));
         ends(run(scene, &pieces, &["--steps", cuts[0], "--threads", "2"]), 0);
-        for (cut, threads) in cuts[1..].iter().chain([&end]).zip(["3", "1", "2"]) {
-            ends(resume(&pieces, &["--quiet", "--steps", cut, "--threads", threads]), 0);
+        for (cut, (ranks, threads)) in
+            cuts[1..].iter().chain([&end]).zip([("4", "1"), ("1", "3"), ("3", "2")])
+        {
+            let shared = ["--ranks", ranks, "--threads", threads];
+            ends(resume(&pieces, &[&["--quiet", "--steps", cut][..], &shared].concat()), 0);
         }
         same(&whole, &pieces, scene);
     }
@@ -57,7 +60,8 @@ fn gridded_fields_and_their_means_resume_bitwise_identically() {
         let whole = folder.path().join(&name);
         ends(run(scene, &whole, &["--set", fields, "--steps", end, "--threads", "1"]), 0);
         let pieces = folder.path().join(format!("{name}_pieces"));
-        ends(run(scene, &pieces, &["--set", fields, "--steps", cuts[0], "--threads", "2"]), 0);
+        let shared = ["--threads", "1", "--ranks", "2"];
+        ends(run(scene, &pieces, &[&["--set", fields, "--steps", cuts[0]][..], &shared].concat()), 0);
         for (cut, threads) in [cuts[1], end].into_iter().zip(["3", "1"]) {
             ends(resume(&pieces, &["--quiet", "--steps", cut, "--threads", threads]), 0);
         }

@@ -172,7 +172,8 @@ mod tests {
     }
 
     /// Number that counts its operations.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, bytemuck::Pod, bytemuck::Zeroable)]
+    #[repr(transparent)]
     struct Counted(f64);
 
     impl Counted {

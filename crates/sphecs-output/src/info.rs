@@ -29,7 +29,8 @@ pub fn describe(results: &Results) -> Result<String, OutputError> {
     line("title", header.title.clone());
     line("scene", format!("{} (sha256 {}…)", header.scene, header.sha256.get(..12).unwrap_or_default()));
     let threads = if summary.threads > 0 {
-        format!(", {} thread(s), {}", summary.threads, summary.lanes)
+        let ranks = if summary.ranks > 1 { format!("{} ranks of ", summary.ranks) } else { String::new() };
+        format!(", {ranks}{} thread(s), {}", summary.threads, summary.lanes)
     } else {
         String::new()
     };

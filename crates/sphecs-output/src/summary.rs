@@ -162,8 +162,11 @@ pub struct Summary {
     pub time: f64,
     /// Frames written.
     pub frames: u64,
-    /// Number of threads.
+    /// Number of threads of each rank.
     pub threads: usize,
+    /// Number of ranks; 0 in a run that older programs ended.
+    #[serde(default)]
+    pub ranks: usize,
     /// Name of the lanes (instruction set) that the pair sums ran on.
     pub lanes: String,
     /// Counts of particles.

@@ -117,7 +117,9 @@ pub(crate) fn error_of_run(py: Python<'_>, file: &str, error: RunError) -> PyErr
         RunError::Output(error) => output_error(py, &error),
         RunError::Build(error) => build_error(py, &error),
         RunError::Flow { .. } => flow_error(py, error),
-        error @ (RunError::Threads(_) | RunError::Signals(_)) => run_error(py, "threads", rendered(&error)),
+        error @ (RunError::Threads(_) | RunError::Ranks(_) | RunError::Signals(_)) => {
+            run_error(py, "threads", rendered(&error))
+        }
     }
 }
 

@@ -19,6 +19,7 @@ use crate::scene_input::SceneInput;
 use sphecs::{Plugin, Scene};
 use sphecs_run::console::Console;
 use sphecs_run::error::RunError;
+use sphecs_run::ranks::RankSource;
 use sphecs_run::signals::{Signal, Signals};
 use sphecs_run::threads::on_threads;
 use sphecs_run::{Ending, RunOptions, default_folder, environment, memory, run_with_plugins};
@@ -79,6 +80,7 @@ pub(crate) fn run(
         folder: folder.clone(),
         force: options.force,
         threads: options.threads,
+        ranks: RankSource::default(),
         until: options.until,
         max_steps: options.steps,
         checkpoint_every: options.checkpoint_every,

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::console::Console;
 use super::error::RunError;
+use super::ranks::RankSource;
 use super::resume::{self, ResumeOptions};
 use super::signals::{Signal, Signals};
 use super::threads::on_threads;
@@ -118,6 +119,7 @@ fn run_options(folder: &Path) -> RunOptions {
         folder: folder.to_path_buf(),
         force: true,
         threads: None,
+        ranks: RankSource::default(),
         until: None,
         max_steps: None,
         checkpoint_every: None,

@@ -34,6 +34,9 @@ pub enum RunError {
     #[error("cannot start the threads: {0}")]
     #[diagnostic(help("give a smaller number by `--threads`"))]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The ranks cannot share the run.
+    #[error("{0}")]
+    Ranks(String),
     /// The signal handlers could not be set.
     #[error("cannot set the signal handlers: {0}")]
     Signals(std::io::Error),

@@ -12,6 +12,7 @@
 //! - [`first_steps`]: cost of a run by its first steps
 //! - `doubtful`: notes on choices that are seldom meant
 //! - [`disk_check`]: free disk space before the start
+//! - [`ranks`]: ranks of a run, in one process or in several
 //! - [`memory`]: memory of the machine
 //! - [`environment`]: environment variables
 //! - [`concurrent`], [`sweep`]: several runs at once, and one for each combination of values
@@ -32,6 +33,7 @@ pub mod memory;
 pub mod output_schedule;
 pub mod progress;
 mod progress_bar;
+pub mod ranks;
 pub mod report;
 pub mod resume;
 pub mod run_loop;
@@ -47,6 +49,7 @@ use std::path::{Component, Path, PathBuf};
 
 use console::Console;
 use error::RunError;
+use ranks::RankSource;
 use run_loop::RunLoop;
 use signals::{Signal, Signals};
 use threads::on_threads;
@@ -63,8 +66,10 @@ pub struct RunOptions {
     pub folder: PathBuf,
     /// Replace an earlier run in the folder.
     pub force: bool,
-    /// Number of threads; None: one for each core.
+    /// Number of threads of each rank; None: one for each core, shared among the ranks.
     pub threads: Option<usize>,
+    /// Ranks that share the pair passes.
+    pub ranks: RankSource,
     /// End, s; overrides the scene.
     pub until: Option<f64>,
     /// Largest number of steps.
@@ -96,7 +101,7 @@ pub enum Ending {
 /// [`RunError`]: before the first step nothing is written; later the files written stay readable.
 pub fn run(scene: Scene, options: &RunOptions) -> Result<Ending, RunError> {
     let signals = Signals::listen().map_err(RunError::Signals)?;
-    on_threads(options.threads, || run_on_current_pool(scene, options, signals))?
+    on_threads(options.ranks.threads(options.threads), || run_on_current_pool(scene, options, signals))?
 }
 
 /// Runs a scene as [`run`] does, on the thread pool of the caller and until these signals stop it.
@@ -172,6 +177,7 @@ mod tests {
             folder,
             force: false,
             threads: None,
+            ranks: RankSource::default(),
             until: None,
             max_steps: None,
             checkpoint_every: None,

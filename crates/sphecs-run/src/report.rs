@@ -6,9 +6,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::RunOptions;
-use sphecs_core::format::{bytes, duration, grouped, significant, two_columns};
+use sphecs_core::format::{bytes, duration, grouped, significant, two_columns, with_digits};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::ranks::Traffic;
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::ledger::Ledger;
 use sphecs_engine::simulation::Stop;
@@ -28,8 +29,12 @@ pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOp
     // filling the domain.
     let figures = summary(scene, &[]);
     let mut rows = scene_rows(scene, &figures, ledger.by_zone, until, options.max_steps);
+    let ranks = match options.ranks.count() {
+        0 | 1 => String::new(),
+        count => format!("{count} ranks of "),
+    };
     let machine = format!(
-        "{} threads, {:?} on {} lanes",
+        "{ranks}{} threads, {:?} on {} lanes",
         rayon::current_num_threads(),
         scene.precision,
         InstructionSet::best().name()
@@ -103,6 +108,38 @@ pub struct EndState<'a> {
     pub stages: &'a [(&'a str, f64)],
     /// Particle counts.
     pub ledger: &'a Ledger,
+    /// Messages between the ranks; None for one rank alone.
+    pub messages: Option<Messages>,
+}
+
+/// Messages between the ranks of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Messages {
+    /// Number of ranks.
+    pub ranks: usize,
+    /// What this rank sent and received, and the time that it took.
+    pub traffic: Traffic,
+    /// Steps of this process.
+    pub steps: u64,
+    /// Wall time of this process, s.
+    pub wall_time: f64,
+}
+
+impl Messages {
+    /// Returns number, bytes and time of the messages as a line.
+    fn describe(&self) -> String {
+        let per_step = |count: u64| count as f64 / self.steps.max(1) as f64;
+        let share = self.traffic.exchanging / self.wall_time.max(f64::MIN_POSITIVE);
+        let row = format!(
+            "{}, in a step {} messages, {} sent, {} received; {} % of the time for them and for other ranks",
+            self.ranks,
+            significant(per_step(self.traffic.messages)),
+            bytes(per_step(self.traffic.sent) as u64),
+            bytes(per_step(self.traffic.received) as u64),
+            with_digits(100.0 * share, 2),
+        );
+        two_columns(&[("ranks", row)])
+    }
 }
 
 /// Returns the summary printed at the end of a run.
@@ -117,6 +154,9 @@ pub fn end_summary(end: &EndState<'_>, header: &Header, folder: &Path, packed: &
         ledger(end.ledger, &header.inlets, &header.outlets),
         results(folder, packed),
     );
+    if let Some(messages) = &end.messages {
+        text += &format!("\n\n{}", messages.describe());
+    }
     if end.status != Status::Completed {
         text += &format!("\n\nto continue: sphecs resume {}", folder.display());
     }

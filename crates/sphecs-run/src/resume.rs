@@ -55,7 +55,7 @@ pub struct ResumeOptions {
 /// failed.
 pub fn resume(options: &ResumeOptions) -> Result<Ending, RunError> {
     let signals = Signals::listen().map_err(RunError::Signals)?;
-    on_threads(options.run.threads, || resume_on_current_pool(options, signals))?
+    on_threads(options.run.ranks.threads(options.run.threads), || resume_on_current_pool(options, signals))?
 }
 
 /// Resumes a run as [`resume`] does, on the thread pool of the caller and until these signals stop
@@ -121,7 +121,7 @@ fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>,
     });
     Store::of(path).cut_back(last.as_deref())?;
     let folder = RunFolder::resume(path, &header, &ProbeSet::new(scene), &facts, lock)?;
-    Ok(Some(RunLoop::resume(simulation, (folder, sampled), state, &options.run, signals)))
+    RunLoop::resume(simulation, (folder, sampled), state, &options.run, signals).map(Some)
 }
 
 /// Returns the scene of the run with all changes, and the changes.

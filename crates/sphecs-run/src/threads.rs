@@ -5,6 +5,7 @@
 //! thread-local data. If `main` returned meanwhile, the exit handler of libcrypto would free the
 //! same data, and the allocator would abort a process whose results are complete.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{Builder, JoinHandle};
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
@@ -52,6 +53,14 @@ impl Threads {
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         self.pool.install(work)
     }
+
+    /// Begins `work` on the pool; a panic ends this work alone.
+    pub fn begin(&self, work: impl FnOnce() + Send + 'static) {
+        self.pool.spawn(|| {
+            // The panic has been reported, and rayon would end the process.
+            let _ended = catch_unwind(AssertUnwindSafe(work));
+        });
+    }
 }
 
 /// Threads joined on drop: a scope would wait for their work only, not for their thread-local
@@ -71,7 +80,6 @@ impl Drop for Handles {
 #[cfg(test)]
 mod tests {
     use std::cell::RefCell;
-    use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
     use std::time::Duration;

@@ -8,7 +8,8 @@ use super::lanes::{InstructionSet, Vectorised};
 
 /// Floating-point scalar in which pair sums are computed.
 pub trait Real:
-    Element
+    bytemuck::Pod
+    + Element
     + Copy
     + Send
     + Sync

@@ -5,8 +5,6 @@ use std::ops::Range;
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
-use crate::math::grid::CellGrid;
-
 /// Largest number of rows of a block of several cells: enough to amortise a task, few enough to
 /// balance the threads.
 const ROWS: usize = 1024;
@@ -72,17 +70,32 @@ tuples!(A a_low a_high, B b_low b_high);
 tuples!(A a_low a_high, B b_low b_high, C c_low c_high);
 tuples!(A a_low a_high, B b_low b_high, C c_low c_high, E e_low e_high);
 
-/// Runs `work` over all cells in blocks, in parallel, and joins the results.
+/// Runs `work` over cells in blocks, in parallel, and joins the results.
 ///
-/// `work` takes the cells of a block and the rows of the output columns that belong to them. The
-/// result must not depend on the order of the joins.
-pub fn for_each_block<C: SplittableColumns, S: Send, const D: usize>(
-    grid: &CellGrid<D>,
+/// `starts` are the first rows of all cells. `work` takes the cells of a block and the rows of the
+/// output columns that belong to them. The result must not depend on the order of the joins.
+pub(super) fn for_each_block<C: SplittableColumns, S: Send>(
+    starts: &[u32],
+    cells: Range<usize>,
     columns: C,
     work: &(impl Fn(Range<usize>, C) -> S + Sync),
     join: &(impl Fn(S, S) -> S + Sync),
 ) -> S {
-    split(grid.starts(), 0..grid.len(), columns, work, join)
+    let rows = (starts[cells.end] - starts[cells.start]) as usize;
+    if rows <= ROWS || cells.len() == 1 {
+        return work(cells, columns);
+    }
+    // The halves have equal numbers of rows, not cells: most cells around a bent domain may be
+    // empty.
+    let middle_row = starts[cells.start] + rows as u32 / 2;
+    let inner = &starts[cells.start + 1..cells.end];
+    let middle = cells.start + 1 + inner.partition_point(|&start| start < middle_row).min(inner.len() - 1);
+    let (low, high) = columns.cut((starts[middle] - starts[cells.start]) as usize);
+    let (a, b) = rayon::join(
+        || for_each_block(starts, cells.start..middle, low, work, join),
+        || for_each_block(starts, middle..cells.end, high, work, join),
+    );
+    join(a, b)
 }
 
 /// Runs `work` over the rows in parts, in parallel, for work that needs no neighbours.
@@ -144,30 +157,6 @@ pub fn join_parts<S: Send>(
         || join_parts(middle..rows.end, work, join),
     );
     join(low, high)
-}
-
-fn split<C: SplittableColumns, S: Send>(
-    starts: &[u32],
-    cells: Range<usize>,
-    columns: C,
-    work: &(impl Fn(Range<usize>, C) -> S + Sync),
-    join: &(impl Fn(S, S) -> S + Sync),
-) -> S {
-    let rows = (starts[cells.end] - starts[cells.start]) as usize;
-    if rows <= ROWS || cells.len() == 1 {
-        return work(cells, columns);
-    }
-    // The halves have equal numbers of rows, not cells: most cells around a bent domain may be
-    // empty.
-    let middle_row = starts[cells.start] + rows as u32 / 2;
-    let inner = &starts[cells.start + 1..cells.end];
-    let middle = cells.start + 1 + inner.partition_point(|&start| start < middle_row).min(inner.len() - 1);
-    let (low, high) = columns.cut((starts[middle] - starts[cells.start]) as usize);
-    let (a, b) = rayon::join(
-        || split(starts, cells.start..middle, low, work, join),
-        || split(starts, middle..cells.end, high, work, join),
-    );
-    join(a, b)
 }
 
 #[cfg(test)]

@@ -32,6 +32,7 @@
 //! - [`column_access`]: which pass reads which columns
 //! - [`neighbours`]: neighbours of a point, one by one
 //! - `near_columns`: neighbours of a point as columns
+//! - [`ranks`]: processes that share the passes
 //! - [`settings`]: the scene in the form of plain values
 //! - [`sums`]: columns that the passes write
 //! - [`wall_velocity`]: velocities of dummy walls
@@ -51,6 +52,7 @@ pub mod neighbours;
 pub mod pack;
 pub mod pair_real;
 pub mod points;
+pub mod ranks;
 pub mod rates;
 mod row_pass;
 #[cfg(test)]

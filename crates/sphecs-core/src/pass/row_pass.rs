@@ -18,8 +18,8 @@ use std::ops::Range;
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
-use super::blocks::{SplittableColumns, for_each_block};
 use super::pack::{Only, Pack, PackPool, Source};
+use super::ranks::{Joined, SharedColumns};
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
@@ -68,9 +68,9 @@ impl<R: Real, const D: usize> Block<'_, R, D> {
 /// A pass with a state of its own within a block of cells.
 pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: SplittableColumns;
+    type Outputs: SharedColumns;
     /// Result of a block besides its columns.
-    type Summary: Send;
+    type Summary: Joined;
     /// Type in whose module the loops are compiled: see [`Vectorised::Module`].
     type Module;
 
@@ -78,7 +78,7 @@ pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     fn block<K: KernelShape, L: Lanes<Real = R>>(
         &self,
         block: Block<'_, R, D>,
-        outputs: Self::Outputs,
+        outputs: &mut Self::Outputs,
     ) -> Self::Summary;
 
     /// Joins the summaries of two blocks; the result must not depend on the order.
@@ -88,7 +88,7 @@ pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
 /// A pass whose sum for a particle depends on the neighbourhood alone.
 pub(super) trait RowPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
-    type Outputs: SplittableColumns;
+    type Outputs: SharedColumns;
     /// Result for one particle.
     type Sum;
 
@@ -134,10 +134,10 @@ impl<R: Real, const D: usize, P: RowPass<R, D>> BlockPass<R, D> for EachRow<'_, 
     type Module = P;
 
     #[inline(always)]
-    fn block<K: KernelShape, L: Lanes<Real = R>>(&self, block: Block<'_, R, D>, mut outputs: P::Outputs) {
+    fn block<K: KernelShape, L: Lanes<Real = R>>(&self, block: Block<'_, R, D>, outputs: &mut P::Outputs) {
         let (pass, rows) = (self.0, block.rows());
         let Block { source, cells, pack } = block;
-        pass.begin(rows.clone(), &mut outputs);
+        pass.begin(rows.clone(), outputs);
         for cell in cells {
             if !pack.fill::<L, D>(source, cell, |row| pass.includes(row)) {
                 continue;
@@ -156,10 +156,10 @@ impl<R: Real, const D: usize, P: RowPass<R, D>> BlockPass<R, D> for EachRow<'_, 
                     }
                     _ => pass.sum::<K, L>(pack, source, row),
                 };
-                pass.store(row, row - rows.start, sum, &mut outputs);
+                pass.store(row, row - rows.start, sum, outputs);
             }
         }
-        pass.finish(rows, &mut outputs);
+        pass.finish(rows, outputs);
     }
 
     fn join(_: (), _: ()) {}
@@ -227,14 +227,14 @@ impl<R: Real, const D: usize, P: BlockPass<R, D>> WithShape for OverBlocks<'_, R
     fn run<K: KernelShape>(self) -> P::Summary {
         let Self { input, pass, outputs } = self;
         let source = input.source::<K>();
-        let work = |cells: Range<usize>, outputs: P::Outputs| {
+        let work = |cells: Range<usize>, outputs: &mut P::Outputs| {
             let block = Block { source: &source, cells, pack: &mut input.packs.of_this_thread() };
             R::dispatch(
                 input.pair.lanes,
                 VectorBlock::<K, R, D, P> { block, pass, outputs, shape: PhantomData },
             )
         };
-        for_each_block(input.grid, outputs, &work, &P::join)
+        input.pair.ranks.for_each_block(input.grid, outputs, &work, &P::join)
     }
 }
 
@@ -242,7 +242,7 @@ impl<R: Real, const D: usize, P: BlockPass<R, D>> WithShape for OverBlocks<'_, R
 struct VectorBlock<'a, K, R: Real, const D: usize, P: BlockPass<R, D>> {
     block: Block<'a, R, D>,
     pass: &'a P,
-    outputs: P::Outputs,
+    outputs: &'a mut P::Outputs,
     shape: PhantomData<K>,
 }
 

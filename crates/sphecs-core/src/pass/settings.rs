@@ -1,5 +1,6 @@
 //! Settings of the pair passes: the properties of a scene that they need, as plain values.
 
+use super::ranks::Ranks;
 use crate::discretisation::Discretisation;
 use crate::math::lanes::InstructionSet;
 use crate::math::lattice::LatticeSums;
@@ -41,6 +42,8 @@ pub struct PairSettings {
     pub wall_parts: Vec<WallPartSettings>,
     /// Instruction set of the passes.
     pub lanes: InstructionSet,
+    /// Ranks that share the passes.
+    pub ranks: Ranks,
 }
 
 /// Origin of the pressure of the fluid, and with it the scheme of the sums.
@@ -81,6 +84,7 @@ impl PairSettings {
             body_force: [0.0; 3],
             wall_parts: Vec::new(),
             lanes: InstructionSet::best(),
+            ranks: Ranks::default(),
         }
     }
 

@@ -9,7 +9,6 @@
 
 use std::ops::Range;
 
-use super::blocks::for_each_block;
 use super::density::squared_distance;
 use super::pack::{Only, Pack, Source};
 use super::row_pass::{PassInput, RowPass, splat};
@@ -65,7 +64,7 @@ fn find_flow_stress<R: Real, const D: usize>(
 ) {
     let PairSums { gradient, stress, eddy_viscosity, .. } = sums;
     let gradient = gradient.read(Stress(()));
-    let work = |cells: Range<usize>, (mut stress, [eddy]): FlowStress<R>| {
+    let work = |cells: Range<usize>, (stress, [eddy]): &mut FlowStress<R>| {
         let first = grid.rows(cells.start).start;
         for row in first..grid.rows(cells.end - 1).end {
             let (tensor, viscosity) = if particles.zone[row] == Zone::Wall {
@@ -82,7 +81,7 @@ fn find_flow_stress<R: Real, const D: usize>(
     };
     let stress = stress.write(Stress(())).each_mut().map(Vec::as_mut_slice);
     let outputs = (stress, [eddy_viscosity.write(Stress(())).as_mut_slice()]);
-    for_each_block(grid, outputs, &work, &|(), ()| ());
+    pair.ranks.for_each_block(grid, outputs, &work, &|(), ()| ());
 }
 
 /// Sets the stress of the wall particles to the kernel mean over the flow.

@@ -1,22 +1,17 @@
 //! Distance of flow particles to the nearest wall surface.
 //!
 //! ```text
-//! s_b = x_b + d_b n_b,   t = x_a − s_b,   t_n = t·n_b,   t_s = √(|t|² − t_n²)
-//! d_a = min_b √(t_n² + max(0, t_s − R)²),   R = 0.75 Δ
+//! d_a = min_b √(t_n² + t_s²)
 //! ```
 //!
-//! Every wall particle stores its foot point s_b on the surface and represents a disc of radius R
-//! around it. R is more than half the diagonal of a lattice cell, so the discs of a flat wall leave
-//! no gap and its distance is exact. At a convex corner a disc reaches beyond the wall by at most R
-//! − Δ/2, and shortens a distance by no more than that. Next to the wall particle at the corner,
-//! which belongs to one face only, the distance to the other face is 12 % too long. At a concave
-//! corner the nearer wall counts. The distance is positive on both sides of the surface.
+//! with the discs of the wall particles (`wall_sides/disc.rs`). At a concave corner the nearer wall
+//! counts. The distance is positive on both sides of the surface.
 
 use super::pack::{Only, Pack, Source};
 use super::row_pass::{PassInput, RowPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
-use super::wall_sides::{DISC, find_wall_sides};
+use super::wall_sides::{AtDisc, find_wall_sides, radius};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{Lanes, dot};
@@ -82,7 +77,7 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for WallDistancePass<'a> {
     ) -> f64 {
         let h = self.pair.discretisation.smoothing_length;
         let limit = L::constant(K::SUPPORT * K::SUPPORT);
-        let disc = L::constant(DISC * self.pair.discretisation.spacing / h);
+        let disc = L::constant(radius(self.pair.discretisation.spacing) / h);
         let to_h = L::constant(1.0 / h);
         nearest_disc::<L, D>(pack, pack.relative(source, row), limit, disc, to_h) * h
     }
@@ -111,15 +106,11 @@ fn nearest_disc<L: Lanes, const D: usize>(
         let depth = entry.column(D);
         let normal = entry.vector::<D>(D + 1);
         let mut x = [zero; D];
-        let mut foot = [zero; D];
         for d in 0..D {
             x[d] = x_a[d] - entry.column(d);
-            foot[d] = x[d] - depth * to_h * normal[d];
         }
-        let along = dot(foot, normal);
-        let aside = (dot(foot, foot) - along * along).max(zero).sqrt();
-        let beyond = (aside - disc).max(zero);
-        let square = along.mul_add(along, beyond * beyond);
+        let AtDisc { front, beyond } = AtDisc::of_lanes(x, depth * to_h, normal, disc);
+        let square = front.mul_add(front, beyond * beyond);
         nearest = nearest.min(L::select(dot(x, x).less(limit), square, infinite));
     }
     let largest = (-nearest).largest().to_f64();

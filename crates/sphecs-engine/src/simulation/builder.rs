@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy_ecs::schedule::{Schedule, Schedules};
 use bevy_ecs::world::World;
 
+use super::ranks::Connection;
 use super::{Simulation, TypedFunctions};
 use crate::plugins::builtin::add_builtin;
 use crate::plugins::{Plugin, PluginContext};
@@ -148,7 +149,7 @@ impl SimulationBuilder {
         }
         find_poses(&mut world);
         let functions = TypedFunctions::new::<R, D>(&scene);
-        Ok(Simulation { world, scene, functions, is_refreshed: false })
+        Ok(Simulation { world, scene, functions, is_refreshed: false, connection: Connection::default() })
     }
 }
 

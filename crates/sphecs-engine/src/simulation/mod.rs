@@ -1,9 +1,11 @@
 //! Simulation: a world with its particles, and the schedules of a step.
 //!
 //! - `builder`: scene, initial state and plugins
+//! - `ranks`: the ranks that share the passes
 //! - `stop`: reasons for which a simulation cannot continue
 
 mod builder;
+mod ranks;
 mod stop;
 
 use std::sync::Arc;
@@ -14,6 +16,7 @@ use glam::DVec3;
 pub use builder::{BuildError, SimulationBuilder};
 pub use stop::{Stop, StopRequest};
 
+use self::ranks::{Command, Connection};
 use crate::arrays::Arrays;
 use crate::particle_table::ParticleTable;
 use crate::resources::clock::Clock;
@@ -43,6 +46,7 @@ pub struct Simulation {
     /// True if the arrays are sorted and have the density at the present positions, so that monitor
     /// rows, samples and frames of one time share one sort.
     is_refreshed: bool,
+    connection: Connection,
 }
 
 /// Functions compiled for the precision and the dimensions of the scene.
@@ -113,6 +117,12 @@ impl Simulation {
     /// [`Stop`] if the flow diverged or an inlet found no particle. The world keeps the state of
     /// that step.
     pub fn step(&mut self) -> Result<(), Stop> {
+        self.connection.announce(Command::Step);
+        self.own_step()
+    }
+
+    /// Takes a step on this rank.
+    fn own_step(&mut self) -> Result<(), Stop> {
         self.world.resource_mut::<Stopwatch>().start();
         self.is_refreshed = false;
         let world = &mut self.world;
@@ -186,6 +196,7 @@ impl Simulation {
 
     fn refresh(&mut self) {
         if !self.is_refreshed {
+            self.connection.announce(Command::Refresh);
             (self.functions.refresh)(&mut self.world);
             self.is_refreshed = true;
         }

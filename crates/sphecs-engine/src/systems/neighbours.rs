@@ -25,6 +25,7 @@ pub(crate) fn sort_particles<R: PairReal<D>, const D: usize>(
     mut failure: ResMut<Failure>,
 ) {
     let arrays = &mut arrays.0;
+    pair.0.ranks.begin_step();
     sums.0.forget_order();
     let zone = std::mem::take(&mut arrays.zone);
     let built = grid.0.build(&arrays.position, &arrays.id, |row| zone[row] != Zone::Reservoir);

@@ -9,6 +9,7 @@ use crate::error::RunError;
 use crate::gridded::GriddedFields;
 use crate::output_schedule::WallClock;
 use crate::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
+use crate::ranks::Followers;
 use crate::run_state::{self, RunState};
 use crate::signals::{Signal, Signals};
 use crate::wall_output::WallQuantities;
@@ -50,6 +51,10 @@ pub struct RunLoop {
     /// Number of the simulation's notes already printed.
     notes_printed: usize,
     started: Instant,
+    /// Steps before this process.
+    first_step: u64,
+    /// Other ranks, which end when the simulation is dropped.
+    _followers: Followers,
 }
 
 /// Reason to leave the loop.
@@ -64,7 +69,8 @@ impl RunLoop {
     /// Builds the simulation, makes the folder and prints the start summary.
     ///
     /// # Errors
-    /// [`RunError::Output`] when the folder cannot be made.
+    /// [`RunError::Output`] when the folder cannot be made, [`RunError::Threads`] when another rank
+    /// cannot be started.
     pub fn start(
         scene: Scene,
         plugins: Vec<Box<dyn Plugin + Send>>,
@@ -72,6 +78,10 @@ impl RunLoop {
         signals: Signals,
     ) -> Result<Self, RunError> {
         let has_plugins = !plugins.is_empty();
+        if has_plugins && options.ranks.count() > 1 {
+            let what = "plugins act on one rank alone: run the scene with one rank".to_owned();
+            return Err(OutputError::Request(what).into());
+        }
         let builder = plugins.into_iter().fold(Simulation::builder(scene), SimulationBuilder::plugin);
         let mut simulation = waiting::during("placing the particles", || builder.build())?;
         let first = Frame::from_world(simulation.world());
@@ -86,32 +96,37 @@ impl RunLoop {
         let state = RunState::new(scene);
         let sampled = (GriddedFields::new(scene), WallQuantities::new(scene));
         let first_frame = Some(first);
-        let run = Self::new(simulation, (folder, sampled), state, None, options, signals);
+        let run = Self::new(simulation, (folder, sampled), state, None, options, signals)?;
         Ok(Self { first_frame, ..run })
     }
 
     /// Continues a run whose folder is cut back to a checkpoint, from which simulation and state
     /// come; the header of the folder has the end of the run.
+    ///
+    /// # Errors
+    /// [`RunError::Threads`] when another rank cannot be started.
     pub(super) fn resume(
         simulation: Simulation,
         (folder, sampled): (RunFolder, (GriddedFields, WallQuantities)),
         state: RunState,
         options: &RunOptions,
         signals: Signals,
-    ) -> Self {
+    ) -> Result<Self, RunError> {
         let state = state.resumed(simulation.scene(), simulation.clock().time);
         let last = (simulation.clock().step > 0).then_some(simulation.clock().step);
         Self::new(simulation, (folder, sampled), state, last, options, signals)
     }
 
     fn new(
-        simulation: Simulation,
+        mut simulation: Simulation,
         (folder, (fields, walls)): (RunFolder, (GriddedFields, WallQuantities)),
         state: RunState,
         last_checkpoint: Option<u64>,
         options: &RunOptions,
         signals: Signals,
-    ) -> Self {
+    ) -> Result<Self, RunError> {
+        let followers = options.ranks.start(&mut simulation)?;
+        let first_step = simulation.clock().step;
         let (scene, header) = (simulation.scene(), folder.header());
         let (until, started) = (header.until.unwrap_or(scene.time.end), Instant::now());
         let max_steps = header.max_steps.unwrap_or(u64::MAX);
@@ -121,7 +136,7 @@ impl RunLoop {
             fraction: fraction(&simulation.clock(), until, max_steps),
             particle_steps: state.particle_steps,
         };
-        Self {
+        Ok(Self {
             wall_clock: WallClock::new(started, every, options.max_wall_time),
             probes: ProbeSet::new(scene),
             first_frame: None,
@@ -139,7 +154,9 @@ impl RunLoop {
             last_checkpoint,
             speed: SpeedEstimate::from(progress),
             started,
-        }
+            first_step,
+            _followers: followers,
+        })
     }
 
     /// Advances the run to its end, or until it is stopped.
@@ -285,11 +302,20 @@ impl RunLoop {
             particle_steps: self.state.particle_steps,
             stages: &stages,
             ledger: &self.simulation.ledger().clone(),
+            messages: self.messages(),
         };
         let (header, path) = (self.folder.header().clone(), self.folder.path().to_owned());
         let packed: Packed = self.folder.finish(summary)?;
         self.console.print(&report::end_summary(&end, &header, &path, &packed));
         Ok(())
+    }
+
+    /// Returns the messages between the ranks of this process; None for one rank alone.
+    fn messages(&self) -> Option<report::Messages> {
+        let (ranks, traffic) = (self.simulation.ranks(), self.simulation.traffic());
+        let steps = self.simulation.clock().step - self.first_step;
+        let wall_time = self.started.elapsed().as_secs_f64();
+        (ranks > 1).then_some(report::Messages { ranks, traffic, steps, wall_time })
     }
 
     /// Closes the folder of a flow that cannot be advanced further.
@@ -323,6 +349,7 @@ impl RunLoop {
             time: clock.time,
             frames: self.state.frame_count,
             threads: rayon::current_num_threads(),
+            ranks: self.simulation.ranks(),
             lanes: InstructionSet::best().name().to_owned(),
             ledger: LedgerCounts::from(self.simulation.ledger()),
             stages,

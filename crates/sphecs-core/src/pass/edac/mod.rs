@@ -33,7 +33,8 @@ use crate::physics::edac::Edac;
 
 /// Largest values over all fluid rows, for the time step and the monitor. A rate that is NaN makes
 /// its largest value NaN.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct EdacSummary {
     /// Largest |v|, m/s.
     pub speed: f64,

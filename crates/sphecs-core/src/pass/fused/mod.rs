@@ -25,10 +25,10 @@ pub(super) use shape::{
 };
 pub(super) use wall_image::WallImage;
 
-use super::blocks::for_each_block;
 use super::column_access::FusedInputsReader;
 use super::density::LEAST_Q2;
 use super::pack::{Entry, NeighbourMask, Only, Pack, PackPool, Source, Vector};
+use super::ranks::Joined;
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use super::wall_sides::{Behind, OwnSide, SideColumns};
@@ -75,7 +75,7 @@ pub(super) struct OutputColumns<'a, R, const D: usize> {
 }
 
 /// Extremes of the rows of a pass.
-pub(super) trait Summary: Copy + Default + Send {
+pub(super) trait Summary: Joined + Copy {
     /// Returns the larger of each, whatever the order.
     fn join(self, other: Self) -> Self;
 }
@@ -306,20 +306,25 @@ impl<S: FusedScheme<R, D>, R: Real, const D: usize> WithShape for FusedPass<'_, 
     fn run<K: KernelShape>(self) -> S::Summary {
         let Self { scheme, inputs, packs, outputs } = self;
         let source = inputs.source(K::SUPPORT, Only::All);
-        let work = |cells: Range<usize>, (acceleration, shift, scalars): FusedOutputs<R, D>| {
+        let work = |cells: Range<usize>, (acceleration, shift, scalars): &mut FusedOutputs<R, D>| {
             let first = inputs.grid.rows(cells.start).start;
             let block = FusedBlock::<K, S, R, D> {
                 scheme,
                 inputs: &inputs,
                 source: &source,
                 cells,
-                outputs: OutputColumns { first, acceleration, shift, scalars },
+                outputs: OutputColumns {
+                    first,
+                    acceleration: acceleration.each_mut().map(|column| &mut **column),
+                    shift: shift.each_mut().map(|column| &mut **column),
+                    scalars: scalars.each_mut().map(|column| &mut **column),
+                },
                 pack: &mut packs.of_this_thread(),
                 kernel: PhantomData,
             };
             R::dispatch(inputs.pair.lanes, block)
         };
-        for_each_block(inputs.grid, outputs, &work, &S::Summary::join)
+        inputs.pair.ranks.for_each_block(inputs.grid, outputs, &work, &S::Summary::join)
     }
 }
 

@@ -16,6 +16,7 @@ use super::entries::{Entries, Entry};
 use super::{CULLED_DIMENSIONS, Pack};
 use crate::math::lanes::Lanes;
 use crate::math::real::Real;
+use crate::pass::ranks::OutputNumber;
 
 /// Bits of a mask.
 pub(super) const BITS: usize = u64::BITS as usize;
@@ -29,8 +30,13 @@ pub(super) const fn least_lanes_per_bit<L: Lanes>() -> usize {
 
 /// Particles of a pack in the support of a row: one bit for some consecutive lanes (two if there
 /// are bits enough), the first lanes lowest. Lanes beyond the last bit count as in the support.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub struct NeighbourMask(pub(super) u64);
+
+impl OutputNumber for NeighbourMask {
+    const IS_SENT: bool = false;
+}
 
 impl NeighbourMask {
     /// All particles of a pack, which is correct for every row but slower.

@@ -42,7 +42,8 @@ use crate::particles::arrays::ParticleArrays;
 
 /// Largest values over all fluid rows, for the time step and the monitor. A rate that is NaN makes
 /// its largest value NaN.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct RatesSummary {
     /// Largest |dv/dt| without the body force, m/s².
     pub acceleration: f64,

@@ -140,7 +140,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
     fn block<K: KernelShape, L: Lanes<Real = R>>(
         &self,
         block: Block<'_, R, D>,
-        ([density, pressure], mut gradients, (mut concentration_gradient, masks)): Outputs<'a, R, D>,
+        ([density, pressure], gradients, (concentration_gradient, masks)): &mut Outputs<'a, R, D>,
     ) {
         let rows = block.rows();
         let Block { source, cells, pack } = block;
@@ -170,7 +170,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
                 if self.zone[row] == Zone::Fluid {
                     density[slot] = kernel_sum;
                 }
-                pending.push(slot, &of_flow, &mut gradients);
+                pending.push(slot, &of_flow, gradients);
                 for (column, slope) in concentration_gradient.iter_mut().zip(slopes) {
                     if let Some(found) = column.get_mut(slot) {
                         *found = R::from_f64(gradient_scale * slope);
@@ -178,7 +178,7 @@ impl<'a, R: Real, const D: usize> BlockPass<R, D> for StrainPass<'a> {
                 }
             }
         }
-        pending.write(&mut gradients);
+        pending.write(gradients);
         finish(self.pair, &self.zone[rows], density, pressure);
     }
 

@@ -19,17 +19,20 @@
 //!
 //! | file | subject |
 //! |---|---|
+//! | `disc.rs` | place of a point at the disc of a wall particle |
 //! | `search.rs` | sides of the particles |
 //! | `point_side.rs` | side of a point that is sampled |
 //! | `behind.rs` | neighbours behind a wall, in the pair loops |
 
 mod behind;
+mod disc;
 mod point_side;
 mod search;
 #[cfg(test)]
 mod tests;
 
 pub(super) use behind::{Behind, OwnSide};
+pub(super) use disc::{AtDisc, radius};
 pub(super) use point_side::PointSide;
 pub(super) use search::find_wall_sides;
 
@@ -37,9 +40,6 @@ use super::column_access::FusedInputsReader;
 use super::pack::{ColumnList, Vector};
 use super::sums::PairSums;
 use crate::math::real::Real;
-
-/// Radius R of the disc that a wall particle represents, over Δ.
-pub(super) const DISC: f64 = 0.75;
 
 /// Writer of the sides.
 #[derive(Debug)]

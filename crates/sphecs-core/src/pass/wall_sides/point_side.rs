@@ -1,6 +1,7 @@
 //! Side of a point that is sampled.
 
-use super::{DISC, SideColumns};
+use super::SideColumns;
+use super::disc::{AtDisc, radius};
 use crate::math::real::Real;
 use crate::particles::zone::Zone;
 use crate::pass::neighbours::Neighbours;
@@ -28,7 +29,7 @@ impl<'a, R: Real, const D: usize> PointSide<'a, R, D> {
         if particles.wall_thickness.is_empty() {
             return None;
         }
-        let disc = DISC * pair.discretisation.spacing;
+        let disc = radius(pair.discretisation.spacing);
         let (mut nearest, mut side) = (f64::INFINITY, None);
         neighbours.for_each(point, |row, x_ab, _| {
             if particles.zone[row] != Zone::Wall {
@@ -37,10 +38,7 @@ impl<'a, R: Real, const D: usize> PointSide<'a, R, D> {
             let normal: [f64; D] = std::array::from_fn(|d| particles.wall_normal[d][row].to_f64());
             let (depth, thickness) =
                 (particles.wall_distance[row].to_f64(), particles.wall_thickness[row].to_f64());
-            let foot: [f64; D] = std::array::from_fn(|d| x_ab[d] - depth * normal[d]);
-            let product = |a: &[f64; D], b: &[f64; D]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            let along = product(&foot, &normal);
-            let beyond = ((product(&foot, &foot) - along * along).max(0.0).sqrt() - disc).max(0.0);
+            let AtDisc { front: along, beyond } = AtDisc::of_point(x_ab, depth, normal, disc);
             let is_other = thickness > 0.0 && along < -0.5 * thickness;
             let front = if is_other { -(along + thickness) } else { along };
             let square = front * front + beyond * beyond;

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::{DISC, SideColumns, WallSides};
+use super::disc::{AtDisc, radius};
+use super::{SideColumns, WallSides};
 use crate::math::grid::CellGrid;
 use crate::math::kernel::KernelShape;
 use crate::math::lanes::{Lanes, dot};
@@ -109,7 +110,7 @@ impl<'a, R: Real, const D: usize> RowPass<R, D> for SidesPass<'a, R, D> {
     ) -> Side<D> {
         let h = self.pair.discretisation.smoothing_length;
         let limit = L::constant(K::SUPPORT * K::SUPPORT);
-        let disc = L::constant(DISC * self.pair.discretisation.spacing / h);
+        let disc = L::constant(radius(self.pair.discretisation.spacing) / h);
         nearest_side::<L, D>(pack, pack.relative(source, row), limit, disc, h)
     }
 
@@ -154,14 +155,10 @@ fn nearest_side<L: Lanes, const D: usize>(
         let normal = entry.vector::<D>(D + 2);
         let surface_velocity = entry.vector::<D>(2 * D + 2);
         let mut x = [zero; D];
-        let mut foot = [zero; D];
         for d in 0..D {
             x[d] = x_a[d] - entry.column(d);
-            foot[d] = x[d] - depth * normal[d];
         }
-        let along = dot(foot, normal);
-        let aside = (dot(foot, foot) - along * along).max(zero).sqrt();
-        let beyond = (aside - disc).max(zero);
+        let AtDisc { front: along, beyond } = AtDisc::of_lanes(x, depth, normal, disc);
         // On the other side of a thin wall the distance is that to the other surface.
         let to_other = -(along + thickness);
         let is_other = along.less(L::constant(-0.5) * thickness);

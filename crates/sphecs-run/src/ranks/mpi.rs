@@ -1,0 +1,227 @@
+//! Ranks that are processes of an MPI job.
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use mpi::Threading;
+use mpi::collective::CommunicatorCollectives;
+use mpi::datatype::PartitionMut;
+use mpi::environment::Universe;
+use mpi::topology::{Communicator, SimpleCommunicator};
+use serde::{Deserialize, Serialize};
+
+use super::RankSource;
+use super::launcher::Launched;
+use crate::console::Console;
+use crate::error::RunError;
+use crate::signals::Signals;
+use crate::threads::on_threads;
+use sphecs_core::math::column::Columns;
+use sphecs_core::math::lanes::InstructionSet;
+use sphecs_core::pass::ranks::{Ranks, Transport};
+use sphecs_engine::saved_state::{decode_record, encode_record};
+use sphecs_engine::simulation::Simulation;
+use sphecs_output::checkpoint::container;
+use sphecs_output::checkpoint::{Checkpoint, Facts};
+use sphecs_scene::meshes::MeshFile;
+use sphecs_scene::model::Scene;
+
+/// Returns the ranks of an MPI job; None in a process that has followed rank 0 to its end, with a
+/// number of threads.
+pub(super) fn of_job(_: Launched, threads: Option<usize>) -> Result<Option<RankSource>, RunError> {
+    let session = Session::start();
+    let session = session.ok_or_else(|| RunError::Ranks("MPI cannot be initialised".to_owned()))?;
+    if session.rank() == 0 {
+        return Ok(Some(RankSource::Mpi(Arc::new(session))));
+    }
+    // Rank 0 obeys the signals, which the launcher sends to all.
+    let _signals = Signals::listen().map_err(RunError::Signals)?;
+    if let Err(what) = on_threads(threads, || session.follow())? {
+        // The others would wait for this rank for ever.
+        Console::Normal.warn(&format!("rank {}: {what}", session.rank()));
+        SimpleCommunicator::world().abort(BAD_INPUT);
+    }
+    Ok(None)
+}
+
+/// Exit code of all ranks when one cannot follow.
+const BAD_INPUT: i32 = 2;
+
+/// This process as a rank of an MPI job; dropping it ends MPI.
+pub struct Session {
+    _universe: Universe,
+    rank: usize,
+    size: usize,
+    /// True once the other ranks follow a simulation.
+    leads: AtomicBool,
+}
+
+/// Scene and state with which a rank begins.
+#[derive(Debug, Serialize, Deserialize)]
+struct Beginning {
+    name: String,
+    text: String,
+    tables: Vec<(String, String)>,
+    meshes: Vec<(String, Vec<u8>)>,
+    /// File of a checkpoint.
+    state: Vec<u8>,
+    /// Instruction set of rank 0.
+    lanes: String,
+}
+
+impl fmt::Debug for Session {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "rank {} of {}", self.rank, self.size)
+    }
+}
+
+impl Session {
+    /// Initialises MPI; None if it is initialised already.
+    pub fn start() -> Option<Self> {
+        // Steps run on a thread of the pool, one at a time.
+        let (universe, _) = mpi::initialize_with_threading(Threading::Serialized)?;
+        let world = universe.world();
+        let (rank, size) = (world.rank() as usize, world.size() as usize);
+        Some(Self { _universe: universe, rank, size, leads: AtomicBool::new(false) })
+    }
+
+    /// Returns the number of this rank, from 0.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// Returns the number of ranks.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Sends scene and state of a simulation to the other ranks, which follow it from there on.
+    pub(super) fn lead(&self, simulation: &mut Simulation) {
+        let scene = simulation.scene();
+        let (name, text, tables) = (scene.name.clone(), scene.text.clone(), scene.tables.clone());
+        let meshes = scene.meshes.iter().map(|mesh| (mesh.path.clone(), mesh.bytes.to_vec())).collect();
+        let checkpoint = Checkpoint { facts: Facts::default(), state: simulation.state() };
+        let mut state = Vec::new();
+        // Writing to memory does not fail.
+        container::write(&checkpoint, &mut state).expect("a state in memory");
+        let lanes = InstructionSet::best().name().to_owned();
+        let beginning = encode_record(&Beginning { name, text, tables, meshes, state, lanes });
+        let ranks = self.ranks();
+        ranks.from_first(&(beginning.len() as u64).to_le_bytes(), LENGTH);
+        ranks.from_first(&beginning, beginning.len());
+        self.leads.store(true, Ordering::Relaxed);
+        simulation.lead(ranks);
+    }
+
+    /// Follows the simulation of rank 0 to its end, on the thread pool of the caller.
+    ///
+    /// # Errors
+    /// What is wrong with the scene and the state that rank 0 sent, and an instruction set other than
+    /// that of rank 0.
+    pub fn follow(&self) -> Result<(), String> {
+        let ranks = self.ranks();
+        let length: [u8; LENGTH] =
+            ranks.from_first(&[], LENGTH).try_into().map_err(|_| "rank 0 sent no length".to_owned())?;
+        let length = u64::from_le_bytes(length) as usize;
+        if length == 0 {
+            return Ok(());
+        }
+        let (scene, state) = begin(&ranks.from_first(&[], length))?;
+        let simulation = Simulation::builder(scene).state(state).build();
+        simulation.map_err(|error| error.to_string())?.follow(ranks);
+        Ok(())
+    }
+
+    fn ranks(&self) -> Ranks {
+        Ranks::new(World { rank: self.rank, size: self.size, counts: Mutex::default() })
+    }
+}
+
+/// Bytes of the length of what rank 0 sends.
+const LENGTH: usize = size_of::<u64>();
+
+/// Returns scene and state that rank 0 sent.
+fn begin(bytes: &[u8]) -> Result<(Scene, Columns), String> {
+    let Beginning { name, text, tables, meshes, state, lanes } = decode_record(bytes)?;
+    let own = InstructionSet::best().name();
+    if own != lanes {
+        return Err(format!(
+            "rank 0 computes on {lanes} lanes, another rank on {own}, which would round otherwise: \
+             set `SPHECS_LANES` for all ranks to one that all machines have"
+        ));
+    }
+    let mesh = |(path, bytes): (String, Vec<u8>)| MeshFile { path, bytes: bytes.into() };
+    let meshes: Vec<_> = meshes.into_iter().map(mesh).collect();
+    let scene = Scene::from_text(&name, &text).tables(tables).meshes(meshes).load();
+    let scene = scene.map_err(|faults| faults.to_string())?;
+    let checkpoint = container::read(&state).map_err(|rejection| rejection.to_string())?;
+    Ok((scene, checkpoint.state))
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // The others still wait for a beginning if the run ended before its first step.
+        if self.rank == 0 && !self.leads.load(Ordering::Relaxed) && !std::thread::panicking() {
+            self.ranks().from_first(&0_u64.to_le_bytes(), LENGTH);
+        }
+    }
+}
+
+/// All processes of the job.
+#[derive(Debug)]
+struct World {
+    rank: usize,
+    size: usize,
+    /// Lengths and places of the messages, as MPI takes them.
+    counts: Mutex<(Vec<i32>, Vec<i32>)>,
+}
+
+/// Largest part of a message that goes at once: MPI counts bytes in 32 bits.
+const LARGEST: usize = 1 << 30;
+
+impl Transport for World {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.size
+    }
+
+    fn all_gather(&self, own: &[u8], lengths: &[usize], all: &mut Vec<u8>) {
+        let world = SimpleCommunicator::world();
+        let total = lengths.iter().sum();
+        all.resize(total, 0);
+        if total <= LARGEST {
+            let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+            let (counts, places) = &mut *counts;
+            counts.clear();
+            places.clear();
+            let mut place = 0;
+            for &length in lengths {
+                counts.push(length as i32);
+                places.push(place);
+                place += length as i32;
+            }
+            let mut all = PartitionMut::new(&mut all[..], &counts[..], &places[..]);
+            world.all_gather_varcount_into(own, &mut all);
+            return;
+        }
+        let mut rest = &mut all[..];
+        for (rank, &length) in lengths.iter().enumerate() {
+            let (message, others) = rest.split_at_mut(length);
+            rest = others;
+            if rank == self.rank {
+                message.copy_from_slice(own);
+            }
+            for part in message.chunks_mut(LARGEST) {
+                mpi::collective::Root::broadcast_into(&world.process_at_rank(rank as i32), part);
+            }
+        }
+    }
+
+    fn abandon(&self) {
+        SimpleCommunicator::world().abort(1);
+    }
+}
