@@ -34,7 +34,9 @@ use sphecs_validate::{Conclusion, ValidateError, ValidateOptions, case};
 /// [`Failure`] with its exit code.
 pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let Some(ranks) = ranks(&arguments.limits)? else { return Ok(DONE) };
-    let memory = memory::available().filter(|_| !arguments.allow_oversize);
+    // Each rank of this process has all particles.
+    let memory = memory::available().map(|bytes| bytes / ranks.in_this_process() as f64);
+    let memory = memory.filter(|_| !arguments.allow_oversize);
     let scene = load_within(&arguments.input, memory)?;
     let options = RunOptions {
         folder: match &arguments.out {

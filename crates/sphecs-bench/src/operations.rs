@@ -3,8 +3,7 @@
 //! +, −, ×, ÷ and √ count one each, a multiply-add two; comparisons, magnitudes and selections
 //! count nothing. √x with 1/√x is a root and a division, whatever the instructions. The counts of a
 //! loop are for Wendland's kernel. Candidates outside the support, packing, the end of a row and
-//! distances that only find neighbours are omitted. So the fraction of the peak is that of useful
-//! work.
+//! distances that only find neighbours are omitted: the fraction of the peak is of useful work.
 //!
 //! The tests run the passes over numbers that count their operations, and obtain these counts.
 

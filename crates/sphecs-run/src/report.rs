@@ -117,7 +117,7 @@ pub struct EndState<'a> {
 pub struct Messages {
     /// Number of ranks.
     pub ranks: usize,
-    /// What this rank sent and received, and the time that it took.
+    /// Messages of this rank, and the time that they took.
     pub traffic: Traffic,
     /// Steps of this process.
     pub steps: u64,

@@ -8,7 +8,7 @@ use super::Simulation;
 use crate::resources::pair::Pair;
 use sphecs_core::pass::ranks::{Ranks, Traffic};
 
-/// What rank 0 announces.
+/// Announcement of rank 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Command {
     /// The simulation has ended.

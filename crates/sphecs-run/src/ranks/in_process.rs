@@ -31,17 +31,17 @@ impl Followers {
         let others = 1..ranks;
         let pools = others.map(|_| Threads::start(Some(threads))).collect::<Result<Vec<_>, _>>()?;
         let table = Arc::new(Table::new(ranks));
-        let seat = |rank| Ranks::new(Seat { rank, table: Arc::clone(&table) });
+        let rank_of = |rank| Ranks::new(InProcess { rank, table: Arc::clone(&table) });
         let state = simulation.state();
         for (rank, pool) in (1..).zip(&pools) {
-            let (scene, state, ranks) = (simulation.scene().clone(), state.clone(), seat(rank));
+            let (scene, state, ranks) = (simulation.scene().clone(), state.clone(), rank_of(rank));
             pool.begin(move || {
                 let built = Simulation::builder(scene).state(state).build();
                 // The state is that of a simulation of the same scene, which has no plugins.
                 built.expect("a simulation from the state of another").follow(ranks);
             });
         }
-        simulation.lead(seat(0));
+        simulation.lead(rank_of(0));
         Ok(Self { _pools: pools })
     }
 }
@@ -103,12 +103,12 @@ impl Table {
 
 /// Place of a rank at the table.
 #[derive(Debug)]
-struct Seat {
+struct InProcess {
     rank: usize,
     table: Arc<Table>,
 }
 
-impl Transport for Seat {
+impl Transport for InProcess {
     fn rank(&self) -> usize {
         self.rank
     }
@@ -152,12 +152,12 @@ mod tests {
         let table = Arc::new(Table::new(3));
         std::thread::scope(|scope| {
             for rank in 0..3 {
-                let seat = Seat { rank, table: Arc::clone(&table) };
+                let place = InProcess { rank, table: Arc::clone(&table) };
                 scope.spawn(move || {
                     let mut all = Vec::new();
                     for round in 0..100_u8 {
                         let own = vec![round + rank as u8; rank + 1];
-                        seat.all_gather(&own, &[1, 2, 3], &mut all);
+                        place.all_gather(&own, &[1, 2, 3], &mut all);
                         let expected = [0, 1, 1, 2, 2, 2].map(|rank| round + rank);
                         assert_eq!(all, expected, "rank {rank}");
                     }
@@ -169,8 +169,8 @@ mod tests {
     #[test]
     fn ranks_do_not_wait_for_one_that_has_ended() {
         let table = Arc::new(Table::new(2));
-        let waiting = Seat { rank: 0, table: Arc::clone(&table) };
-        let ended = Seat { rank: 1, table };
+        let waiting = InProcess { rank: 0, table: Arc::clone(&table) };
+        let ended = InProcess { rank: 1, table };
         let waits = std::thread::spawn(move || {
             let wait = || waiting.all_gather(&[1], &[1, 0], &mut Vec::new());
             catch_unwind(AssertUnwindSafe(wait)).is_err()

@@ -1,5 +1,4 @@
-//! Ranks of a run: several simulations of one scene that share the pair passes, each with threads of
-//! its own.
+//! Ranks of a run: simulations of one scene that share the pair passes, each with its own threads.
 //!
 //! Rank 0 is the run itself, with its output and its signals. Every other rank gets scene and state
 //! from it before the first step, and follows it to its end (`sphecs_engine::simulation`). So every
@@ -22,7 +21,7 @@ use sphecs_engine::simulation::Simulation;
 /// Ranks of a run.
 #[derive(Clone, Debug)]
 pub enum RankSource {
-    /// That many ranks in this process, ≥ 1.
+    /// Ranks in this process; their number, ≥ 1.
     InProcess(usize),
     /// The processes of an MPI job.
     #[cfg(feature = "mpi")]
@@ -38,7 +37,7 @@ impl Default for RankSource {
 impl RankSource {
     /// Returns the ranks of this process; None if it followed another one to its end.
     ///
-    /// `given` is the number of ranks that the user asked for, `threads` that of threads of each.
+    /// `given` is the number of ranks on the command line, `threads` that of threads of each.
     ///
     /// # Errors
     /// [`RunError::Ranks`] under a launcher of MPI, for a number of ranks beside it, and for a
@@ -61,6 +60,15 @@ impl RankSource {
             Self::InProcess(ranks) => *ranks,
             #[cfg(feature = "mpi")]
             Self::Mpi(session) => session.size(),
+        }
+    }
+
+    /// Returns the number of ranks in this process.
+    pub fn in_this_process(&self) -> usize {
+        match self {
+            Self::InProcess(ranks) => *ranks,
+            #[cfg(feature = "mpi")]
+            Self::Mpi(_) => 1,
         }
     }
 

@@ -117,8 +117,7 @@ impl Session {
     /// Follows the simulation of rank 0 to its end, on the thread pool of the caller.
     ///
     /// # Errors
-    /// What is wrong with the scene and the state that rank 0 sent, and an instruction set other than
-    /// that of rank 0.
+    /// The fault of the scene or the state that rank 0 sent, or an instruction set other than its.
     pub fn follow(&self) -> Result<(), String> {
         let ranks = self.ranks();
         let length: [u8; LENGTH] =

@@ -45,6 +45,11 @@ pub fn fields(
             check.report(fault.help("leave out `planes`; values along a line are a probe, `Line`"));
         }
         let volume = file.volume.unwrap_or(true);
+        if !volume {
+            let label = "leaves out the domain, which is the only grid in 2D";
+            let fault = Fault::new("the gridded fields have no grid", written.head, label);
+            check.report(fault.help("leave out `volume: false`"));
+        }
         return FieldOutput { spacing, every, mean, mean_every, volume, planes: Vec::new() };
     }
     if file.volume == Some(false) && file.planes.is_empty() {

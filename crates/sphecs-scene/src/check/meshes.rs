@@ -25,18 +25,19 @@ pub struct ReadSurface {
     surface: Arc<Surface>,
 }
 
-/// Returns the shape of a mesh; None if it has a fault.
+/// Returns the shape of a mesh at the place of its first file, or of its unit without one; None if
+/// it has a fault.
 pub fn mesh(
     (file, files): (Option<&Text>, Option<&Vec<Text>>),
-    unit: LengthUnit,
+    (unit, place): (LengthUnit, Span),
     check: &mut Checker<'_>,
 ) -> Option<Shape> {
     let paths: Vec<&Text> = file.into_iter().chain(files.into_iter().flatten()).collect();
     if file.is_some() == files.is_some() || paths.is_empty() {
-        let place = paths.first().map_or(Span::PLACEHOLDER, |path| path.span);
         let label = "must be one `file`, or the list `files` of those that form the surface together";
         check.report(if paths.is_empty() {
-            Fault::placeless("a mesh has no file: give `file: \"pipe.stl\"`")
+            let label = "stands alone, must be beside the file: `file: \"pipe.stl\"`";
+            Fault::new("a mesh has no file", place, label)
         } else {
             Fault::new("the files of a mesh are given twice", place, label)
         });

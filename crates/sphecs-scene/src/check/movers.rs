@@ -160,6 +160,7 @@ fn built(file: &MotionFile, place: Span, course: Course<'_>, check: &mut Checker
         MotionFile::Chain(motions) => {
             if motions.value.is_empty() {
                 check.report(Fault::new("a chain has no motions", motions.span, "must hold at least one"));
+                return None;
             }
             let built: Vec<Option<Motion>> =
                 motions.value.iter().map(|motion| built(motion, motions.head, course, check)).collect();

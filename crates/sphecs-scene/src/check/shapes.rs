@@ -59,9 +59,9 @@ fn built(file: &ShapeFile, check: &mut Checker<'_>) -> Option<Shape> {
         }
         ShapeFile::Mesh { file, files, unit } => {
             let first = file.iter().chain(files.iter().flatten()).next();
-            let place = first.map_or(Span::PLACEHOLDER, |path| path.span);
+            let place = first.map_or(unit.span, |path| path.span);
             needs(3, "Mesh", "`Outline` for points in a file, or `Polygon`", place, check)?;
-            meshes::mesh((file.as_ref(), files.as_ref()), length_unit(unit, check)?, check)
+            meshes::mesh((file.as_ref(), files.as_ref()), (length_unit(unit, check)?, place), check)
         }
         ShapeFile::Outline { file, unit } => {
             needs(2, "Outline", "`Mesh`, or `Extruded`", file.span, check)?;

@@ -26,6 +26,11 @@ pub fn wall_quantities(
     let Some(names) = &file.parts else {
         return WallOutput { parts: all.collect(), every, mean, mean_every };
     };
+    if names.is_empty() {
+        let label = "has an empty list `parts`";
+        let fault = Fault::new("the quantities at the walls have no wall", written.head, label);
+        check.report(fault.help("name parts of the walls, or leave out `parts` for all of them"));
+    }
     let mut parts: Vec<u16> = Vec::new();
     for name in names {
         let Some(part) = all.clone().find(|part| walls.parts[usize::from(*part)].name == name.value) else {

@@ -135,6 +135,8 @@ fn files_and_units_of_meshes_are_checked() {
         let found = faults(domain, "");
         assert!(found.contains(expected), "{domain}: {found}");
         assert_eq!(found.lines().count(), 1, "{domain}: {found}");
+        let errors = scene(domain, "").expect_err("a fault");
+        assert!(errors.faults()[0].span.is_some(), "{domain}: the fault has no place");
     }
     // A hole: the surface without its outlet.
     let faces = faces([1000.0, 400.0, 400.0]);

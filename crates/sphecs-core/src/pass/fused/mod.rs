@@ -18,7 +18,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 pub(crate) use rate_columns::FusedRates;
-pub(super) use rate_columns::{RateColumns, RateScalars};
+pub(super) use rate_columns::{FusedOutputs, OutputColumns, RateColumns, RateScalars};
 pub(super) use shape::{
     Damped, DampedWithWalls, DampedWithWallsDriftCorrected, General, GeneralWithMoments, LoopShape, Plain,
     PlainWithWalls,
@@ -60,18 +60,6 @@ pub(super) struct FusedInputs<'a, R: Real, const D: usize> {
     pub masks: &'a [NeighbourMask],
     /// Columns of the neighbours in the order in which they are packed.
     pub columns: &'a [&'a [R]],
-}
-
-/// Output columns of the rows of a block: acceleration, shifting vector (under `EdacTvf` the
-/// acceleration by the background pressure) and two scalars of the scheme.
-pub(super) type FusedOutputs<'a, R, const D: usize> = ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 2]);
-
-/// The output columns of a block, from the row `first` on.
-pub(super) struct OutputColumns<'a, R, const D: usize> {
-    pub first: usize,
-    pub acceleration: [&'a mut [R]; D],
-    pub shift: [&'a mut [R]; D],
-    pub scalars: [&'a mut [R]; 2],
 }
 
 /// Extremes of the rows of a pass.
@@ -306,19 +294,14 @@ impl<S: FusedScheme<R, D>, R: Real, const D: usize> WithShape for FusedPass<'_, 
     fn run<K: KernelShape>(self) -> S::Summary {
         let Self { scheme, inputs, packs, outputs } = self;
         let source = inputs.source(K::SUPPORT, Only::All);
-        let work = |cells: Range<usize>, (acceleration, shift, scalars): &mut FusedOutputs<R, D>| {
+        let work = |cells: Range<usize>, outputs: &mut FusedOutputs<R, D>| {
             let first = inputs.grid.rows(cells.start).start;
             let block = FusedBlock::<K, S, R, D> {
                 scheme,
                 inputs: &inputs,
                 source: &source,
                 cells,
-                outputs: OutputColumns {
-                    first,
-                    acceleration: acceleration.each_mut().map(|column| &mut **column),
-                    shift: shift.each_mut().map(|column| &mut **column),
-                    scalars: scalars.each_mut().map(|column| &mut **column),
-                },
+                outputs: OutputColumns::from_row(first, outputs),
                 pack: &mut packs.of_this_thread(),
                 kernel: PhantomData,
             };

@@ -5,7 +5,6 @@
 
 use glam::DVec3;
 
-use super::FusedOutputs;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::rows::set_real_vector;
@@ -25,6 +24,35 @@ pub(in crate::pass) enum RateScalars {
     },
     /// Rate of pressure and divergence, of `EdacTvf`.
     PressureRateAndDivergence,
+}
+
+/// Output columns of the rows of a block: acceleration, shifting vector (under `EdacTvf` the
+/// acceleration by the background pressure) and two scalars of the scheme.
+pub(in crate::pass) type FusedOutputs<'a, R, const D: usize> =
+    ([&'a mut [R]; D], [&'a mut [R]; D], [&'a mut [R]; 2]);
+
+/// The output columns of a block, from the row `first` on.
+pub(in crate::pass) struct OutputColumns<'a, R, const D: usize> {
+    pub first: usize,
+    pub acceleration: [&'a mut [R]; D],
+    pub shift: [&'a mut [R]; D],
+    pub scalars: [&'a mut [R]; 2],
+}
+
+impl<'a, R, const D: usize> OutputColumns<'a, R, D> {
+    /// Returns the columns of a block whose first row is `first`.
+    #[inline(always)]
+    pub(in crate::pass) fn from_row(
+        first: usize,
+        (acceleration, shift, scalars): &'a mut FusedOutputs<'_, R, D>,
+    ) -> Self {
+        Self {
+            first,
+            acceleration: acceleration.each_mut().map(|column| &mut **column),
+            shift: shift.each_mut().map(|column| &mut **column),
+            scalars: scalars.each_mut().map(|column| &mut **column),
+        }
+    }
 }
 
 /// The columns of a pass that runs.

@@ -7,18 +7,18 @@
 //! particles.
 //!
 //! The sums of a particle depend on the pack of its cell alone, and the summary of a pass on no
-//! order, so every rank has the same bits as one rank alone. The cells of a rank follow each other,
-//! and so do its rows. Their number follows the time that each rank needed (`balance.rs`).
+//! order, so every rank is bitwise identical to one rank alone. The cells of a rank follow each
+//! other, and so do its rows. Their number follows the time that each rank needed (`balance.rs`).
 //!
 //! Limits: the memory is that of all particles on every rank, and a message goes from each rank to
 //! all others after every pass.
 
 mod balance;
-mod columns;
+mod shared_columns;
 #[cfg(test)]
 mod tests;
 
-pub(super) use columns::{OutputNumber, SharedColumns};
+pub(super) use shared_columns::{OutputNumber, SharedColumns};
 
 use std::fmt;
 use std::ops::Range;
@@ -28,7 +28,7 @@ use std::time::Instant;
 use super::blocks::{for_each_block, for_each_part};
 use crate::math::grid::CellGrid;
 use balance::Balance;
-use columns::MessageRows;
+use shared_columns::MessageRows;
 
 /// Connection between the ranks of a flow.
 pub trait Transport: fmt::Debug + Send + Sync {
@@ -74,7 +74,7 @@ struct State {
     traffic: Traffic,
 }
 
-/// What a rank has sent to the others, and the time that this took.
+/// Messages of a rank to the others, and the time that they took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Traffic {
     /// Messages sent to each other rank.

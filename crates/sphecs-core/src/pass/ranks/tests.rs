@@ -9,12 +9,12 @@ use crate::pass::samples::{Sample, settings};
 
 /// Ranks that are threads of the test.
 #[derive(Debug)]
-struct Desk {
+struct ThreadRank {
     rank: usize,
     shared: Arc<(Barrier, Vec<Mutex<Vec<u8>>>)>,
 }
 
-impl Transport for Desk {
+impl Transport for ThreadRank {
     fn rank(&self) -> usize {
         self.rank
     }
@@ -44,12 +44,12 @@ fn on_ranks<T: Send>(size: usize, work: impl Fn(Ranks) -> T + Sync) -> Vec<T> {
     let shared = Arc::new((Barrier::new(size), (0..size).map(|_| Mutex::default()).collect()));
     std::thread::scope(|scope| {
         let run = |rank| {
-            let desk = Desk { rank, shared: Arc::clone(&shared) };
+            let transport = ThreadRank { rank, shared: Arc::clone(&shared) };
             let work = &work;
             scope.spawn(move || {
                 // A pool of its own, as each rank has: a thread that waits would block the others.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-                pool.install(|| work(Ranks::new(desk)))
+                pool.install(|| work(Ranks::new(transport)))
             })
         };
         let ranks: Vec<_> = (0..size).map(run).collect();

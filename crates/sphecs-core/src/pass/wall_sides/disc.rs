@@ -1,7 +1,8 @@
 //! Discs that wall particles represent on the surface of a wall.
 //!
 //! ```text
-//! s_b = x_b + d_b n_b,   t = x_a − s_b,   t_n = t·n_b,   t_s = max(0, √(|t|² − t_n²) − R),   R = 0.75 Δ
+//! s_b = x_b + d_b n_b,   t = x_a − s_b,   R = 0.75 Δ
+//! t_n = t·n_b,   t_s = max(0, √(|t|² − t_n²) − R)
 //! ```
 //!
 //! Every wall particle stores its foot point s_b on the surface and represents a disc of radius R

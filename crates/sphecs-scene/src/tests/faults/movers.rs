@@ -47,6 +47,7 @@ fn motions_are_given_in_one_way_and_depend_on_time() {
     for (motion, expected) in cases {
         let found = faults(&format!("{CLOSED} {}", body(DISC, motion)));
         assert!(found.contains(expected), "{motion}: {found}");
+        assert_eq!(found.lines().count(), 1, "{motion}: {found}");
     }
     let sound = body(
         DISC,

@@ -157,6 +157,15 @@ fn body_must_be_a_wall_part_with_all_references() {
 }
 
 #[test]
+fn output_of_nothing_is_a_fault() {
+    let right = "output: (every: 0.1,";
+    let fields = "output: (every: 0.1, fields: (volume: false),";
+    check(right, fields, "the gridded fields have no grid", "fields");
+    let walls = "output: (every: 0.1, walls: (parts: []),";
+    check(right, walls, "the quantities at the walls have no wall", "walls");
+}
+
+#[test]
 fn expression_faults_mark_their_token() {
     let report = check("\"v0 * y\"", "\"v0 * velo\"", "unknown name `velo`", "velo");
     assert!(report.contains("at Some((14, 88))"), "{report}");

@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# Runs scenes on several MPI processes and compares every result with that of one process, byte by byte.
+#
+#   scripts/mpi.sh                          # the MPI of `mpicc` and `mpirun`; installs MPICH if there is none
+#   MPICC=mpicc.openmpi MPIRUN=mpirun.openmpi scripts/mpi.sh
+#
+# Each scene runs on 2, 3 and 4 processes of one thread, is stopped, and resumes on another number of processes.
+# A process that dies must end all within 10 s, and the run must resume.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. scripts/setup.sh
+
+export MPICC=${MPICC:-mpicc} MPIRUN=${MPIRUN:-mpirun}
+if ! command -v "$MPICC" >/dev/null; then
+    say "installing MPICH"
+    install_packages mpich libmpich-dev || { echo "no MPI: install mpich and libmpich-dev, or Open MPI" >&2; exit 1; }
+fi
+if ! ls /usr/lib/llvm-*/lib/libclang*.so* >/dev/null 2>&1 && [ -z "${LIBCLANG_PATH:-}" ]; then
+    say "installing libclang"
+    install_packages libclang-dev || { echo "no libclang: install libclang-dev" >&2; exit 1; }
+fi
+
+say "building with the feature mpi"
+# A folder of its own: the program of the tests stays that without MPI.
+cargo build --locked --features mpi "${FEATURES[@]}" --target-dir "${CARGO_TARGET_DIR:-target}/mpi"
+sphecs=$(realpath "${CARGO_TARGET_DIR:-target}/mpi/debug/sphecs")
+runs=$(mktemp -d)
+trap 'rm -rf "$runs"' EXIT
+
+# Processes wait for each other without a core of their own: Open MPI yields, and both keep a time limit.
+launch() {
+    local count=$1
+    shift
+    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
+        OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_hwloc_base_binding_policy=none \
+        timeout 300 "$MPIRUN" -n "$count" "$sphecs" "$@" --threads 1 --quiet
+}
+
+# Fails unless two runs have the same bytes in every file that depends on the flow alone.
+same() {
+    local file name
+    for file in "$1"/*.nc "$1"/*.csv; do
+        [ -e "$file" ] || continue
+        name=$(basename "$file")
+        cmp "$file" "$2/$name"
+    done
+}
+
+for scene in quickstart duct3d stirrer; do
+    steps=150
+    [ "$scene" = duct3d ] && steps=30
+    run=("scenes/$scene.ron" --smoke --set output.every=0.013)
+    "$sphecs" run "${run[@]}" --steps $steps --threads 2 --quiet --out "$runs/$scene"
+    for count in 2 3 4; do
+        say "$scene on $count processes"
+        out=$runs/$scene-$count
+        launch $count run "${run[@]}" --steps $((steps / 3)) --out "$out"
+        launch $((5 - count)) resume "$out" --steps $((2 * steps / 3))
+        launch $count resume "$out" --steps $steps
+        same "$runs/$scene" "$out"
+    done
+done
+
+say "a process that dies"
+out=$runs/killed
+launch 3 run scenes/quickstart.ron --smoke --until 1e6 --allow-oversize --checkpoint-every 1s --out "$out" \
+    >/dev/null 2>&1 &
+launcher=$!
+while [ ! -e "$out"/checkpoints/*.checkpoint ] 2>/dev/null; do sleep 0.2; done
+pkill -KILL -n -f "$sphecs run scenes/quickstart.ron --smoke --until 1e6"
+started=$SECONDS
+wait $launcher && { echo "the launcher reports no failure" >&2; exit 1; }
+[ $((SECONDS - started)) -le 10 ] || { echo "the others ended after $((SECONDS - started)) s" >&2; exit 1; }
+reached=$("$sphecs" info "$out" | sed -n 's/.*step \([0-9 ]*\).*/\1/p' | head -1)
+launch 2 resume "$out" --until 1e6 --max-walltime 2s && exit 1 || [ $? -eq 75 ] || exit 1
+say "all results are those of one process${reached:+; the killed run had reached step $reached}"
