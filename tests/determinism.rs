@@ -3,10 +3,10 @@
 mod census;
 mod common;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use census::{Particle, census};
-use common::{shipped_scenes, smoke_scene, text_scene};
+use common::{in_parallel, shipped_scenes, smoke_scene, text_scene};
 use rayon::ThreadPoolBuilder;
 use sphecs::Simulation;
 use sphecs::glam::DVec3;
@@ -21,7 +21,7 @@ const STEPS: [u64; 2] = [60, 240];
 const PARTICLE_STEPS: u64 = 600_000;
 
 /// Steps of the runs with reads between the steps.
-const STEPS_WITH_READS: usize = 60;
+const STEPS_WITH_READS: usize = 35;
 
 /// Returns simulations of a scene file at its smoke spacing, from particles that are placed once.
 fn simulations<const N: usize>(path: &Path) -> [Simulation; N] {
@@ -68,11 +68,12 @@ const RANKS: [usize; 4] = [3, 2, 5, 4];
 
 #[test]
 fn shipped_scenes_are_bitwise_identical_for_any_number_of_ranks_and_threads() {
-    let pools = [1, 2].map(|threads| {
-        ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads")
-    });
-    for (place, path) in shipped_scenes().into_iter().enumerate() {
-        let [mut one, mut other] = simulations(&path);
+    let scenes: Vec<(usize, PathBuf)> = shipped_scenes().into_iter().enumerate().collect();
+    in_parallel(&scenes, |(place, path)| {
+        let pools = [1, 2].map(|threads| {
+            ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads")
+        });
+        let [mut one, mut other] = simulations(path);
         let steps = (PARTICLE_STEPS / one.ledger().total()).clamp(STEPS[0], STEPS[1]);
         pools[0].install(|| (0..steps).for_each(|_| one.step().expect("a step")));
         let ranks = RANKS[place % RANKS.len()];
@@ -83,7 +84,7 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_ranks_and_threads() {
         assert!(led.0.traffic().messages > steps, "the ranks share no pass");
         let found = difference(&mut one, &mut led.0);
         assert_eq!(found, None, "{}: 1 rank and {ranks} differ", path.display());
-    }
+    });
 }
 
 /// Channel with enough rows for several tasks per pass, with inlet, outlet, walls and a body force
@@ -126,9 +127,8 @@ fn check_threads(sets: &[(&str, &str)]) {
 /// Reads between the steps, and a borrowed world, leave each shipped scene as it is without them.
 #[test]
 fn reading_between_steps_leaves_the_flow_bitwise_identical() {
-    let mut faults = Vec::new();
-    for path in shipped_scenes() {
-        let [mut alone, mut read, mut borrowed] = simulations(&path);
+    let faults: Vec<String> = in_parallel(&shipped_scenes(), |path| {
+        let [mut alone, mut read, mut borrowed] = simulations(path);
         for step in 0..STEPS_WITH_READS {
             match step % 11 {
                 0 => drop(read.monitor_row()),
@@ -143,11 +143,15 @@ fn reading_between_steps_leaves_the_flow_bitwise_identical() {
                 run.step().expect("a step");
             }
         }
-        for (other, what) in [(&mut read, "reads"), (&mut borrowed, "borrowing the world")] {
-            if let Some(found) = difference(&mut alone, other) {
-                faults.push(format!("{}: {what}: {found}", path.display()));
-            }
-        }
-    }
+        let mut fault = |other: &mut Simulation, what: &str| {
+            let found = difference(&mut alone, other)?;
+            Some(format!("{}: {what}: {found}", path.display()))
+        };
+        [fault(&mut read, "reads"), fault(&mut borrowed, "borrowing the world")]
+    })
+    .into_iter()
+    .flatten()
+    .flatten()
+    .collect();
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }

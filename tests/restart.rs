@@ -5,7 +5,7 @@ mod common;
 use std::any::TypeId;
 use std::path::Path;
 
-use common::{shipped_scenes, simulation, smoke_scene, text_scene};
+use common::{in_parallel, shipped_scenes, simulation, smoke_scene, text_scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use sphecs::bevy_ecs::resource::Resource;
 use sphecs::bevy_ecs::schedule::{IntoScheduleConfigs, Schedule, Schedules};
@@ -59,10 +59,10 @@ fn crossings(run: &Simulation) -> u64 {
 
 /// Runs a scene with reads as for output, and restores its state twice into another world with
 /// another number of threads: after a fixed number of steps and directly after a particle crossed a
-/// plane.
-fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
+/// plane. Returns the columns that differ.
+fn check(name: &str, scene: &Scene) -> Option<String> {
     let pools = [1, 2, 3].map(pool);
-    let mut whole = simulation(scene());
+    let mut whole = simulation(scene.clone());
     let mut pieces = None;
     for part in 0..3 {
         let mut steps = 0;
@@ -92,14 +92,11 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
         if let Some(pieces) = &mut pieces {
             let different = differences(&state, &pieces.state());
             if !different.is_empty() {
-                faults.push(format!(
-                    "{name}: after {part} restored states these differ: {}",
-                    different.join(", ")
-                ));
-                return;
+                let different = different.join(", ");
+                return Some(format!("{name}: after {part} restored states these differ: {different}"));
             }
         }
-        let mut next = Simulation::builder(scene())
+        let mut next = Simulation::builder(scene.clone())
             .state(state.clone())
             .build()
             .unwrap_or_else(|mismatch| panic!("{name}: {mismatch}"));
@@ -111,21 +108,28 @@ fn check(name: &str, scene: impl Fn() -> Scene, faults: &mut Vec<String>) {
         );
         pieces = Some(next);
     }
+    None
+}
+
+/// Checks scenes, several at once, and fails with all faults.
+#[track_caller]
+fn check_all<I: Sync>(scenes: &[I], scene: impl Fn(&I) -> (String, Scene) + Sync) {
+    let faults = in_parallel(scenes, |item| {
+        let (name, scene) = scene(item);
+        check(&name, &scene)
+    });
+    let faults: Vec<String> = faults.into_iter().flatten().collect();
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }
 
 #[test]
 fn every_shipped_scene_resumes_bitwise_identically() {
-    let mut faults = Vec::new();
-    for path in shipped_scenes() {
-        check(&path.display().to_string(), || smoke_scene(&path, &[]), &mut faults);
-    }
-    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+    check_all(&shipped_scenes(), |path| (path.display().to_string(), smoke_scene(path, &[])));
 }
 
 #[test]
 fn other_precisions_stresses_and_outlets_resume_bitwise_identically() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let mut faults = Vec::new();
     let variants: [(&str, &[(&str, &str)]); 21] = [
         ("quickstart.ron", &[("precision", "F32")]),
         ("duct3d.ron", &[("precision", "F32")]),
@@ -159,10 +163,7 @@ fn other_precisions_stresses_and_outlets_resume_bitwise_identically() {
         ),
         ("duct3d.ron", &[("walls", "(slip: FreeSlip, fill: Layers)")]),
     ];
-    for (name, sets) in variants {
-        check(&format!("{name} {sets:?}"), || smoke_scene(&scenes.join(name), sets), &mut faults);
-    }
-    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+    check_all(&variants, |(name, sets)| (format!("{name} {sets:?}"), smoke_scene(&scenes.join(name), sets)));
 }
 
 /// Channel with particles that oscillate across the inlet plane, and a reservoir that is empty at

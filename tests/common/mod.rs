@@ -2,7 +2,11 @@
 
 #![allow(dead_code, reason = "each test program uses some of the helpers")]
 
+use std::num::NonZeroUsize;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::ScopedJoinHandle;
 
 use sphecs::{Scene, Simulation};
 
@@ -21,6 +25,30 @@ pub(crate) fn shipped_scenes() -> Vec<PathBuf> {
     scenes.retain(|path| path.extension().is_some_and(|extension| extension == "ron"));
     scenes.sort();
     scenes
+}
+
+/// Runs `work` for each item, several at once: runs on one thread leave cores idle. Returns the
+/// results in the order of the items.
+pub(crate) fn in_parallel<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let take = || {
+        let mut done = Vec::new();
+        while let at = next.fetch_add(1, Ordering::Relaxed)
+            && let Some(item) = items.get(at)
+        {
+            done.push((at, work(item)));
+        }
+        done
+    };
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let mut found: Vec<(usize, T)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(take)).collect();
+        let done =
+            |worker: ScopedJoinHandle<'_, Vec<_>>| worker.join().unwrap_or_else(|panic| resume_unwind(panic));
+        workers.into_iter().flat_map(done).collect()
+    });
+    found.sort_by_key(|(at, _)| *at);
+    found.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Loads a scene from text, with changes.
