@@ -13,7 +13,8 @@ use sphecs_bench::cases::BenchCase;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     sphecs bench\n  \
-    sphecs bench --case 3d-f32 --case 3d-f64 --threads 1,4,16\n\n\
+    sphecs bench --case 3d-f32 --case 3d-f64 --threads 1,4,16\n  \
+    sphecs bench --case channel --threads 1 --ranks 2,4\n\n\
     No files are read or written. Results are the fastest of several repetitions; keep the machine free of other load.")]
 pub struct BenchArguments {
     /// Case to measure; repeatable [default: all but the large ones]
@@ -22,6 +23,9 @@ pub struct BenchArguments {
     /// Numbers of threads, separated by commas [default: one, and all cores]
     #[arg(long, value_name = "N", value_delimiter = ',')]
     pub threads: Vec<NonZeroUsize>,
+    /// Numbers of ranks, separated by commas, each with each number of threads [default: 1]
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub ranks: Vec<NonZeroUsize>,
     /// Also measure boxes of one and four million particles
     #[arg(long)]
     pub large: bool,

@@ -167,6 +167,7 @@ pub fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let options = BenchOptions {
         cases: BenchCase::ALL.into_iter().map(|(_, case)| case).filter(|&case| is_requested(case)).collect(),
         threads: if threads.is_empty() { sphecs_bench::default_threads() } else { threads },
+        ranks: arguments.ranks.iter().map(|ranks| ranks.get()).collect(),
         console: Console::Normal,
     };
     sphecs_bench::run(&options)?;

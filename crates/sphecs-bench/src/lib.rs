@@ -28,6 +28,7 @@ use miette::Diagnostic;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use cases::BenchCase;
+use measure::MeasureError;
 use peak::Peaks;
 use tile::{Tile, TileError};
 
@@ -42,6 +43,8 @@ pub struct BenchOptions {
     pub cases: Vec<BenchCase>,
     /// Numbers of threads, ascending, each timed by itself; flows are warmed up on the largest.
     pub threads: Vec<usize>,
+    /// Numbers of ranks that are timed besides one, each with each number of threads.
+    pub ranks: Vec<usize>,
     /// Amount of text on standard output.
     pub console: Console,
 }
@@ -95,8 +98,12 @@ pub fn run(options: &BenchOptions) -> Result<(), BenchError> {
             Err(TileError::Scene(faults)) => return Err(faults.into()),
             Err(TileError::Flow(stop)) => return Err(flow_error(stop)),
         };
-        let figures =
-            measure::measure(scene, tile.as_ref(), case.plan(), &pools, at_rest).map_err(flow_error)?;
+        let groups = (&pools[..], &options.ranks[..]);
+        let figures = match measure::measure(scene, tile.as_ref(), case.plan(), groups, at_rest) {
+            Ok(figures) => figures,
+            Err(MeasureError::Flow(stop)) => return Err(flow_error(stop)),
+            Err(MeasureError::Threads(refused)) => return Err(refused.into()),
+        };
         options.console.print(&timing_table::rows(case.name(), &figures, peaks.of(precision)));
         measured.push((case.name(), figures));
     }

@@ -5,8 +5,8 @@
 
 use std::time::Instant;
 
-use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuildError};
 
 use super::cases::Plan;
 use super::memory;
@@ -22,6 +22,7 @@ use sphecs_engine::arrays::Arrays;
 use sphecs_engine::resources::grid::Grid;
 use sphecs_engine::resources::pair::Pair;
 use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_run::ranks::in_process::Followers;
 use sphecs_scene::model::{Precision, Scene};
 use sphecs_scene::seeds;
 
@@ -45,8 +46,10 @@ pub struct BenchResult {
 /// Time of a step on a number of threads.
 #[derive(Clone, Debug)]
 pub struct Timing {
-    /// Number of threads.
+    /// Number of threads of all ranks.
     pub threads: usize,
+    /// Number of ranks.
+    pub ranks: usize,
     /// Wall time of a step in the fastest repetition, s.
     pub step: f64,
     /// Simulated time of a step in that repetition, s.
@@ -71,6 +74,17 @@ impl BenchResult {
     pub fn speed_up(&self, timing: &Timing) -> Option<f64> {
         self.timings.iter().find(|single| single.threads == 1).map(|single| single.step / timing.step)
     }
+}
+
+/// Error that ends the measurement of a flow.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// The flow diverged.
+    #[error(transparent)]
+    Flow(#[from] Stop),
+    /// The threads of a rank could not be started.
+    #[error(transparent)]
+    Threads(#[from] ThreadPoolBuildError),
 }
 
 /// Fastest repetition of each set of systems.
@@ -105,19 +119,19 @@ impl FastestSets {
 }
 
 /// Builds a flow, fills it with copies of the tile, warms it up on the last pool and times it on
-/// each.
+/// each, by one rank and then by each of these numbers of ranks.
 ///
 /// `at_rest` is the resident memory of the process before its first flow, B.
 ///
 /// # Errors
-/// [`Stop`] when the flow diverged.
+/// [`MeasureError`] when the flow diverged, or the system refuses a thread.
 pub fn measure(
     scene: Scene,
     tile: Option<&Tile>,
     plan: Plan,
-    pools: &[ThreadPool],
+    (pools, ranks): (&[ThreadPool], &[usize]),
     at_rest: Option<u64>,
-) -> Result<BenchResult, Stop> {
+) -> Result<BenchResult, MeasureError> {
     let growth = memory::Growth::begin(at_rest);
     let operations = operations::per_pair(&scene);
     let build = || -> Result<Simulation, Stop> {
@@ -133,10 +147,15 @@ pub fn measure(
     };
     let mut timings = Vec::new();
     for pool in pools {
-        timings.push(pool.install(|| time(&mut simulation, plan))?);
+        timings.push(pool.install(|| time(&mut simulation, 1, plan))?);
     }
     // Before the pairs are counted, since counting makes copies that a run does not have.
     let memory = growth.and_then(memory::Growth::bytes);
+    for &ranks in ranks.iter().filter(|&&ranks| ranks > 1) {
+        for pool in pools {
+            timings.push(pool.install(|| time_ranks(&mut simulation, ranks, plan))?);
+        }
+    }
     let mut count_pairs = || (count(&mut simulation), scalar_rate(&mut simulation));
     let ((particles, pairs), scalar_rate) = match pools.last() {
         Some(pool) => pool.install(count_pairs),
@@ -155,8 +174,19 @@ pub fn filled_with_tiles(scene: Scene, tile: Option<&Tile>) -> Simulation {
     Simulation::builder(scene).particles(seeds).build().expect("a scene without plugins can be built")
 }
 
+/// Times steps of a copy of a simulation that several ranks share, each with as many threads as the
+/// current pool.
+fn time_ranks(simulation: &mut Simulation, ranks: usize, plan: Plan) -> Result<Timing, MeasureError> {
+    let (scene, state) = (simulation.scene().clone(), simulation.state());
+    let mut copy = Simulation::builder(scene).state(state).build().expect("the state is of the same scene");
+    let followers = Followers::start(&mut copy, ranks, rayon::current_num_threads())?;
+    // The simulation is dropped first, with which the other ranks end.
+    let mut led = (copy, followers);
+    Ok(time(&mut led.0, ranks, plan)?)
+}
+
 /// Times steps on the current pool.
-fn time(simulation: &mut Simulation, plan: Plan) -> Result<Timing, Stop> {
+fn time(simulation: &mut Simulation, ranks: usize, plan: Plan) -> Result<Timing, Stop> {
     // The first step on a pool allocates the buffers of its threads.
     simulation.step()?;
     let mut sets = FastestSets::begin(simulation);
@@ -172,7 +202,8 @@ fn time(simulation: &mut Simulation, plan: Plan) -> Result<Timing, Stop> {
         }
         sets.record(simulation, plan.steps);
     }
-    Ok(Timing { threads: rayon::current_num_threads(), step, flow, sets: sets.seconds() })
+    let threads = ranks * rayon::current_num_threads();
+    Ok(Timing { threads, ranks, step, flow, sets: sets.seconds() })
 }
 
 /// Returns the ordered pairs per second of the scalar baseline over the particles of a simulation,
@@ -235,15 +266,16 @@ mod tests {
         let plan = Plan { warm_up: 1, repetitions: 2, steps: 2 };
         let pools = [1, 2]
             .map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start"));
-        let figures =
-            measure(periodic_box.scene().expect("a scene"), None, plan, &pools, None).expect("a stable flow");
+        let figures = measure(periodic_box.scene().expect("a scene"), None, plan, (&pools, &[1, 3]), None)
+            .expect("a stable flow");
         assert_eq!(figures.particles, periodic_box.count.pow(periodic_box.dimensions as u32));
         // Neighbours within 2h from the volume of the support: 22.2 in 2D, 276 in 3D, minus the
         // particle itself.
         let neighbours = figures.pairs as f64 / figures.particles as f64;
         let expected = if periodic_box.dimensions == 2 { 20.0..23.0 } else { 250.0..280.0 };
         assert!(expected.contains(&neighbours), "{neighbours} neighbours");
-        assert_eq!(figures.timings.iter().map(|timing| timing.threads).collect::<Vec<_>>(), [1, 2]);
+        let counts: Vec<_> = figures.timings.iter().map(|timing| (timing.ranks, timing.threads)).collect();
+        assert_eq!(counts, [(1, 1), (1, 2), (3, 3), (3, 6)]);
         for timing in &figures.timings {
             assert!(timing.step > 0.0 && timing.step.is_finite() && timing.flow > 0.0);
             let sets: f64 = timing.sets.iter().map(|(_, seconds)| seconds).sum();

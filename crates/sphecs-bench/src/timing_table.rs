@@ -52,7 +52,7 @@ pub fn rows(name: &str, figures: &BenchResult, peak: f64) -> String {
         format!(
             "{:<16}  {:>7}  {:>9}  {:>9.2}  {:>7.2}  {:>8.0}  {:>5.1} %  {:>8.1}  {:>8}  {:>10}",
             once(name.to_owned()),
-            timing.threads,
+            threads(timing),
             once(grouped(figures.particles as u64)),
             1e3 * timing.step,
             figures.particles as f64 / timing.step / 1e6,
@@ -68,6 +68,14 @@ pub fn rows(name: &str, figures: &BenchResult, peak: f64) -> String {
     figures.timings.iter().enumerate().map(row).collect::<Vec<_>>().join("\n")
 }
 
+/// Returns the number of threads, or that of ranks with the threads of each: `4×1`.
+fn threads(timing: &Timing) -> String {
+    match timing.ranks {
+        1 => timing.threads.to_string(),
+        ranks => format!("{ranks}×{}", timing.threads / ranks),
+    }
+}
+
 /// Returns the shares of the sets, the legend of the columns and the total time.
 pub fn summary(measured: &[(&str, BenchResult)], wall_time: f64) -> String {
     let mut text = String::from("\nshare of a step in %, on the smallest number of threads:\n");
@@ -81,7 +89,8 @@ pub fn summary(measured: &[(&str, BenchResult)], wall_time: f64) -> String {
         }
     }
     text += &format!(
-        "\nms/step     fastest of several repetitions\n\
+        "\nthreads     of one rank, or ranks × threads of each\n\
+        ms/step     fastest of several repetitions\n\
         M/s         million particle-steps per second\n\
         Mpair/s     million ordered pairs within the support per second and thread; all passes of a step count once\n\
         of peak     operations of those pairs over the peak of as many cores; an FMA counts two\n\
@@ -109,6 +118,7 @@ mod tests {
     fn columns_are_aligned_with_their_names() {
         let timing = |threads: usize, step: f64| Timing {
             threads,
+            ranks: threads,
             step,
             flow: 1e-3 * step,
             sets: vec![("density", 0.25 * step), ("kick", 0.0), ("rates", 0.75 * step)],
@@ -131,7 +141,12 @@ mod tests {
         for word in ["3d-f32", "262 144", "200.00", "1.31", "335", "10.0 %", "10.0", "1.00", "300"] {
             assert!(lines[0].contains(word), "no `{word}` in {}", lines[0]);
         }
-        assert!(lines[1].contains("2.00") && lines[1].contains("10.0 %") && !lines[1].contains("3d-f32"));
+        assert!(
+            lines[1].contains("2×1")
+                && lines[1].contains("2.00")
+                && lines[1].contains("10.0 %")
+                && !lines[1].contains("3d-f32")
+        );
         let summary = summary(&[("3d-f32", figures)], 3.0);
         assert!(
             summary.contains("density 25.0, rates 75.0; 80 FLOP per pair; 1.000e-3 s simulated per second"),
