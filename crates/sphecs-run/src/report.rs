@@ -29,13 +29,14 @@ pub fn start_summary(scene: &Scene, ledger: &Ledger, until: f64, options: &RunOp
     // filling the domain.
     let figures = summary(scene, &[]);
     let mut rows = scene_rows(scene, &figures, ledger.by_zone, until, options.max_steps);
+    let threads = rayon::current_num_threads();
     let ranks = match options.ranks.count() {
         0 | 1 => String::new(),
         count => format!("{count} ranks of "),
     };
     let machine = format!(
-        "{ranks}{} threads, {:?} on {} lanes",
-        rayon::current_num_threads(),
+        "{ranks}{threads} thread{}, {:?} on {} lanes",
+        if threads == 1 { "" } else { "s" },
         scene.precision,
         InstructionSet::best().name()
     );
@@ -146,17 +147,15 @@ impl Messages {
 pub fn end_summary(end: &EndState<'_>, header: &Header, folder: &Path, packed: &Packed) -> String {
     let speed = end.particle_steps / end.wall_time.max(f64::MIN_POSITIVE);
     let mut text = format!(
-        "{}: {}, {} particle-steps/s\n\n{}\n\n{}\n\n{}",
+        "{}: {}, {} particle-steps/s\n\n{}\n\n{}{}\n\n{}",
         end.status.word(),
         reached(&end.clock, end.wall_time),
         significant(speed),
         stages(end.stages, end.wall_time),
+        end.messages.as_ref().map_or_else(String::new, |messages| messages.describe() + "\n\n"),
         ledger(end.ledger, &header.inlets, &header.outlets),
         results(folder, packed),
     );
-    if let Some(messages) = &end.messages {
-        text += &format!("\n\n{}", messages.describe());
-    }
     if end.status != Status::Completed {
         text += &format!("\n\nto continue: sphecs resume {}", folder.display());
     }

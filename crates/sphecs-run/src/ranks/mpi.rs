@@ -32,12 +32,16 @@ use sphecs_scene::model::Scene;
 pub(super) fn of_job(_: Launched, threads: Option<usize>) -> Result<Option<RankSource>, RunError> {
     let session = Session::start();
     let session = session.ok_or_else(|| RunError::Ranks("MPI cannot be initialised".to_owned()))?;
+    let lanes = session.check_lanes();
     if session.rank() == 0 {
+        // The others end with this one.
+        lanes.map_err(RunError::Ranks)?;
         return Ok(Some(RankSource::Mpi(Arc::new(session))));
     }
     // Rank 0 obeys the signals, which the launcher sends to all.
     let _signals = Signals::listen().map_err(RunError::Signals)?;
-    if let Err(what) = on_threads(threads, || session.follow())? {
+    let followed = on_threads(threads, || session.follow()).map_err(|refused| refused.to_string());
+    if let Err(what) = followed.flatten() {
         // The others would wait for this rank for ever.
         Console::Normal.warn(&format!("rank {}: {what}", session.rank()));
         SimpleCommunicator::world().abort(BAD_INPUT);
@@ -66,8 +70,6 @@ struct Beginning {
     meshes: Vec<(String, Vec<u8>)>,
     /// File of a checkpoint.
     state: Vec<u8>,
-    /// Instruction set of rank 0.
-    lanes: String,
 }
 
 impl fmt::Debug for Session {
@@ -96,6 +98,24 @@ impl Session {
         self.size
     }
 
+    /// Compares the instruction sets of all ranks: unlike ones would round differently.
+    fn check_lanes(&self) -> Result<(), String> {
+        let mut own = [0; NAME];
+        let name = InstructionSet::best().name();
+        own[..name.len()].copy_from_slice(name.as_bytes());
+        let mut all = Vec::new();
+        self.world().all_gather(&own, &vec![NAME; self.size], &mut all);
+        let mut others = (0..).zip(all.chunks(NAME));
+        let Some((rank, other)) = others.find(|(_, other)| *other != own) else { return Ok(()) };
+        let other = String::from_utf8_lossy(other);
+        Err(format!(
+            "rank {} computes on {name} lanes, rank {rank} on {}, which would round differently: set \
+             `SPHECS_LANES` for all ranks to a set that all machines have",
+            self.rank,
+            other.trim_end_matches('\0'),
+        ))
+    }
+
     /// Sends scene and state of a simulation to the other ranks, which follow it from there on.
     pub(super) fn lead(&self, simulation: &mut Simulation) {
         let scene = simulation.scene();
@@ -105,8 +125,7 @@ impl Session {
         let mut state = Vec::new();
         // Writing to memory does not fail.
         container::write(&checkpoint, &mut state).expect("a state in memory");
-        let lanes = InstructionSet::best().name().to_owned();
-        let beginning = encode_record(&Beginning { name, text, tables, meshes, state, lanes });
+        let beginning = encode_record(&Beginning { name, text, tables, meshes, state });
         let ranks = self.ranks();
         ranks.from_first(&(beginning.len() as u64).to_le_bytes(), LENGTH);
         ranks.from_first(&beginning, beginning.len());
@@ -117,7 +136,7 @@ impl Session {
     /// Follows the simulation of rank 0 to its end, on the thread pool of the caller.
     ///
     /// # Errors
-    /// The fault of the scene or the state that rank 0 sent, or an instruction set other than its.
+    /// The fault of the scene or the state that rank 0 sent: it runs another program.
     pub fn follow(&self) -> Result<(), String> {
         let ranks = self.ranks();
         let length: [u8; LENGTH] =
@@ -133,23 +152,23 @@ impl Session {
     }
 
     fn ranks(&self) -> Ranks {
-        Ranks::new(World { rank: self.rank, size: self.size, counts: Mutex::default() })
+        Ranks::new(self.world())
+    }
+
+    fn world(&self) -> World {
+        World { rank: self.rank, size: self.size, counts: Mutex::default() }
     }
 }
+
+/// Bytes of the name of an instruction set in a message.
+const NAME: usize = 16;
 
 /// Bytes of the length of what rank 0 sends.
 const LENGTH: usize = size_of::<u64>();
 
 /// Returns scene and state that rank 0 sent.
 fn begin(bytes: &[u8]) -> Result<(Scene, Columns), String> {
-    let Beginning { name, text, tables, meshes, state, lanes } = decode_record(bytes)?;
-    let own = InstructionSet::best().name();
-    if own != lanes {
-        return Err(format!(
-            "rank 0 computes on {lanes} lanes, another rank on {own}, which would round otherwise: \
-             set `SPHECS_LANES` for all ranks to one that all machines have"
-        ));
-    }
+    let Beginning { name, text, tables, meshes, state } = decode_record(bytes)?;
     let mesh = |(path, bytes): (String, Vec<u8>)| MeshFile { path, bytes: bytes.into() };
     let meshes: Vec<_> = meshes.into_iter().map(mesh).collect();
     let scene = Scene::from_text(&name, &text).tables(tables).meshes(meshes).load();
