@@ -160,9 +160,9 @@ fn body_must_be_a_wall_part_with_all_references() {
 fn output_of_nothing_is_a_fault() {
     let right = "output: (every: 0.1,";
     let fields = "output: (every: 0.1, fields: (volume: false),";
-    check(right, fields, "the gridded fields have no grid", "fields");
+    check(right, fields, "the gridded fields have no grid", "(");
     let walls = "output: (every: 0.1, walls: (parts: []),";
-    check(right, walls, "the quantities at the walls have no wall", "walls");
+    check(right, walls, "the quantities at the walls have no wall", "(");
 }
 
 #[test]
