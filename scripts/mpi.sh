@@ -23,7 +23,7 @@ fi
 say "building with the feature mpi"
 # As the tests are built, whose libraries it takes. The program is copied: the next build replaces it by one without MPI.
 cargo test --workspace --locked --features sphecs/mpi "${FEATURES[@]}" --test cli --no-run --quiet
-runs=$(mktemp -d)
+runs=$(realpath "$(mktemp -d)")
 trap 'rm -rf "$runs"' EXIT
 sphecs=$runs/sphecs
 cp "${CARGO_TARGET_DIR:-target}/debug/sphecs" "$sphecs"
@@ -67,11 +67,19 @@ out=$runs/killed
 launch 3 run scenes/quickstart.ron --smoke --until 1e6 --allow-oversize --checkpoint-every 1s --out "$out" \
     >/dev/null 2>&1 &
 launcher=$!
-while [ ! -e "$out"/checkpoints/*.checkpoint ] 2>/dev/null; do sleep 0.2; done
-pkill -KILL -n -f "$sphecs run scenes/quickstart.ron --smoke --until 1e6"
+for _ in $(seq 600); do
+    ls "$out"/checkpoints/*.checkpoint >/dev/null 2>&1 && break
+    sleep 0.2
+done
+# The newest of the processes with this program.
+victim=$(for process in /proc/[0-9]*; do
+    if [ "$(readlink "$process/exe" 2>/dev/null)" = "$sphecs" ]; then basename "$process"; fi
+done | sort -n | tail -1)
+kill -KILL "$victim"
 started=$SECONDS
 wait $launcher && { echo "the launcher reports no failure" >&2; exit 1; }
 [ $((SECONDS - started)) -le 10 ] || { echo "the others ended after $((SECONDS - started)) s" >&2; exit 1; }
-reached=$("$sphecs" info "$out" | sed -n 's/.*step \([0-9 ]*\).*/\1/p' | head -1)
-launch 2 resume "$out" --until 1e6 --max-walltime 2s && exit 1 || [ $? -eq 75 ] || exit 1
-say "all results are those of one process${reached:+; the killed run had reached step $reached}"
+code=0
+launch 2 resume "$out" --until 1e6 --max-walltime 2s || code=$?
+[ "$code" -eq 75 ] || { echo "the killed run was not resumed: code $code" >&2; exit 1; }
+say "the results on several processes are those of one"
