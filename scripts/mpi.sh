@@ -1,19 +1,30 @@
 #!/usr/bin/env bash
 # Runs scenes on several MPI processes and compares every result with that of one process, byte by byte.
 #
-#   scripts/mpi.sh                          # the MPI of `mpicc` and `mpirun`; installs MPICH if there is none
-#   MPICC=mpicc.openmpi MPIRUN=mpirun.openmpi scripts/mpi.sh
+#   scripts/mpi.sh mpich [SCENE…]
+#   scripts/mpi.sh openmpi [SCENE…]       # default: quickstart duct3d stirrer
 #
-# Each scene runs on 2, 3 and 4 processes of one thread, is stopped, and resumes on another number of processes.
-# A process that dies must end all within 10 s, and the run must resume.
+# Installs that MPI if it is missing, and ends without a test where it cannot. Each scene runs on 2, 3 and 4 processes
+# of one thread, is stopped, and resumes on another number of processes. A process that dies must end all within 10 s,
+# and the run must resume.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-export MPICC=${MPICC:-mpicc} MPIRUN=${MPIRUN:-mpirun}
-if ! command -v "$MPICC" >/dev/null; then
-    say "installing MPICH"
-    install_packages mpich libmpich-dev || { say "no MPI here: ranks on several machines are not tested"; exit 0; }
+case "${1:-}" in
+mpich) packages=(mpich libmpich-dev) ;;
+openmpi) packages=(openmpi-bin libopenmpi-dev) ;;
+*) echo "usage: scripts/mpi.sh mpich|openmpi [SCENE…]" >&2; exit 2 ;;
+esac
+export MPICC=mpicc.$1
+mpirun=mpirun.$1
+shift
+scenes=("$@")
+[ ${#scenes[@]} -gt 0 ] || scenes=(quickstart duct3d stirrer)
+
+if ! command -v "$MPICC" >/dev/null || ! command -v "$mpirun" >/dev/null; then
+    say "installing ${packages[0]}"
+    install_packages "${packages[@]}" || { say "no MPI here: ranks on several machines are not tested"; exit 0; }
 fi
 if ! ls /usr/lib/llvm-*/lib/libclang*.so* >/dev/null 2>&1 && [ -z "${LIBCLANG_PATH:-}" ]; then
     say "installing libclang"
@@ -21,6 +32,8 @@ if ! ls /usr/lib/llvm-*/lib/libclang*.so* >/dev/null 2>&1 && [ -z "${LIBCLANG_PA
 fi
 
 say "building with the feature mpi"
+# The bindings are those of one MPI.
+cargo clean --quiet --locked -p mpi-sys
 # As the tests are built, whose libraries it takes. The program is copied: the next build replaces it by one without MPI.
 cargo test --workspace --locked --features sphecs/mpi "${FEATURES[@]}" --test cli --no-run --quiet
 runs=$(realpath "$(mktemp -d)")
@@ -34,8 +47,15 @@ launch() {
     shift
     OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
         OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_hwloc_base_binding_policy=none \
-        timeout 300 "$MPIRUN" -n "$count" "$sphecs" "$@" --threads 1 --quiet
+        timeout 300 "$mpirun" -n "$count" "$@"
 }
+flow() {
+    launch "$1" "$sphecs" "${@:2}" --threads 1 --quiet
+}
+if ! launch 2 true >/dev/null 2>&1; then
+    say "$mpirun starts no processes here: ranks on several machines are not tested"
+    exit 0
+fi
 
 # Fails unless two runs have the same bytes in every file that depends on the flow alone.
 same() {
@@ -47,7 +67,7 @@ same() {
     done
 }
 
-for scene in quickstart duct3d stirrer; do
+for scene in "${scenes[@]}"; do
     steps=150
     [ "$scene" = duct3d ] && steps=30
     run=("scenes/$scene.ron" --smoke --set output.every=0.013)
@@ -55,16 +75,16 @@ for scene in quickstart duct3d stirrer; do
     for count in 2 3 4; do
         say "$scene on $count processes"
         out=$runs/$scene-$count
-        launch $count run "${run[@]}" --steps $((steps / 3)) --out "$out"
-        launch $((5 - count)) resume "$out" --steps $((2 * steps / 3))
-        launch $count resume "$out" --steps $steps
+        flow $count run "${run[@]}" --steps $((steps / 3)) --out "$out"
+        flow $((5 - count)) resume "$out" --steps $((2 * steps / 3))
+        flow $count resume "$out" --steps $steps
         same "$runs/$scene" "$out"
     done
 done
 
 say "a process that dies"
 out=$runs/killed
-launch 3 run scenes/quickstart.ron --smoke --until 1e6 --allow-oversize --checkpoint-every 1s --out "$out" \
+flow 3 run scenes/quickstart.ron --smoke --until 1e6 --allow-oversize --checkpoint-every 1s --out "$out" \
     >/dev/null 2>&1 &
 launcher=$!
 for _ in $(seq 600); do
@@ -80,6 +100,6 @@ started=$SECONDS
 wait $launcher && { echo "the launcher reports no failure" >&2; exit 1; }
 [ $((SECONDS - started)) -le 10 ] || { echo "the others ended after $((SECONDS - started)) s" >&2; exit 1; }
 code=0
-launch 2 resume "$out" --until 1e6 --max-walltime 2s || code=$?
+flow 2 resume "$out" --until 1e6 --max-walltime 2s || code=$?
 [ "$code" -eq 75 ] || { echo "the killed run was not resumed: code $code" >&2; exit 1; }
 say "the results on several processes are those of one"
