@@ -25,7 +25,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use super::blocks::{for_each_block, for_each_part};
+use super::blocks::for_each_block;
 use crate::math::grid::CellGrid;
 use balance::Balance;
 use shared_columns::MessageRows;
@@ -214,13 +214,13 @@ impl Group {
         let (own_rows, own_tail) = own.split_at_mut(lengths[rank] - tail);
         let (before, rest) = columns.cut(rows(rank).start);
         let (mine, after) = rest.cut(rows(rank).len());
-        let message = MessageRows { bytes: own_rows, stride: width.max(1) };
+        let message = MessageRows { bytes: own_rows, width };
         let own_cells = cells[rank]..cells[rank + 1];
         let mut found = S::default();
         if !own_cells.is_empty() {
             let work = |cells: Range<usize>, (mut columns, message): (C, MessageRows<'_>)| {
                 let found = work(cells, &mut columns);
-                columns.write(message.bytes, message.stride, 0);
+                columns.write(message.bytes);
                 found
             };
             found = for_each_block(starts, own_cells, (mine, message), &work, join);
@@ -232,25 +232,28 @@ impl Group {
         let started = Instant::now();
         self.transport.all_gather(own, lengths, all);
         let mut joined: Option<S> = None;
-        let mut rest = &all[..];
+        let mut rest = &mut all[..];
         let (mut before, mut after) = (before, after);
         for other in 0..lengths.len() {
-            let (message, next) = rest.split_at(lengths[other]);
+            let (message, next) = rest.split_at_mut(lengths[other]);
             rest = next;
-            let (bytes, end) = message.split_at(message.len() - tail);
+            let (bytes, end) = message.split_at_mut(lengths[other] - tail);
             let found: S = bytemuck::pod_read_unaligned(&end[..size_of::<S>()]);
             joined = Some(joined.map_or(found, |joined| join(joined, found)));
             balance.add(other, bytemuck::pod_read_unaligned(&end[size_of::<S>()..]));
-            if other == rank || width == 0 {
+            let their_cells = cells[other]..cells[other + 1];
+            if other == rank || width == 0 || their_cells.is_empty() {
                 continue;
             }
             let side = if other < rank { &mut before } else { &mut after };
             let (theirs, others) = std::mem::replace(side, C::none()).cut(rows(other).len());
             *side = others;
-            let read = |rows: Range<usize>, mut columns: C| {
-                columns.read(&bytes[rows.start * width..rows.end * width], width, 0);
+            // In the blocks in which the other rank has written them.
+            let read = |_: Range<usize>, (mut columns, message): (C, MessageRows<'_>)| {
+                columns.read(message.bytes);
             };
-            for_each_part(0..rows(other).len(), theirs, &read);
+            let message = MessageRows { bytes, width };
+            for_each_block(starts, their_cells, (theirs, message), &read, &|(), ()| ());
         }
         traffic.messages += 1;
         traffic.sent += own.len() as u64;

@@ -1,4 +1,4 @@
-//! Output columns as rows of a message.
+//! Output columns as parts of a message: the rows of a block, column after column.
 
 use crate::math::real::Real;
 use crate::pass::blocks::SplittableColumns;
@@ -16,11 +16,12 @@ pub(in crate::pass) trait SharedColumns: SplittableColumns {
     /// Returns the bytes of a row in a message; 0 for columns that are not in use.
     fn width(&self) -> usize;
 
-    /// Writes the rows into a message whose rows are `stride` bytes long, each from byte `at` on.
-    fn write(&self, message: &mut [u8], stride: usize, at: usize);
+    /// Writes the rows to the beginning of a message and returns the rest of it.
+    fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8];
 
-    /// Reads the rows that [`Self::write`] wrote.
-    fn read(&mut self, message: &[u8], stride: usize, at: usize);
+    /// Reads as many rows as the columns have, which [`Self::write`] wrote, and returns the rest of
+    /// the message.
+    fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8];
 }
 
 impl<T: OutputNumber> SharedColumns for &mut [T] {
@@ -28,20 +29,20 @@ impl<T: OutputNumber> SharedColumns for &mut [T] {
         if T::IS_SENT && !self.is_empty() { size_of::<T>() } else { 0 }
     }
 
-    fn write(&self, message: &mut [u8], stride: usize, at: usize) {
-        if self.width() > 0 {
-            for (value, row) in self.iter().zip(message.chunks_exact_mut(stride)) {
-                row[at..at + size_of::<T>()].copy_from_slice(bytemuck::bytes_of(value));
-            }
+    fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8] {
+        let (own, rest) = message.split_at_mut(self.width() * self.len());
+        if T::IS_SENT {
+            own.copy_from_slice(bytemuck::cast_slice(self));
         }
+        rest
     }
 
-    fn read(&mut self, message: &[u8], stride: usize, at: usize) {
-        if self.width() > 0 {
-            for (value, row) in self.iter_mut().zip(message.chunks_exact(stride)) {
-                *value = bytemuck::pod_read_unaligned(&row[at..at + size_of::<T>()]);
-            }
+    fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8] {
+        let (own, rest) = message.split_at(self.width() * self.len());
+        if T::IS_SENT {
+            bytemuck::cast_slice_mut(self).copy_from_slice(own);
         }
+        rest
     }
 }
 
@@ -50,18 +51,12 @@ impl<C: SharedColumns, const N: usize> SharedColumns for [C; N] {
         self.iter().map(C::width).sum()
     }
 
-    fn write(&self, message: &mut [u8], stride: usize, mut at: usize) {
-        for column in self {
-            column.write(message, stride, at);
-            at += column.width();
-        }
+    fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8] {
+        self.iter().fold(message, |rest, column| column.write(rest))
     }
 
-    fn read(&mut self, message: &[u8], stride: usize, mut at: usize) {
-        for column in self {
-            column.read(message, stride, at);
-            at += column.width();
-        }
+    fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8] {
+        self.iter_mut().fold(message, |rest, column| column.read(rest))
     }
 }
 
@@ -72,22 +67,14 @@ macro_rules! tuples {
                 [$(self.$place.width()),*].iter().sum()
             }
 
-            fn write(&self, message: &mut [u8], stride: usize, at: usize) {
-                let mut next = at;
-                $(
-                    self.$place.write(message, stride, next);
-                    next += self.$place.width();
-                )*
-                debug_assert!(next <= stride, "a row of columns is as long as a row of the message");
+            fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8] {
+                $(let message = self.$place.write(message);)*
+                message
             }
 
-            fn read(&mut self, message: &[u8], stride: usize, at: usize) {
-                let mut next = at;
-                $(
-                    self.$place.read(message, stride, next);
-                    next += self.$place.width();
-                )*
-                debug_assert!(next <= stride, "a row of columns is as long as a row of the message");
+            fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8] {
+                $(let message = self.$place.read(message);)*
+                message
             }
         }
     };
@@ -96,22 +83,24 @@ tuples!(A 0, B 1);
 tuples!(A 0, B 1, C 2);
 tuples!(A 0, B 1, C 2, E 3);
 
-/// Rows of a message that a rank sends.
+/// Part of a message with rows of `width` bytes.
+///
+/// Both sides cut it at the rows of the same blocks.
 pub(super) struct MessageRows<'a> {
-    /// The rows, each `stride` bytes long.
+    /// The rows.
     pub bytes: &'a mut [u8],
-    /// Bytes of a row, > 0.
-    pub stride: usize,
+    /// Bytes of a row.
+    pub width: usize,
 }
 
 impl SplittableColumns for MessageRows<'_> {
     fn none() -> Self {
-        Self { bytes: &mut [], stride: 1 }
+        Self { bytes: &mut [], width: 0 }
     }
 
     fn cut(self, row: usize) -> (Self, Self) {
-        let Self { bytes, stride } = self;
-        let (low, high) = bytes.split_at_mut((row * stride).min(bytes.len()));
-        (Self { bytes: low, stride }, Self { bytes: high, stride })
+        let Self { bytes, width } = self;
+        let (low, high) = bytes.split_at_mut((row * width).min(bytes.len()));
+        (Self { bytes: low, width }, Self { bytes: high, width })
     }
 }
