@@ -79,6 +79,21 @@ fn invalid_command_line_is_bad_input() {
     refused(&answer(["bench", "--case", "4d-f32"]), 2, &["4d-f32", "2d-f32", "3d-sps-f64", "channel"]);
 }
 
+/// All ranks end with the first, which reports what stopped the flow.
+#[test]
+fn ranks_end_when_the_flow_diverges() {
+    let folder = folder();
+    let force = ["--set", "time.cfl=1.0", "--set", "body_force=(50.0, 0.0)"];
+    let report = |ranks: &str| {
+        let run = folder.path().join(ranks);
+        let shared = ["--until", "2", "--quiet", "--threads", "1", "--ranks", ranks];
+        let output = short_run(&run, &[&force[..], &shared].concat()).output().expect("the program starts");
+        refused(&output, 3, &["the flow diverged at step"]);
+        text(&output.stderr).lines().next().expect("a line").to_owned()
+    };
+    assert_eq!(report("3"), report("1"));
+}
+
 /// As a launcher of MPI starts a program that was built without MPI, twice.
 #[test]
 #[cfg(not(feature = "mpi"))]
