@@ -54,6 +54,28 @@ fn overlapping_wall_parts_are_noted() {
 }
 
 #[test]
+fn shares_of_ranks_are_those_of_a_run() {
+    let scene = ["scenes/stirrer.ron", "--smoke"];
+    let check = [&["check"][..], &scene[..], &["--no-timing", "--ranks", "3"]].concat();
+    let text = ends(0, sphecs(check));
+    let shares = text.lines().find(|line| line.trim_start().starts_with("ranks")).expect("a row on ranks");
+    assert!(shares.contains("as fast as one, without messages"), "{shares}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let out = out.to_str().expect("a path of UTF-8");
+    let run = [&["run"][..], &scene[..], &["--ranks", "3", "--threads", "1", "--steps", "1", "--out", out]];
+    let text = ends(0, sphecs(run.concat()));
+    let found =
+        text.lines().find(|line| line.trim_start().starts_with("ranks  3, each owns")).expect("a row");
+    // The domains are those of the particles at the start.
+    let count = |text: &str, after: &str| {
+        let digits = text.split(after).nth(1).expect("the number").trim_start();
+        digits.chars().take_while(|c| !c.is_alphabetic()).filter(char::is_ascii_digit).collect::<String>()
+    };
+    assert_eq!(count(shares, "owns at most"), count(found, "owns at most"), "{shares}\n{found}");
+}
+
+#[test]
 fn check_draws_the_scene_and_writes_nothing_else() {
     let folder = tempfile::tempdir().expect("a folder");
     let picture = folder.path().join("plan.png");

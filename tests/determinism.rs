@@ -77,11 +77,29 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_ranks_and_threads() {
         let steps = (PARTICLE_STEPS / one.ledger().total()).clamp(STEPS[0], STEPS[1]);
         pools[0].install(|| (0..steps).for_each(|_| one.step().expect("a step")));
         let ranks = RANKS[place % RANKS.len()];
-        let followers = Followers::start(&mut other, ranks, 2).expect("a few threads");
+        // New domains every seventh step.
+        let followers = Followers::start_changing(&mut other, ranks, 2, Some(7)).expect("a few threads");
         // The simulation is dropped first, with which the other ranks end.
         let mut led = (other, followers);
-        pools[1].install(|| (0..steps).for_each(|_| led.0.step().expect("a step")));
-        assert!(led.0.traffic().messages > steps, "the ranks share no pass");
+        pools[1].install(|| {
+            for step in 0..steps {
+                led.0.step().expect("a step");
+                // Rank 0 gets the particles of all for these.
+                match step % 13 {
+                    2 => drop(led.0.state()),
+                    5 => drop(led.0.sample(&[DVec3::ZERO])),
+                    _ => {}
+                }
+            }
+        });
+        assert!(led.0.traffic().iter().all(|rank| rank.messages > steps), "the ranks share no pass");
+        for (pool, simulation) in pools.iter().zip([&mut one, &mut led.0]) {
+            pool.install(|| simulation.step().expect("a step"));
+        }
+        // All that a checkpoint has, in its order, and what is written.
+        assert!(one.state() == led.0.state(), "{}: the states differ on {ranks} ranks", path.display());
+        assert_eq!(one.body_forces(), led.0.body_forces(), "{}", path.display());
+        assert_eq!(one.monitor_row(), led.0.monitor_row(), "{}", path.display());
         let found = difference(&mut one, &mut led.0);
         assert_eq!(found, None, "{}: 1 rank and {ranks} differ", path.display());
     });
@@ -102,26 +120,31 @@ const CHANNEL: &str = r#"Scene(
 
 /// At smoke spacing the shipped scenes have few rows per pass.
 #[test]
-fn many_rows_are_bitwise_identical_for_any_number_of_threads() {
-    check_threads(&[]);
-    check_threads(&[("outlets.0.condition", "Hybrid()"), ("scheme", "EdacTvf()")]);
-    check_threads(&[("outlets.0.condition", "Mirror()")]);
+fn many_rows_are_bitwise_identical_for_any_number_of_threads_and_ranks() {
+    check_many_rows(&[]);
+    check_many_rows(&[("outlets.0.condition", "Hybrid()"), ("scheme", "EdacTvf()")]);
+    check_many_rows(&[("outlets.0.condition", "Mirror()")]);
     let windkessel = "Windkessel(proximal: 10.0, compliance: 1e-4, distal: 100.0)";
-    check_threads(&[("outlets.0.condition", windkessel)]);
+    check_many_rows(&[("outlets.0.condition", windkessel)]);
 }
 
 #[track_caller]
-fn check_threads(sets: &[(&str, &str)]) {
-    let mut runs = [1, 3].map(|threads| {
+fn check_many_rows(sets: &[(&str, &str)]) {
+    let mut runs = [(1, 1), (3, 1), (1, 4)].map(|(threads, ranks)| {
         let mut run = common::simulation(text_scene("channel", CHANNEL, sets));
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads");
+        let followers = Followers::start(&mut run, ranks, threads).expect("a few threads");
         pool.install(|| (0..160).for_each(|_| run.step().expect("a step")));
         assert!(run.ledger().entered[0] > 0, "no particle crossed the inlet");
         assert!(run.ledger().total() > 12_000, "too few rows for several tasks");
-        run
+        // The simulation is dropped first, with which the other ranks end.
+        (run, followers)
     });
-    let [one, other] = &mut runs;
-    assert_eq!(difference(one, other), None);
+    let [one, threads, ranks] = &mut runs;
+    let (rows, total) = (ranks.0.traffic(), ranks.0.ledger().total());
+    assert!(rows.iter().all(|rank| 3 * rank.held_rows < 2 * total), "{rows:?}");
+    assert_eq!(difference(&mut one.0, &mut threads.0), None, "threads");
+    assert_eq!(difference(&mut one.0, &mut ranks.0), None, "ranks");
 }
 
 /// Reads between the steps, and a borrowed world, leave each shipped scene as it is without them.

@@ -163,6 +163,9 @@ pub struct CheckArguments {
     /// Leave out the timed steps
     #[arg(long)]
     pub no_timing: bool,
+    /// Report the shares of that many ranks in the particles, and the speed-up that they allow
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub ranks: NonZeroUsize,
 }
 
 /// `sphecs info`.

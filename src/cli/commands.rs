@@ -118,7 +118,8 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
         let options = RenderOptions { slice: arguments.slice, ..RenderOptions::default() };
         picture::render_plan(&scene, &seeds, &options, &disk::target(path))?;
     }
-    let options = CheckOptions { until: arguments.until, timed: !arguments.no_timing };
+    let options =
+        CheckOptions { until: arguments.until, timed: !arguments.no_timing, ranks: arguments.ranks.get() };
     let report = || on_threads(threads, || scene_check::check(&scene, seeds, &options));
     let report = waiting::during("measuring the scene", report).map_err(RunError::Threads)?;
     Console::Normal.print(&report.text);

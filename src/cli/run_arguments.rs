@@ -87,7 +87,7 @@ pub struct LimitArguments {
     /// bitwise identical for any number
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Number of ranks in this process, each with all particles and a share of the pair sums
+    /// Number of ranks in this process, each with a domain of its own
     /// [default: 1]; results are bitwise identical for any number
     #[arg(long, value_name = "N")]
     pub ranks: Option<NonZeroUsize>,

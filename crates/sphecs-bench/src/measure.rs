@@ -22,6 +22,7 @@ use sphecs_engine::arrays::Arrays;
 use sphecs_engine::resources::grid::Grid;
 use sphecs_engine::resources::pair::Pair;
 use sphecs_engine::simulation::{Simulation, Stop};
+use sphecs_run::rank_messages::RankMessages;
 use sphecs_run::ranks::in_process::Followers;
 use sphecs_scene::model::{Precision, Scene};
 use sphecs_scene::seeds;
@@ -50,6 +51,8 @@ pub struct Timing {
     pub threads: usize,
     /// Number of ranks.
     pub ranks: usize,
+    /// Messages between the ranks in all repetitions; None for one rank alone.
+    pub messages: Option<RankMessages>,
     /// Wall time of a step in the fastest repetition, s.
     pub step: f64,
     /// Simulated time of a step in that repetition, s.
@@ -190,6 +193,7 @@ fn time(simulation: &mut Simulation, ranks: usize, plan: Plan) -> Result<Timing,
     // The first step on a pool allocates the buffers of its threads.
     simulation.step()?;
     let mut sets = FastestSets::begin(simulation);
+    let (before, all) = (simulation.traffic(), Instant::now());
     let (mut step, mut flow) = (f64::INFINITY, 0.0);
     for _ in 0..plan.repetitions {
         let (started, begin) = (Instant::now(), simulation.clock().time);
@@ -202,8 +206,13 @@ fn time(simulation: &mut Simulation, ranks: usize, plan: Plan) -> Result<Timing,
         }
         sets.record(simulation, plan.steps);
     }
+    let wall_time = all.elapsed().as_secs_f64();
+    let traffic: Vec<_> =
+        simulation.traffic().iter().zip(&before).map(|(now, before)| now.since(before)).collect();
+    let steps = (plan.repetitions * plan.steps) as u64;
+    let messages = (!traffic.is_empty()).then_some(RankMessages { traffic, steps, wall_time });
     let threads = ranks * rayon::current_num_threads();
-    Ok(Timing { threads, ranks, step, flow, sets: sets.seconds() })
+    Ok(Timing { threads, ranks, messages, step, flow, sets: sets.seconds() })
 }
 
 /// Returns the ordered pairs per second of the scalar baseline over the particles of a simulation,

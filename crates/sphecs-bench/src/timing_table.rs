@@ -88,6 +88,13 @@ pub fn summary(measured: &[(&str, BenchResult)], wall_time: f64) -> String {
             );
         }
     }
+    for (name, figures) in measured {
+        for timing in &figures.timings {
+            if let Some(messages) = &timing.messages {
+                text += &format!("{name:<16}  ranks {}\n", messages.text());
+            }
+        }
+    }
     text += &format!(
         "\nthreads     of one rank, or ranks × threads of each\n\
         ms/step     fastest of several repetitions\n\
@@ -119,6 +126,7 @@ mod tests {
         let timing = |threads: usize, step: f64| Timing {
             threads,
             ranks: threads,
+            messages: None,
             step,
             flow: 1e-3 * step,
             sets: vec![("density", 0.25 * step), ("kick", 0.0), ("rates", 0.75 * step)],

@@ -30,7 +30,7 @@ pub(crate) fn check<'py>(
             return Ok(report);
         }
     };
-    let options = CheckOptions { until, timed };
+    let options = CheckOptions { until, timed, ranks: 1 };
     let work = || on_threads(threads, || scene_check::check(&scene, sphecs_scene::seeds(&scene), &options));
     let found = detached(py, work)?.map_err(|error| run_error(py, "threads", error.to_string()))?;
     report.set_item("text", &found.text)?;

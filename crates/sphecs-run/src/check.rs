@@ -4,12 +4,14 @@
 use glam::DVec3;
 
 use super::doubtful;
-use super::first_steps::take_first_steps;
+use super::first_steps::time_first_steps;
+use super::rank_shares::rank_rows;
 use super::report::{scene_rows, scene_table};
 use super::run_state::LARGEST_MACH;
 use sphecs_core::format::{bytes, grouped, point, significant};
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::physics::wall::WallPressure;
+use sphecs_engine::simulation::Simulation;
 use sphecs_scene::closing_gaps::{ClosingGap, NARROW, closing_gaps};
 use sphecs_scene::disk_estimate::DiskEstimate;
 use sphecs_scene::flow_path::{FlowPath, flow_path};
@@ -18,7 +20,7 @@ use sphecs_scene::model::{BodyForce, ParticleSeed, Scene};
 use sphecs_scene::movers::Wall;
 use sphecs_scene::opening_figures::{OpeningFigures, opening_figures};
 use sphecs_scene::passage::{Passage, narrowest_passage};
-use sphecs_scene::summary::{steps_to, summary};
+use sphecs_scene::summary::summary;
 use sphecs_scene::thin_walls::{ThinWall, leaking_thickness, mixing_thickness, thinnest_wall};
 use sphecs_scene::wall_particles::overlapping_parts;
 
@@ -41,6 +43,8 @@ pub struct CheckOptions {
     pub until: Option<f64>,
     /// Build the flow and time its first steps.
     pub timed: bool,
+    /// Number of ranks whose shares are found.
+    pub ranks: usize,
 }
 
 /// Checks a scene with its initial particles on the current thread pool.
@@ -55,8 +59,7 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
             rayon::join(|| narrowest_passage(scene, &seeds), rest)
         },
     );
-    figures.notes.extend(overlaps);
-    figures.notes.extend(thin_walls);
+    figures.notes.extend(overlaps.into_iter().chain(thin_walls));
     for mesh in &scene.mesh_reports {
         figures.notes.extend(mesh.notes.iter().map(|note| format!("the mesh {} {note}", mesh.name)));
     }
@@ -67,8 +70,7 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
         .map(|figures| (figures.name.clone(), opening_text(scene, &figures)))
         .collect();
     let mut rows: Vec<(&str, String)> = scene_rows(scene, &figures, by_zone, until, None);
-    let meshes = scene.mesh_reports.iter().map(|mesh| (mesh.name.as_str(), mesh.lines.join("; ")));
-    rows.extend(meshes);
+    rows.extend(scene.mesh_reports.iter().map(|mesh| (mesh.name.as_str(), mesh.lines.join("; "))));
     rows.extend(passage.map(|passage| ("passage", passage_text(scene, &passage))));
     rows.extend(path.map(|path| ("fastest", fastest_text(scene, &path))));
     rows.extend(openings.iter().map(|(name, text)| (name.as_str(), text.clone())));
@@ -76,13 +78,14 @@ pub fn check(scene: &Scene, seeds: Vec<ParticleSeed>, options: &CheckOptions) ->
     figures.notes.extend(notes(scene, until, passage.as_ref(), path.as_ref()));
     figures.notes.extend(closing_gaps(scene, &seeds, until).iter().map(|gap| closing_gap_note(scene, gap)));
     figures.notes.extend(doubtful::notes(scene, &seeds, until, path.as_ref()));
-    if options.timed {
-        match take_first_steps(scene, seeds) {
-            Ok(first) => {
-                rows.push(("run time", first.run_time_text(steps_to(scene, until), until)));
-                figures.notes.extend(first.short_step_note(scene, until));
-            }
-            Err(stop) => figures.notes.push(format!("the flow stops within its first steps: {stop}")),
+    if options.timed || options.ranks > 1 {
+        let built = Simulation::builder(scene.clone()).particles(seeds).build();
+        let mut simulation = built.expect("a scene without plugins and saved states can be built");
+        rows.extend(rank_rows(&mut simulation, options.ranks));
+        if options.timed {
+            let (run_time, note) = time_first_steps(simulation, scene, until);
+            rows.extend(run_time.map(|text| ("run time", text)));
+            figures.notes.extend(note);
         }
     }
     rows.push(("memory", format!("about {} at most, output included", bytes(figures.memory as u64))));

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use sphecs_core::format::{duration, significant};
 use sphecs_engine::simulation::{Simulation, Stop};
-use sphecs_scene::model::{ParticleSeed, Scene};
+use sphecs_scene::model::Scene;
 use sphecs_scene::summary::steps_to;
 
 /// Wall time for the timed steps, s.
@@ -75,13 +75,27 @@ impl FirstSteps {
     }
 }
 
-/// Builds the flow and takes its first steps.
+/// Takes the first steps of a flow; returns the text on the run time to `until`, s, and a note if
+/// the steps are short or the flow stops.
+pub fn time_first_steps(
+    simulation: Simulation,
+    scene: &Scene,
+    until: f64,
+) -> (Option<String>, Option<String>) {
+    match take_first_steps(simulation) {
+        Ok(first) => {
+            let text = first.run_time_text(steps_to(scene, until), until);
+            (Some(text), first.short_step_note(scene, until))
+        }
+        Err(stop) => (None, Some(format!("the flow stops within its first steps: {stop}"))),
+    }
+}
+
+/// Takes the first steps of a flow.
 ///
 /// # Errors
 /// [`Stop`] when the flow stops in these steps.
-pub fn take_first_steps(scene: &Scene, seeds: Vec<ParticleSeed>) -> Result<FirstSteps, Stop> {
-    let built = Simulation::builder(scene.clone()).particles(seeds).build();
-    let mut simulation = built.expect("a scene without plugins and saved states can be built");
+fn take_first_steps(mut simulation: Simulation) -> Result<FirstSteps, Stop> {
     for _ in 0..WARM_UP {
         simulation.step()?;
     }

@@ -33,6 +33,8 @@ pub mod memory;
 pub mod output_schedule;
 pub mod progress;
 mod progress_bar;
+pub mod rank_messages;
+mod rank_shares;
 pub mod ranks;
 pub mod report;
 pub mod resume;

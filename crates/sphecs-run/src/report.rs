@@ -6,10 +6,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::RunOptions;
-use sphecs_core::format::{bytes, duration, grouped, significant, two_columns, with_digits};
+use super::rank_messages::RankMessages;
+use sphecs_core::format::{bytes, duration, grouped, significant, two_columns};
 use sphecs_core::math::lanes::InstructionSet;
 use sphecs_core::particles::zone::Zone;
-use sphecs_core::pass::ranks::Traffic;
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::ledger::Ledger;
 use sphecs_engine::simulation::Stop;
@@ -110,37 +110,7 @@ pub struct EndState<'a> {
     /// Particle counts.
     pub ledger: &'a Ledger,
     /// Messages between the ranks; None for one rank alone.
-    pub messages: Option<Messages>,
-}
-
-/// Messages between the ranks of a run.
-#[derive(Clone, Copy, Debug)]
-pub struct Messages {
-    /// Number of ranks.
-    pub ranks: usize,
-    /// Messages of this rank, and the time that they took.
-    pub traffic: Traffic,
-    /// Steps of this process.
-    pub steps: u64,
-    /// Wall time of this process, s.
-    pub wall_time: f64,
-}
-
-impl Messages {
-    /// Returns number, bytes and time of the messages as a line.
-    fn describe(&self) -> String {
-        let per_step = |count: u64| count as f64 / self.steps.max(1) as f64;
-        let share = self.traffic.exchanging / self.wall_time.max(f64::MIN_POSITIVE);
-        let row = format!(
-            "{}, in a step {} messages, {} sent, {} received; {} % of the time for them and for other ranks",
-            self.ranks,
-            significant(per_step(self.traffic.messages)),
-            bytes(per_step(self.traffic.sent) as u64),
-            bytes(per_step(self.traffic.received) as u64),
-            with_digits(100.0 * share, 2),
-        );
-        two_columns(&[("ranks", row)])
-    }
+    pub messages: Option<RankMessages>,
 }
 
 /// Returns the summary printed at the end of a run.
@@ -152,7 +122,9 @@ pub fn end_summary(end: &EndState<'_>, header: &Header, folder: &Path, packed: &
         reached(&end.clock, end.wall_time),
         significant(speed),
         stages(end.stages, end.wall_time),
-        end.messages.as_ref().map_or_else(String::new, |messages| messages.describe() + "\n\n"),
+        end.messages
+            .as_ref()
+            .map_or_else(String::new, |messages| two_columns(&[("ranks", messages.text())]) + "\n\n"),
         ledger(end.ledger, &header.inlets, &header.outlets),
         results(folder, packed),
     );

@@ -95,6 +95,28 @@ impl ExactSum {
         if is_negative { -rounded } else { rounded }
     }
 
+    /// Bytes of a sum in a message.
+    pub const BYTES: usize = (CHUNKS + 2) * size_of::<u64>();
+
+    /// Writes the sum to a message of [`Self::BYTES`].
+    pub fn write(&self, message: &mut [u8]) {
+        let Self { chunks, additions, special } = self;
+        let (numbers, rest) = message.split_at_mut(CHUNKS * size_of::<u64>());
+        numbers.copy_from_slice(bytemuck::cast_slice(chunks));
+        rest[..8].copy_from_slice(&u64::from(*additions).to_ne_bytes());
+        rest[8..].copy_from_slice(&special.to_ne_bytes());
+    }
+
+    /// Reads what [`Self::write`] wrote on a machine of the same kind.
+    pub fn read(message: &[u8]) -> Self {
+        let number = |at: usize| bytemuck::pod_read_unaligned::<u64>(&message[at * 8..(at + 1) * 8]);
+        Self {
+            chunks: std::array::from_fn(|at| number(at) as i64),
+            additions: number(CHUNKS) as u32,
+            special: f64::from_bits(number(CHUNKS + 1)),
+        }
+    }
+
     /// Moves what exceeds a chunk to the next: all but the last are from 0 to 2³² − 1 then.
     fn carry(&mut self) {
         let mut carried = 0;

@@ -95,6 +95,18 @@ impl<R: Real, const D: usize> ParticleArrays<R, D> {
         }
     }
 
+    /// Brings the columns of walls into use that have no wall particle here but elsewhere in the
+    /// flow.
+    pub fn use_wall_columns(&mut self, walls_exist: bool, walls_are_thin: bool) {
+        let rows = self.len();
+        if walls_exist {
+            self.wall_normal.iter_mut().for_each(|column| column.resize(rows, R::default()));
+        }
+        if walls_are_thin {
+            self.wall_thickness.resize(rows, R::default());
+        }
+    }
+
     /// Puts the rows into `order`, the row indices that
     /// [`CellGrid::build`](crate::math::grid::CellGrid::build) returned.
     ///

@@ -2,6 +2,7 @@
 //!
 //! - [`arrays`]: the table of columns, and sorting
 //! - [`quantity`]: columns of one quantity, scalar or vector
+//! - [`record`]: one particle as bytes
 //! - [`rows`]: one particle of the arrays as vectors
 //! - [`sample`]: the fluid's fields at a point
 //! - [`saved`]: the columns in a checkpoint
@@ -10,6 +11,7 @@
 
 pub mod arrays;
 pub mod quantity;
+pub mod record;
 pub mod rows;
 pub mod sample;
 pub mod saved;

@@ -98,6 +98,20 @@ pub(super) fn for_each_block<C: SplittableColumns, S: Send>(
     join(a, b)
 }
 
+/// Visits consecutive cells in blocks of about [`ROWS`] rows, one after the other.
+pub(super) fn blocks_of(starts: &[u32], cells: Range<usize>, mut visit: impl FnMut(Range<usize>)) {
+    let mut first = cells.start;
+    for cell in cells.clone() {
+        if (starts[cell + 1] - starts[first]) as usize >= ROWS {
+            visit(first..cell + 1);
+            first = cell + 1;
+        }
+    }
+    if first < cells.end {
+        visit(first..cells.end);
+    }
+}
+
 /// Runs `work` over the rows in parts, in parallel, for work that needs no neighbours.
 ///
 /// `work` takes the rows of a part and the same rows of the columns.

@@ -27,6 +27,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use super::column_access::BodySums;
 use super::fused::{FluidRow, FusedInputs, FusedScheme};
 use super::pack::{NeighbourMask, Only, Pack, PackPool, Source};
+use super::ranks::Ranks;
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use crate::math::exact_sum::ExactSum;
@@ -71,6 +72,11 @@ impl BodySum {
 pub struct ExactBodySum([[ExactSum; 3]; 4]);
 
 impl ExactBodySum {
+    /// Adds what the other ranks found.
+    pub fn join(&mut self, ranks: &Ranks) {
+        ranks.sum_exactly(self.0.as_flattened_mut());
+    }
+
     /// Returns the sum, rounded once.
     pub fn value(&self) -> BodySum {
         let vector = |sums: &[ExactSum; 3]| DVec3::from_array(sums.each_ref().map(ExactSum::value));
@@ -99,8 +105,10 @@ pub struct Body {
     pub others: Vec<u32>,
     /// True if the body moves, so that its cells are found in every step.
     moves: bool,
-    /// Cells whose particles have the body in their support. Empty until they are found.
+    /// Own cells whose particles have the body in their support.
     cells: Vec<u32>,
+    /// Changes of the own cells at which `cells` were found; None until then.
+    found_at: Option<u64>,
     /// Number of particles of the body in the rows before each row; of a body that moves.
     before: Vec<u32>,
     sums: Vec<BodySum>,
@@ -139,15 +147,23 @@ impl Body {
                 && sides.facing.iter().any(|column| column[row] != R::default())
         };
         sums.columns.find_body(particles, |row| self.has(particles, row) || stands_for(row));
-        self.find_cells(grid, particles);
+        self.find_cells(pair, grid, particles);
         true
     }
 
     /// Finds the cells around the body, unless they are known.
-    fn find_cells<R: Real, const D: usize>(&mut self, grid: &CellGrid<D>, particles: &ParticleArrays<R, D>) {
-        if !self.cells.is_empty() && !self.moves {
+    fn find_cells<R: Real, const D: usize>(
+        &mut self,
+        pair: &PairSettings,
+        grid: &CellGrid<D>,
+        particles: &ParticleArrays<R, D>,
+    ) {
+        let changes = Some(pair.ranks.changes());
+        if self.found_at == changes && !self.moves {
             return;
         }
+        self.found_at = changes;
+        let own = pair.ranks.own_cells();
         let mut before = std::mem::take(&mut self.before);
         before.clear();
         before.push(0);
@@ -158,7 +174,7 @@ impl Body {
         }));
         let cells = &mut self.cells;
         cells.clear();
-        for cell in 0..grid.len() {
+        for cell in (0..grid.len()).filter(|&cell| own.has(cell)) {
             let mut near = false;
             grid.for_each_run(grid.index_of(cell), |rows, _| {
                 near = near || (!rows.is_empty() && before[rows.end] > before[rows.start]);

@@ -89,7 +89,8 @@ impl PointFit {
 }
 
 /// Fields at a point and their slopes along a normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Image {
     /// Velocity, m/s.
     pub velocity: DVec3,
@@ -102,7 +103,8 @@ pub struct Image {
 }
 
 /// The flow found at a point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct PointFlow {
     /// Velocity along the normal of the section, m/s; 0 where only the pressure is fitted.
     pub velocity: f64,

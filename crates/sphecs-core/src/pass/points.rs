@@ -7,6 +7,7 @@
 use super::fits::{COLUMNS, PRESSURE, PointFit, PointFlow, VELOCITY, VOLUME};
 use super::pack::{Only, Pack, Source};
 use super::pair_real::PairReal;
+use super::ranks::PointResult;
 use super::row_pass::{PassInput, PointPass};
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -105,6 +106,26 @@ fn cell_bits<const D: usize>(cell: [i64; D]) -> u64 {
 /// Returns the number of the point of an entry of the order.
 fn number(entry: u64) -> usize {
     entry as u32 as usize
+}
+
+/// Flow at a point in a message, and whether there is any.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct FlowMessage {
+    flow: PointFlow,
+    is_found: u64,
+}
+
+impl PointResult for Option<PointFlow> {
+    type Message = FlowMessage;
+
+    fn to_message(&self) -> FlowMessage {
+        FlowMessage { flow: self.unwrap_or_default(), is_found: u64::from(self.is_some()) }
+    }
+
+    fn from_message(message: FlowMessage) -> Self {
+        (message.is_found != 0).then_some(message.flow)
+    }
 }
 
 struct FitPass<'a, const D: usize> {

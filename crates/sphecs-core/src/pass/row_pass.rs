@@ -19,7 +19,7 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::pack::{Only, Pack, PackPool, Source};
-use super::ranks::{Joined, SharedColumns};
+use super::ranks::{Joined, PointResult, SharedColumns};
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
@@ -170,7 +170,7 @@ pub(super) trait PointPass<R: Real, const D: usize>: Sync {
     /// Entry of the list.
     type Point: Copy + Sync;
     /// Result at a point.
-    type Found: Send + Default;
+    type Found: PointResult;
 
     /// Returns the position of an entry, m; None for an entry that is to have the default result.
     fn position(&self, point: Self::Point) -> Option<[f64; D]>;
@@ -272,11 +272,14 @@ impl<R: Real, const D: usize, P: PointPass<R, D>> WithShape for OverPoints<'_, R
     fn run<K: KernelShape>(self) {
         let Self { input, pass, points, found } = self;
         let source = input.source::<K>();
-        points.par_chunks(POINTS).zip(found.par_chunks_mut(POINTS)).for_each(|(points, found)| {
-            let pack = &mut input.packs.of_this_thread();
-            let chunk =
-                VectorPoints::<K, R, D, P> { source: &source, pass, points, found, pack, shape: PhantomData };
-            R::dispatch(input.pair.lanes, chunk);
+        input.pair.ranks.for_points(found, &|part, found| {
+            let points = points[part].par_chunks(POINTS);
+            points.zip(found.par_chunks_mut(POINTS)).for_each(|(points, found)| {
+                let pack = &mut input.packs.of_this_thread();
+                let shape = PhantomData;
+                let chunk = VectorPoints::<K, R, D, P> { source: &source, pass, points, found, pack, shape };
+                R::dispatch(input.pair.lanes, chunk);
+            });
         });
     }
 }

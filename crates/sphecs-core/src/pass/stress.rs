@@ -40,7 +40,7 @@ pub fn find_stress<R: Real, const D: usize>(
         return;
     };
     sums.packs.prepare();
-    let has_walls = sums.columns.find_walls(pair, particles) > 0;
+    let has_walls = sums.columns.find_walls(pair, particles);
     sums.eddy_viscosity.write(Stress(())).resize(particles.len(), R::default());
     for column in sums.stress.write(Stress(())).iter_mut().take(components(D)) {
         column.resize(particles.len(), R::default());

@@ -124,8 +124,8 @@ pub(super) struct PairColumns<R> {
 /// Walls as the columns describe them.
 #[derive(Clone, Copy, Debug)]
 struct Walls {
-    /// Number of wall particles.
-    count: u32,
+    /// True if there are walls, here or among the particles of another rank.
+    exist: bool,
     /// True if the image distances are those of the wall model, for [`PairColumns::find_images`].
     as_images: bool,
 }
@@ -176,29 +176,29 @@ const CHUNK: usize = 8192;
 const GROUP: usize = 32;
 
 impl<R: Real> PairColumns<R> {
-    /// Fills the columns of the walls unless they are valid since the last sort; returns the number
-    /// of wall particles.
+    /// Fills the columns of the walls unless they are valid since the last sort; returns true if
+    /// there are walls, here or among the particles of another rank.
     pub(super) fn find_walls<const D: usize>(
         &mut self,
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
-    ) -> u32 {
+    ) -> bool {
         match self.walls {
-            Some(Walls { count, as_images: false }) => count,
+            Some(Walls { exist, as_images: false }) => exist,
             _ => {
-                let count = self.fill_wall_columns(pair, particles);
-                self.walls = Some(Walls { count, as_images: false });
-                count
+                let exist = self.fill_wall_columns(pair, particles);
+                self.walls = Some(Walls { exist, as_images: false });
+                exist
             }
         }
     }
 
-    /// Fills image distances and wall counts; returns the number of wall particles.
+    /// Fills image distances and wall counts; returns true if there are walls.
     fn fill_wall_columns<const D: usize>(
         &mut self,
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
-    ) -> u32 {
+    ) -> bool {
         let rows = particles.len();
         let zones = particles.zone.par_chunks(CHUNK);
         let count = |zones: &[Zone]| zones.iter().filter(|&&zone| zone == Zone::Wall).count() as u32;
@@ -207,10 +207,10 @@ impl<R: Real> PairColumns<R> {
         for walls in &mut self.walls_by_chunk {
             total += std::mem::replace(walls, total);
         }
-        if total == 0 {
+        if total == 0 && !pair.ranks.have_walls() {
             self.image_distance.clear();
             self.walls_before.clear();
-            return 0;
+            return false;
         }
         self.image_distance.resize(rows, R::default());
         self.walls_before.resize(rows + 1, 0);
@@ -243,7 +243,7 @@ impl<R: Real> PairColumns<R> {
                 }
             }
         });
-        total
+        true
     }
 
     /// Fills the column of the volumes from the present densities.
@@ -308,13 +308,13 @@ impl<R: Real> PairColumns<R> {
         pair: &PairSettings,
         particles: &ParticleArrays<R, D>,
     ) -> bool {
-        if let Some(Walls { count, as_images: true }) = self.walls {
-            return count > 0;
+        if let Some(Walls { exist, as_images: true }) = self.walls {
+            return exist;
         }
-        let count = self.find_walls(pair, particles);
+        let exist = self.find_walls(pair, particles);
         let model = pair.wall_model;
-        if count > 0 && (pair.has_free_slip() || model.mirrors_velocity()) {
-            self.walls = Some(Walls { count, as_images: true });
+        if exist && (pair.has_free_slip() || model.mirrors_velocity()) {
+            self.walls = Some(Walls { exist, as_images: true });
             let work = |rows: Range<usize>, images: &mut [R]| {
                 for (image, row) in images.iter_mut().zip(rows) {
                     if particles.zone[row] != Zone::Wall {
@@ -330,7 +330,7 @@ impl<R: Real> PairColumns<R> {
             };
             for_each_part(0..particles.len(), self.image_distance.as_mut_slice(), &work);
         }
-        count > 0
+        exist
     }
 }
 
@@ -372,7 +372,7 @@ mod tests {
                 particles.push(&ParticleRow { id: id as u32, zone, wall_distance, ..Default::default() });
             }
             let mut columns = PairColumns::default();
-            let total = columns.find_walls(&pair, &particles);
+            let exist = columns.find_walls(&pair, &particles);
             let mut walls = 0;
             for row in 0..rows {
                 assert_eq!(columns.walls_before[row], walls, "row {row} of {rows}");
@@ -381,7 +381,7 @@ mod tests {
                 assert_eq!(columns.image_distance[row], if is_wall { behind } else { 0.0 });
                 walls += u32::from(is_wall);
             }
-            assert_eq!((total, columns.walls_before[rows]), (walls, walls), "{rows} rows");
+            assert_eq!((exist, columns.walls_before[rows]), (true, walls), "{rows} rows");
         }
     }
 }

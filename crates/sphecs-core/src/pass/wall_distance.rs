@@ -28,11 +28,11 @@ pub fn find_wall_distance<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
-    if sums.columns.find_walls(pair, particles) == 0 {
+    if !sums.columns.find_walls(pair, particles) {
         particles.wall_distance.fill(R::from_f64(f64::INFINITY));
         return;
     }
-    if !particles.wall_thickness.is_empty() {
+    if !particles.wall_thickness.is_empty() || pair.ranks.have_thin_walls() {
         find_wall_sides(pair, grid, particles, sums);
         return;
     }

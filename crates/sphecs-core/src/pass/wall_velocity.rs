@@ -40,7 +40,7 @@ pub fn find_velocity_seen<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
-    if sums.columns.find_walls(pair, particles) == 0 {
+    if !sums.columns.find_walls(pair, particles) {
         return;
     }
     let PairSums { velocity_seen, columns, packs, .. } = sums;

@@ -42,7 +42,7 @@ pub fn extrapolate_wall_pressure<R: Real, const D: usize>(
     force: &WallForce<'_, R, D>,
 ) {
     sums.packs.prepare();
-    if sums.columns.find_walls(pair, particles) == 0 {
+    if !sums.columns.find_walls(pair, particles) {
         return;
     }
     let PairColumns { wall_pressure, image_distance, walls_before, .. } = &mut sums.columns;

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use super::density::LEAST_Q2;
 use super::pack::{Only, Pack, Source};
+use super::ranks::PointResult;
 use super::row_pass::{PassInput, PointPass, splat};
 use super::settings::PairSettings;
 use super::sums::PairSums;
@@ -20,12 +21,25 @@ use crate::physics::wave_sums::{WaveLanes, WavePair, WaveSetting, WaveSums};
 const MOST_COLUMNS: usize = 3 + 2 + 3;
 
 /// Sums of one particle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct WaveFound {
     /// The sums of the wave equation.
     pub sums: WaveSums,
     /// ∇C = Σ V_b ∇W, 1/m.
     pub concentration: DVec3,
+}
+
+impl PointResult for WaveFound {
+    type Message = Self;
+
+    fn to_message(&self) -> Self {
+        *self
+    }
+
+    fn from_message(message: Self) -> Self {
+        message
+    }
 }
 
 /// Sums over the neighbours of the particles of `rows`, which must be in ascending order, into

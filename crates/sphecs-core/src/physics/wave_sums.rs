@@ -64,7 +64,8 @@ pub enum TransverseOperator {
 }
 
 /// Sums over the neighbours of one outflow particle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct WaveSums {
     normal_gradient: DVec3,
     transverse: DVec3,

@@ -21,6 +21,7 @@ use crate::arrays::Arrays;
 use crate::particle_table::ParticleTable;
 use crate::resources::clock::Clock;
 use crate::resources::ledger::Ledger;
+use crate::resources::pair::Pair;
 use crate::resources::state_location::{self, StateLocation};
 use crate::resources::stopwatch::Stopwatch;
 use crate::saved_state::{SavedResources, particles};
@@ -34,6 +35,7 @@ use sphecs_core::math::column::Columns;
 pub use sphecs_core::particles::sample::Sample;
 use sphecs_core::pass::grid_rows::{NodeRow, RowSink};
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::shares::Share;
 use sphecs_core::pass::section::Section;
 use sphecs_core::pass::surface_flow::{SurfaceFlow, SurfacePoint};
 use sphecs_scene::model::{ProbeSight, Scene, Scheme};
@@ -55,6 +57,7 @@ struct TypedFunctions {
     scatter: fn(&mut World),
     save: fn(&mut World, &mut Columns),
     refresh: fn(&mut World),
+    collect: fn(&mut World),
     table: fn(&World) -> ParticleTable,
     monitor_row: fn(&mut World) -> MonitorRow,
     gather: fn(&mut World),
@@ -63,6 +66,7 @@ struct TypedFunctions {
     sample_rows: fn(&World, &[NodeRow], &mut [&mut dyn RowSink], bool),
     sample_surface: fn(&World, &[SurfacePoint], f64) -> Vec<Option<SurfaceFlow>>,
     mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
+    shares: fn(&mut World, usize) -> Vec<Share>,
 }
 
 impl TypedFunctions {
@@ -74,6 +78,7 @@ impl TypedFunctions {
                 Scheme::Wcsph(_) => sampling::refresh::<R, D>,
                 Scheme::EdacTvf(_) => sampling::refresh_volumes::<R, D>,
             },
+            collect: sampling::collect::<R, D>,
             table: |world| ParticleTable::of(&world.resource::<Arrays<R, D>>().0),
             monitor_row: monitor::monitor_row::<R, D>,
             gather: state_location::gather::<R, D>,
@@ -82,6 +87,7 @@ impl TypedFunctions {
             sample_rows: sampling::sample_rows::<R, D>,
             sample_surface: sampling::sample_surface::<R, D>,
             mass_flows: sampling::mass_flows::<R, D>,
+            shares: ranks::shares_of::<R, D>,
         }
     }
 }
@@ -105,6 +111,7 @@ impl Simulation {
     ///
     /// Later steps are bitwise identical whether it is called or not.
     pub fn state(&mut self) -> Columns {
+        self.collect();
         let mut state = Columns::default();
         (self.functions.save)(&mut self.world, &mut state);
         SavedResources::save(&self.world, &mut state);
@@ -123,6 +130,7 @@ impl Simulation {
 
     /// Takes a step on this rank.
     fn own_step(&mut self) -> Result<(), Stop> {
+        self.world.resource::<Pair>().0.ranks.begin_step();
         self.world.resource_mut::<Stopwatch>().start();
         self.is_refreshed = false;
         let world = &mut self.world;
@@ -197,8 +205,22 @@ impl Simulation {
     fn refresh(&mut self) {
         if !self.is_refreshed {
             self.connection.announce(Command::Refresh);
-            (self.functions.refresh)(&mut self.world);
+            self.own_refresh();
             self.is_refreshed = true;
+        }
+    }
+
+    /// Sums the densities at the present positions on this rank.
+    fn own_refresh(&mut self) {
+        (self.functions.collect)(&mut self.world);
+        (self.functions.refresh)(&mut self.world);
+    }
+
+    /// Gives rank 0 the particles of all ranks, unless it has them already.
+    fn collect(&mut self) {
+        if self.connection.is_shared() && !self.is_refreshed {
+            self.connection.announce(Command::Collect);
+            (self.functions.collect)(&mut self.world);
         }
     }
 
@@ -285,6 +307,7 @@ impl Simulation {
     /// It includes the displacement by shifting if the scene has a section among its probes.
     /// Otherwise `Wcsph` does not store that displacement, and the flow is that of the velocities.
     pub fn mass_flows(&mut self, sections: &[&Section]) -> Vec<f64> {
+        self.collect();
         (self.functions.gather)(&mut self.world);
         (self.functions.mass_flows)(&self.world, sections)
     }

@@ -1,11 +1,22 @@
 //! Ranks of a simulation: rank 0 leads, and the others follow it step by step.
 //!
-//! A step and a refresh of the densities run pair passes, which all ranks run together
-//! (`sphecs_core::pass::ranks`). So rank 0 announces each of them. All else, such as reading fields
-//! or saving the state, runs on rank 0 alone: it changes nothing that later steps depend on.
+//! Each rank holds the particles of its domain (`sphecs_core::pass::ranks`). Rank 0 announces what
+//! all do together: a step, and before it reads fields or saves the state, that it gets the
+//! particles of all. The reading itself changes nothing that later steps depend on.
+
+use bevy_ecs::change_detection::Mut;
+use bevy_ecs::world::World;
 
 use super::Simulation;
+use crate::arrays::Arrays;
+use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
+use crate::resources::scene::ActiveScene;
+use crate::systems::body_forces::Bodies;
+use crate::systems::boundaries::outlets::Outlets;
+use crate::systems::boundaries::patch_rows::PatchRows;
+use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::shares::{Share, shares};
 use sphecs_core::pass::ranks::{Ranks, Traffic};
 
 /// Announcement of rank 0.
@@ -15,12 +26,16 @@ pub(super) enum Command {
     End,
     /// All ranks take a step.
     Step,
-    /// All ranks sum the densities at the present positions.
+    /// All ranks tell what they have sent.
+    Traffic,
+    /// Rank 0 gets the particles of all.
+    Collect,
+    /// Rank 0 gets the particles of all, with the densities at the present positions.
     Refresh,
 }
 
 impl Command {
-    const ALL: [Self; 3] = [Self::End, Self::Step, Self::Refresh];
+    const ALL: [Self; 5] = [Self::End, Self::Step, Self::Traffic, Self::Collect, Self::Refresh];
 }
 
 /// Connection of a rank to the others; its end is announced to them.
@@ -30,9 +45,14 @@ pub(super) struct Connection(Ranks);
 impl Connection {
     /// Announces what rank 0 does next.
     pub(super) fn announce(&self, command: Command) {
-        if self.0.size() > 1 {
+        if self.is_shared() {
             self.0.from_first(&[command as u8], 1);
         }
+    }
+
+    /// Returns true if there are other ranks.
+    pub(super) fn is_shared(&self) -> bool {
+        self.0.size() > 1
     }
 
     /// Returns what rank 0 does next.
@@ -41,6 +61,18 @@ impl Connection {
         let command = heard.first().and_then(|&number| Command::ALL.get(usize::from(number)));
         command.copied().unwrap_or(Command::End)
     }
+}
+
+/// Returns the shares of a number of ranks in the particles of the arrays.
+pub(super) fn shares_of<R: PairReal<D>, const D: usize>(world: &mut World, ranks: usize) -> Vec<Share> {
+    let scene = world.resource::<ActiveScene>().0.clone();
+    let everywhere = world.resource_scope(|world, mut rows: Mut<PatchRows>| {
+        let needs = world.resource::<Outlets<R, D>>().needs();
+        rows.everywhere(&scene, needs, &world.resource::<Grid<D>>().0).to_vec()
+    });
+    let arrays = world.resource::<Arrays<R, D>>();
+    let place = |row: usize| std::array::from_fn(|axis| arrays.position[axis][row]);
+    shares(&world.resource::<Grid<D>>().0, (0..arrays.len()).map(place), &everywhere, ranks)
 }
 
 impl Drop for Connection {
@@ -72,7 +104,9 @@ impl Simulation {
                 Command::End => return,
                 // Rank 0 finds the same reason to stop and announces the end.
                 Command::Step => drop(self.own_step()),
-                Command::Refresh => (self.functions.refresh)(&mut self.world),
+                Command::Traffic => drop(self.connection.0.traffic()),
+                Command::Collect => (self.functions.collect)(&mut self.world),
+                Command::Refresh => self.own_refresh(),
             }
         }
     }
@@ -82,13 +116,23 @@ impl Simulation {
         self.connection.0.size()
     }
 
-    /// Returns what this rank has sent to the others.
-    pub fn traffic(&self) -> Traffic {
+    /// Returns what each rank has sent so far; nothing for one rank alone.
+    pub fn traffic(&self) -> Vec<Traffic> {
+        self.connection.announce(Command::Traffic);
         self.connection.0.traffic()
+    }
+
+    /// Returns the particles that each of a number of ranks would own and hold at present; their
+    /// domains change in the course of a run.
+    pub fn shares(&mut self, ranks: usize) -> Vec<Share> {
+        self.collect();
+        (self.functions.gather)(&mut self.world);
+        (self.functions.shares)(&mut self.world, ranks)
     }
 
     fn connect(&mut self, ranks: Ranks) {
         self.world.resource_mut::<Pair>().0.ranks = ranks.clone();
+        self.world.resource_mut::<Bodies>().connect(ranks.clone());
         self.connection = Connection(ranks);
     }
 }

@@ -17,11 +17,12 @@ use super::boundaries::patch_rows::PatchRows;
 use crate::resources::clock::Clock;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
+use sphecs_core::math::lanes::{Lanes, Vectorised};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::join_parts;
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::settings::PairSettings;
 use sphecs_core::physics::timestep::TimeStepLimits;
 
 /// Rows per task of a thread.
@@ -106,12 +107,12 @@ pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
 /// afterwards. A maximum does not depend on the order of its operands.
 pub(crate) fn largest_acceleration<R: PairReal<D>, const D: usize>(
     arrays: &ParticleArrays<R, D>,
-    lanes: InstructionSet,
+    pair: &PairSettings,
 ) -> f64 {
     let (zone, acceleration) = (&*arrays.zone, &arrays.acceleration);
-    let largest = |rows: Range<usize>| R::dispatch(lanes, LargestSquare { zone, acceleration, rows });
+    let largest = |rows: Range<usize>| R::dispatch(pair.lanes, LargestSquare { zone, acceleration, rows });
     let squared: f64 = join_parts(0..zone.len(), &largest, &f64::max);
-    squared.sqrt()
+    pair.ranks.joined(squared, f64::max).sqrt()
 }
 
 /// Finds the largest |dv/dt|² of some rows.

@@ -100,7 +100,7 @@ pub(crate) fn kick_and_drift<R: PairReal<D>, const D: usize>(
     let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
     let found = &settings.found;
     let time_step = settings.limits(kick_drift::DAMPING).time_step(
-        largest_acceleration(arrays, lanes).max(gravity),
+        largest_acceleration(arrays, &pair.0).max(gravity),
         found.largest_signal,
         found.largest_damping,
     );

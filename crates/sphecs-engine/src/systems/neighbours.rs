@@ -25,8 +25,14 @@ pub(crate) fn sort_particles<R: PairReal<D>, const D: usize>(
     mut failure: ResMut<Failure>,
 ) {
     let arrays = &mut arrays.0;
-    pair.0.ranks.begin_step();
     sums.0.forget_order();
+    if pair.0.ranks.size() > 1 {
+        let everywhere = rows.everywhere(&scene.0, outlets.needs(), &grid.0);
+        if !pair.0.ranks.move_rows(&mut grid.0, arrays, everywhere) && pair.0.ranks.rank() > 0 {
+            failure.is_elsewhere = true;
+            return;
+        }
+    }
     let zone = std::mem::take(&mut arrays.zone);
     let built = grid.0.build(&arrays.position, &arrays.id, |row| zone[row] != Zone::Reservoir);
     arrays.zone = zone;
@@ -37,6 +43,7 @@ pub(crate) fn sort_particles<R: PairReal<D>, const D: usize>(
             return;
         }
     }
+    pair.0.ranks.count_rows(&grid.0);
     R::find_wall_distance(&pair.0, &grid.0, arrays, &mut sums.0);
     rows.collect(&scene.0, outlets.needs(), &grid.0, arrays);
 }

@@ -1,6 +1,7 @@
 //! Evaluation of a world between two steps: density at the present positions, fields at points,
 //! mass flows.
 
+use bevy_ecs::change_detection::Mut;
 use bevy_ecs::world::World;
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -24,6 +25,17 @@ use sphecs_core::pass::sampling::Sampler;
 use sphecs_core::pass::section::{self, Section};
 use sphecs_core::pass::surface_flow::{SurfaceFlow, SurfacePoint, SurfaceSampler};
 use sphecs_scene::model::ProbeSight;
+
+/// Gives rank 0 the particles of all ranks.
+pub(crate) fn collect<R: PairReal<D>, const D: usize>(world: &mut World) {
+    let ranks = world.resource::<Pair>().0.ranks.clone();
+    if ranks.size() > 1 {
+        state_location::gather::<R, D>(world);
+        world.resource_scope(|world, mut grid: Mut<Grid<D>>| {
+            ranks.assemble(&mut grid.0, &mut world.resource_mut::<Arrays<R, D>>().0);
+        });
+    }
+}
 
 /// Sorts the particles at their present positions and sums their density, so that all values belong
 /// to one time.

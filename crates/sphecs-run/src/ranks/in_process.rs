@@ -1,5 +1,7 @@
 //! Ranks that are threads of this process.
 
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use rayon::ThreadPoolBuildError;
@@ -25,13 +27,27 @@ impl Followers {
         ranks: usize,
         threads: usize,
     ) -> Result<Self, ThreadPoolBuildError> {
+        Self::start_changing(simulation, ranks, threads, None)
+    }
+
+    /// Starts ranks as [`Self::start`] does, whose domains change every few steps, `every`, even if
+    /// the ranks are balanced.
+    ///
+    /// # Errors
+    /// The system refuses a thread.
+    pub fn start_changing(
+        simulation: &mut Simulation,
+        ranks: usize,
+        threads: usize,
+        every: Option<u32>,
+    ) -> Result<Self, ThreadPoolBuildError> {
         if ranks < 2 {
             return Ok(Self::default());
         }
         let others = 1..ranks;
         let pools = others.map(|_| Threads::start(Some(threads))).collect::<Result<Vec<_>, _>>()?;
         let table = Arc::new(Table::new(ranks));
-        let rank_of = |rank| Ranks::new(InProcess { rank, table: Arc::clone(&table) });
+        let rank_of = |rank| Ranks::changing_domains(InProcess { rank, table: Arc::clone(&table) }, every);
         let state = simulation.state();
         for (rank, pool) in (1..).zip(&pools) {
             let (scene, state, ranks) = (simulation.scene().clone(), state.clone(), rank_of(rank));
@@ -52,6 +68,17 @@ struct Table {
     messages: Vec<Mutex<Vec<u8>>>,
     meeting: Mutex<Meeting>,
     changed: Condvar,
+    inboxes: Vec<Inbox>,
+    /// True once a rank has ended before its time.
+    is_abandoned: AtomicBool,
+}
+
+/// Messages for a rank.
+#[derive(Debug)]
+struct Inbox {
+    /// Messages from each rank in the order in which they were sent.
+    letters: Mutex<Vec<VecDeque<Vec<u8>>>>,
+    arrived: Condvar,
 }
 
 /// Ranks that wait for the others.
@@ -60,8 +87,6 @@ struct Meeting {
     arrived: usize,
     /// Number of meetings that were complete.
     round: u64,
-    /// True once a rank has ended before its time.
-    is_abandoned: bool,
 }
 
 impl Table {
@@ -70,6 +95,8 @@ impl Table {
             messages: (0..ranks).map(|_| Mutex::default()).collect(),
             meeting: Mutex::default(),
             changed: Condvar::new(),
+            inboxes: (0..ranks).map(|_| Inbox::new(ranks)).collect(),
+            is_abandoned: AtomicBool::new(false),
         }
     }
 
@@ -91,13 +118,55 @@ impl Table {
             self.changed.notify_all();
         } else {
             let round = meeting.round;
-            while meeting.round == round && !meeting.is_abandoned {
+            while meeting.round == round && !self.is_abandoned() {
                 meeting = self.changed.wait(meeting).unwrap_or_else(PoisonError::into_inner);
             }
         }
-        let is_abandoned = meeting.is_abandoned;
         drop(meeting);
-        assert!(!is_abandoned, "another rank has ended before its time");
+        self.check();
+    }
+
+    fn is_abandoned(&self) -> bool {
+        self.is_abandoned.load(Ordering::SeqCst)
+    }
+
+    /// Ends this rank with another.
+    ///
+    /// # Panics
+    /// If a rank has ended before its time.
+    fn check(&self) {
+        assert!(!self.is_abandoned(), "another rank has ended before its time");
+    }
+
+    /// Returns the next message of a rank for another one.
+    ///
+    /// # Panics
+    /// If a rank has ended before its time.
+    fn next_letter(&self, from: usize, to: usize) -> Vec<u8> {
+        let inbox = &self.inboxes[to];
+        let mut letters = inbox.letters();
+        loop {
+            if let Some(letter) = letters[from].pop_front() {
+                return letter;
+            }
+            if self.is_abandoned() {
+                drop(letters);
+                self.check();
+                return Vec::new();
+            }
+            letters = inbox.arrived.wait(letters).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+impl Inbox {
+    fn new(ranks: usize) -> Self {
+        Self { letters: Mutex::new(vec![VecDeque::new(); ranks]), arrived: Condvar::new() }
+    }
+
+    fn letters(&self) -> MutexGuard<'_, Vec<VecDeque<Vec<u8>>>> {
+        // The lists stay valid when a rank panics.
+        self.letters.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -135,9 +204,29 @@ impl Transport for InProcess {
         self.table.meet();
     }
 
+    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]) {
+        for (inbox, message) in self.table.inboxes.iter().zip(outgoing) {
+            if !message.is_empty() {
+                inbox.letters()[self.rank].push_back(message.clone());
+                inbox.arrived.notify_all();
+            }
+        }
+        for (other, message) in incoming.iter_mut().enumerate().filter(|(_, message)| !message.is_empty()) {
+            let letter = self.table.next_letter(other, self.rank);
+            assert_eq!(letter.len(), message.len(), "rank {other} is in another pass");
+            *message = letter;
+        }
+    }
+
     fn abandon(&self) {
-        self.table.meeting().is_abandoned = true;
+        self.table.is_abandoned.store(true, Ordering::SeqCst);
+        // Under the locks, so that no rank is between its check and its wait.
+        drop(self.table.meeting());
         self.table.changed.notify_all();
+        for inbox in &self.table.inboxes {
+            drop(inbox.letters());
+            inbox.arrived.notify_all();
+        }
     }
 }
 
@@ -167,13 +256,37 @@ mod tests {
     }
 
     #[test]
+    fn messages_arrive_at_single_ranks_in_their_order() {
+        let table = Arc::new(Table::new(3));
+        std::thread::scope(|scope| {
+            for rank in 0..3_usize {
+                let place = InProcess { rank, table: Arc::clone(&table) };
+                scope.spawn(move || {
+                    // To the next rank, whose number is in the message.
+                    let (next, previous) = ((rank + 1) % 3, (rank + 2) % 3);
+                    for round in 1..100 {
+                        let mut outgoing = vec![Vec::new(); 3];
+                        outgoing[next] = vec![(round * 2 + next) as u8; round];
+                        let mut incoming = vec![Vec::new(); 3];
+                        incoming[previous] = vec![0; round];
+                        place.exchange(&outgoing, &mut incoming);
+                        assert_eq!(incoming[previous], vec![(round * 2 + rank) as u8; round]);
+                    }
+                });
+            }
+        });
+    }
+
+    #[test]
     fn ranks_do_not_wait_for_one_that_has_ended() {
         let table = Arc::new(Table::new(2));
         let waiting = InProcess { rank: 0, table: Arc::clone(&table) };
         let ended = InProcess { rank: 1, table };
         let waits = std::thread::spawn(move || {
-            let wait = || waiting.all_gather(&[1], &[1, 0], &mut Vec::new());
-            catch_unwind(AssertUnwindSafe(wait)).is_err()
+            let gather = || waiting.all_gather(&[1], &[1, 0], &mut Vec::new());
+            let receive = || waiting.exchange(&[vec![], vec![]], &mut [vec![], vec![0]]);
+            catch_unwind(AssertUnwindSafe(gather)).is_err()
+                && catch_unwind(AssertUnwindSafe(receive)).is_err()
         });
         ended.abandon();
         assert!(waits.join().expect("no further panic"));

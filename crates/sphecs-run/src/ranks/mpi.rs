@@ -8,6 +8,8 @@ use mpi::Threading;
 use mpi::collective::CommunicatorCollectives;
 use mpi::datatype::PartitionMut;
 use mpi::environment::Universe;
+use mpi::point_to_point::{Destination, Source};
+use mpi::request::{Request, Scope};
 use mpi::topology::{Communicator, SimpleCommunicator};
 use serde::{Deserialize, Serialize};
 
@@ -195,6 +197,20 @@ struct World {
     counts: Mutex<(Vec<i32>, Vec<i32>)>,
 }
 
+/// Message on its way.
+enum Pending<'a, S: Scope<'a>> {
+    Receive(Request<'a, [u8], S>),
+    Send(Request<'a, [u8], S>),
+}
+
+impl<'a, S: Scope<'a>> Pending<'a, S> {
+    fn wait(self) {
+        match self {
+            Self::Receive(request) | Self::Send(request) => drop(request.wait()),
+        }
+    }
+}
+
 /// Largest part of a message that goes at once: MPI counts bytes in 32 bits.
 const LARGEST: usize = 1 << 30;
 
@@ -237,6 +253,26 @@ impl Transport for World {
                 mpi::collective::Root::broadcast_into(&world.process_at_rank(rank as i32), part);
             }
         }
+    }
+
+    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]) {
+        let world = SimpleCommunicator::world();
+        mpi::request::scope(|scope| {
+            let mut requests = Vec::new();
+            for (rank, message) in incoming.iter_mut().enumerate() {
+                for part in message.chunks_mut(LARGEST) {
+                    let from = world.process_at_rank(rank as i32);
+                    requests.push(Pending::Receive(from.immediate_receive_into(scope, part)));
+                }
+            }
+            for (rank, message) in outgoing.iter().enumerate() {
+                for part in message.chunks(LARGEST) {
+                    let to = world.process_at_rank(rank as i32);
+                    requests.push(Pending::Send(to.immediate_send(scope, part)));
+                }
+            }
+            requests.into_iter().for_each(Pending::wait);
+        });
     }
 
     fn abandon(&self) {

@@ -9,6 +9,7 @@ use crate::error::RunError;
 use crate::gridded::GriddedFields;
 use crate::output_schedule::WallClock;
 use crate::progress::{Progress, ProgressDisplay, SpeedEstimate, fraction};
+use crate::rank_messages::RankMessages;
 use crate::ranks::Followers;
 use crate::run_state::{self, RunState};
 use crate::signals::{Signal, Signals};
@@ -310,12 +311,12 @@ impl RunLoop {
         Ok(())
     }
 
-    /// Returns the messages between the ranks of this process; None for one rank alone.
-    fn messages(&self) -> Option<report::Messages> {
-        let (ranks, traffic) = (self.simulation.ranks(), self.simulation.traffic());
+    /// Returns the messages between the ranks; None for one rank alone.
+    fn messages(&self) -> Option<RankMessages> {
+        let traffic = self.simulation.traffic();
         let steps = self.simulation.clock().step - self.first_step;
         let wall_time = self.started.elapsed().as_secs_f64();
-        (ranks > 1).then_some(report::Messages { ranks, traffic, steps, wall_time })
+        (!traffic.is_empty()).then_some(RankMessages { traffic, steps, wall_time })
     }
 
     /// Closes the folder of a flow that cannot be advanced further.

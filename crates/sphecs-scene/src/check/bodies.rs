@@ -62,14 +62,22 @@ pub struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// Returns the middle of a part, m, in reference coordinates if it moves.
+    /// Returns the middle of a part, m, in reference coordinates if it moves; that of the domain
+    /// along an axis along which the region of the part has no end, and 0 where neither has one.
     fn middle(&self, part: usize) -> DVec3 {
         if let Some(mover) = self.walls.parts[part].mover {
             return self.movers[usize::from(mover)].centre;
         }
         let region = part.checked_sub(1).and_then(|index| self.regions.get(index));
-        let (low, high) = region.unwrap_or(self.domain).bounds();
-        0.5 * (low + high)
+        let middle = |shape: &Shape| {
+            let (low, high) = shape.bounds();
+            0.5 * (low + high)
+        };
+        let (own, of_domain) = (middle(region.unwrap_or(self.domain)), middle(self.domain));
+        let first_finite = |axis: usize| {
+            [own[axis], of_domain[axis]].into_iter().find(|along| along.is_finite()).unwrap_or_default()
+        };
+        DVec3::new(first_finite(0), first_finite(1), first_finite(2))
     }
 }
 

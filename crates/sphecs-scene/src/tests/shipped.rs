@@ -104,3 +104,16 @@ fn the_inclined_plates_are_driven_by_the_published_force() {
     let widening: f64 = 1.0 + 4.0e-3 * 3.503_f64.to_radians().tan() / 2.5e-4;
     assert!((ratio * widening.powi(3) - 1.0).abs() < 1e-12);
 }
+
+#[test]
+fn torques_are_about_a_point_at_a_finite_place() {
+    for name in ["shaken_box.ron", "cylinder_re20.ron", "taylor_couette.ron", "rushton.ron"] {
+        let scene = smoke(name);
+        assert!(!scene.bodies.is_empty(), "{name} has no bodies");
+        for body in &scene.bodies {
+            assert!(body.about.is_finite(), "{name}: {} is at {}", body.name, body.about);
+        }
+    }
+    let about = smoke("shaken_box.ron").bodies[0].about;
+    assert!((about - glam::DVec3::new(0.5, 0.2, 0.0)).length() < 1e-12, "{about}");
+}

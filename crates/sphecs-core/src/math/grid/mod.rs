@@ -7,11 +7,13 @@
 //! period of one cell, or one shorter than the support, is therefore not a special case: the cell
 //! is visited once per image.
 
+pub mod cell_set;
 mod runs;
 mod sort;
 
 use std::ops::Range;
 
+use cell_set::CellSet;
 use sort::SortBuffers;
 
 /// Uniform grid of cells in `D` dimensions, and the counting sort of particles into it.
@@ -26,6 +28,8 @@ pub struct CellGrid<const D: usize> {
     inverse_cell_size: [f64; D],
     reach: [i64; D],
     starts: Vec<u32>,
+    /// Cells whose rows a sort keeps; None: all.
+    held: Option<CellSet>,
     order: Vec<u32>,
     buffers: SortBuffers,
 }
@@ -70,6 +74,7 @@ impl<const D: usize> CellGrid<D> {
             inverse_cell_size: size.map(|s| 1.0 / s),
             reach,
             starts: vec![0; count + 1],
+            held: None,
             order: Vec::new(),
             buffers: SortBuffers::default(),
         }
@@ -121,6 +126,21 @@ impl<const D: usize> CellGrid<D> {
     /// the last [`Self::build`].
     pub fn starts(&self) -> &[u32] {
         &self.starts
+    }
+
+    /// Sets the first row of each cell, followed by the number of rows, for rows in an order that
+    /// another grid of the same cells has found.
+    ///
+    /// # Panics
+    /// If there are not as many as cells, and one.
+    pub fn set_starts(&mut self, starts: Vec<u32>) {
+        assert_eq!(starts.len(), self.starts.len(), "starts of another grid");
+        self.starts = starts;
+    }
+
+    /// Sets the cells whose rows the next sorts keep; None: all.
+    pub fn hold(&mut self, cells: Option<CellSet>) {
+        self.held = cells;
     }
 
     /// Returns the rows of a cell.

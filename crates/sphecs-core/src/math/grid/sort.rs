@@ -26,6 +26,9 @@ const CELLS_PER_TASK: usize = 2048;
 /// Marker for a row that is not sorted.
 const NO_PLACE: u32 = u32::MAX;
 
+/// Marker for a row of a cell that is not held: [`CellGrid::hold`].
+const NOT_HELD: u32 = u32::MAX - 1;
+
 /// Parts of a cell along x. On a lattice with cells of three spacings, no column of particles lies
 /// on the edge of one of three parts.
 const PARTS: u32 = 3;
@@ -48,9 +51,9 @@ pub(super) struct SortBuffers {
 }
 
 impl<const D: usize> CellGrid<D> {
-    /// Sorts the rows for which `keep` holds and returns the order: row indices by cell, inside a
-    /// cell by part and `id`. A sum over neighbours therefore does not depend on the previous
-    /// order.
+    /// Sorts the rows of cells that are held for which `keep` is true, and returns the order: row
+    /// indices by cell, inside a cell by part and `id`. A sum over neighbours therefore does not
+    /// depend on the previous order.
     ///
     /// # Errors
     /// The first kept row outside the box or with a position that is not finite.
@@ -127,15 +130,20 @@ impl<const D: usize> CellGrid<D> {
             let rows = chunk * CHUNK..chunk * CHUNK + place_of.len();
             let position = std::array::from_fn(|d| &position[d][rows.clone()]);
             f64::dispatch(InstructionSet::best(), FindPlaces { grid: self, position, places: place_of });
+            if let Some(held) = &self.held {
+                let is_elsewhere =
+                    |place: u32| place != NO_PLACE && !held.contains((place >> part_bits::<D>()) as usize);
+                place_of.iter_mut().filter(|place| is_elsewhere(**place)).for_each(|place| *place = NOT_HELD);
+            }
             for (group, places) in place_of.chunks_mut(GROUP).enumerate() {
                 let first = chunk * CHUNK + group * GROUP;
                 let rows = first..first + places.len();
-                let all_inside = places.iter().fold(true, |all, &place| all & (place != NO_PLACE));
+                let all_inside = places.iter().fold(true, |all, &place| all & (place < NOT_HELD));
                 if all_inside && rows.clone().fold(true, |all, row| all & keep(row)) {
                     continue;
                 }
                 for (place, row) in places.iter_mut().zip(rows) {
-                    if !keep(row) {
+                    if !keep(row) || *place == NOT_HELD {
                         *place = NO_PLACE;
                     } else if *place == NO_PLACE {
                         outside.fetch_min(row, Relaxed);
@@ -263,6 +271,7 @@ fn sort_inside_cells(starts: &[u32], slots: &mut [AtomicU64], order: &mut [u32])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::grid::cell_set::CellSet;
 
     #[test]
     fn rows_are_ordered_by_cell_then_by_number() {
@@ -321,6 +330,21 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn rows_of_cells_that_are_not_held_are_dropped() {
+        let mut grid = CellGrid::new([0.0; 2], [4.0, 1.0], [false; 2], 1.0, 1.0);
+        let mut held = CellSet::empty(grid.len());
+        held.insert_run(1..3);
+        grid.hold(Some(held));
+        let position = [vec![3.5, 1.5, 0.4, 2.6, 1.4], vec![0.5; 5]];
+        assert_eq!(grid.build(&position, &[0, 1, 2, 3, 4], |_| true), Ok(&[1, 4, 3][..]));
+        assert_eq!(grid.starts(), [0, 0, 2, 3, 3]);
+        let outside = [vec![3.5, 4.5], vec![0.5; 2]];
+        assert_eq!(grid.build(&outside, &[0, 1], |_| true), Err(1));
+        grid.hold(None);
+        assert_eq!(grid.build(&position, &[0, 1, 2, 3, 4], |_| true), Ok(&[2, 1, 4, 3, 0][..]));
     }
 
     #[test]

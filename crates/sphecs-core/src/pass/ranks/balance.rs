@@ -1,86 +1,72 @@
-//! Shares of the ranks in the rows, so that all need the same time for their sums.
+//! Balance of the ranks: what a row costs in each domain, by the times of its rank.
 //!
 //! ```text
-//! rows of rank r: from N s_r to N s_(r+1),   0 = s_0 ≤ s_1 ≤ … = 1
-//! c(s) = t_r/(s_(r+1) − s_r) in the share of rank r,   ∫ c ds over a new share = Σ t/ranks
+//! c_r = 1 + θ ((t_r/N_r)/(Σ t/Σ N) − 1)
 //! ```
 //!
-//! t_r is the time that rank r needed since the last change, and c the cost of a row, taken as
-//! uniform within a share. All ranks know the times of all, so they find the same shares, and no
-//! result depends on them.
+//! t_r is the time that rank r needed for the N_r rows of its domain since the domains changed. All
+//! ranks know the times of all, so they find the same domains, and no result depends on them.
 
-/// Steps between two changes of the shares.
+/// Steps between two comparisons of the times.
 const STEPS: u32 = 50;
 
-/// Part of the way to the new shares that a change goes: the times of a busy machine vary.
-const STEP_LENGTH: f64 = 0.7;
+/// Longest time of a rank, over the mean of all, that is balanced.
+const TOLERANCE: f64 = 1.05;
 
-/// Shares of the ranks, and the times since they changed.
+/// Part θ of the measured differences that counts: the times of a busy machine vary.
+const PART: f64 = 0.7;
+
+/// Times of the ranks since their domains changed.
 #[derive(Debug)]
 pub(super) struct Balance {
-    /// First share of each rank, followed by 1.
-    shares: Vec<f64>,
     /// Time of the sums of each rank, s.
     busy: Vec<f64>,
     steps: u32,
+    /// Steps after which the domains change in any case; None: when the times differ.
+    change_every: Option<u32>,
 }
 
 impl Balance {
-    /// Returns equal shares.
-    pub(super) fn even(ranks: usize) -> Self {
-        let shares = (0..=ranks).map(|rank| rank as f64 / ranks as f64).collect();
-        Self { shares, busy: vec![0.0; ranks], steps: 0 }
+    /// Returns the balance of a number of ranks whose domains change when their times differ, or
+    /// every few steps.
+    pub(super) fn new(ranks: usize, change_every: Option<u32>) -> Self {
+        Self { busy: vec![0.0; ranks], steps: 0, change_every }
     }
 
-    /// Adds the time, s, that a rank needed for a pass.
+    /// Adds the time, s, that a rank needed.
     pub(super) fn add(&mut self, rank: usize, seconds: f64) {
         self.busy[rank] += seconds;
     }
 
-    /// Counts a step, and changes the shares when it is time.
-    pub(super) fn begin_step(&mut self) {
+    /// Counts a step; returns true if the domains have to change before it.
+    pub(super) fn begin_step(&mut self) -> bool {
         self.steps += 1;
-        if self.steps.is_multiple_of(STEPS) {
-            self.change();
+        if let Some(steps) = self.change_every {
+            return self.steps.is_multiple_of(steps);
         }
+        if !self.steps.is_multiple_of(STEPS) {
+            return false;
+        }
+        let mean = self.busy.iter().sum::<f64>() / self.busy.len() as f64;
+        let largest = self.busy.iter().copied().fold(0.0, f64::max);
+        let is_unequal = largest > TOLERANCE * mean;
+        if !is_unequal {
+            self.busy.fill(0.0);
+        }
+        is_unequal
     }
 
-    fn change(&mut self) {
-        let ranks = self.busy.len();
-        let total: f64 = self.busy.iter().sum();
-        let is_measured = self.busy.iter().all(|&seconds| seconds.is_finite() && seconds > 0.0);
-        if is_measured {
-            let mut shares = self.shares.clone();
-            let (mut old, mut done) = (0, 0.0);
-            for (rank, share) in shares.iter_mut().enumerate().take(ranks).skip(1) {
-                let wanted = total * rank as f64 / ranks as f64;
-                while old + 1 < ranks && done + self.busy[old] < wanted {
-                    done += self.busy[old];
-                    old += 1;
-                }
-                let part = ((wanted - done) / self.busy[old]).clamp(0.0, 1.0);
-                let found = self.shares[old] + part * (self.shares[old + 1] - self.shares[old]);
-                *share += STEP_LENGTH * (found - *share);
-            }
-            self.shares = shares;
-        }
+    /// Returns the cost of a row in the domain of each rank, where the mean is 1, and forgets the
+    /// times; `rows` are their numbers.
+    pub(super) fn take_costs(&mut self, rows: &[f64]) -> Vec<f64> {
+        let mean = self.busy.iter().sum::<f64>() / rows.iter().sum::<f64>();
+        let cost = |(busy, rows): (&f64, &f64)| {
+            let measured = busy / rows / mean;
+            if measured.is_finite() && measured > 0.0 { 1.0 + PART * (measured - 1.0) } else { 1.0 }
+        };
+        let costs = self.busy.iter().zip(rows).map(cost).collect();
         self.busy.fill(0.0);
-    }
-
-    /// Finds the first cell of each rank, followed by the number of cells, from the first rows of
-    /// all cells.
-    pub(super) fn cells(&self, starts: &[u32], cells: &mut Vec<usize>) {
-        let count = starts.len() - 1;
-        let rows = f64::from(starts[count]);
-        cells.clear();
-        cells.extend(self.shares.iter().map(|share| {
-            let row = (share * rows).round() as u32;
-            starts.partition_point(|&start| start < row).min(count)
-        }));
-        // Cells behind the last particle belong to the last rank, as those before the first one do
-        // to the first.
-        cells[0] = 0;
-        cells[self.shares.len() - 1] = count;
+        costs
     }
 }
 
@@ -89,41 +75,34 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_follow_the_times() {
-        let mut balance = Balance::even(3);
-        // A row of the middle third costs twice as much as one of the others.
-        let cost = |from: f64, to: f64| {
-            let part = |low: f64, high: f64| (to.min(high) - from.max(low)).max(0.0);
-            part(0.0, 1.0 / 3.0) + 2.0 * part(1.0 / 3.0, 2.0 / 3.0) + part(2.0 / 3.0, 1.0)
-        };
-        for _ in 0..20 * STEPS {
-            for rank in 0..3 {
-                let (from, to) = (balance.shares[rank], balance.shares[rank + 1]);
-                balance.add(rank, cost(from, to));
-            }
-            balance.begin_step();
+    fn slow_ranks_have_costly_rows() {
+        let mut balance = Balance::new(3, None);
+        [2.0, 1.0, 1.0].into_iter().enumerate().for_each(|(rank, busy)| balance.add(rank, busy));
+        let due: Vec<u32> = (1..=STEPS).filter(|_| balance.begin_step()).collect();
+        assert_eq!(due, [STEPS]);
+        let costs = balance.take_costs(&[100.0, 100.0, 50.0]);
+        // The mean row takes 4/250, those of the ranks 2/100, 1/100 and 1/50.
+        let expected = [1.25, 0.625, 1.25].map(|cost| 1.0 + PART * (cost - 1.0));
+        for (cost, expected) in costs.iter().zip(expected) {
+            assert!((cost - expected).abs() < 1e-12, "{costs:?}");
         }
-        for rank in 0..3 {
-            let time = cost(balance.shares[rank], balance.shares[rank + 1]);
-            assert!((time - 4.0 / 9.0).abs() < 1e-3, "{:?}", balance.shares);
+        assert!((0..2 * STEPS).all(|_| !balance.begin_step()), "no times");
+    }
+
+    #[test]
+    fn equal_times_change_nothing() {
+        let mut balance = Balance::new(2, None);
+        for _ in 0..4 * STEPS {
+            balance.add(0, 1.0);
+            balance.add(1, 1.04);
+            assert!(!balance.begin_step());
         }
     }
 
     #[test]
-    fn cells_cover_the_grid_with_few_particles_too() {
-        let mut cells = Vec::new();
-        for starts in [vec![0, 0, 0], vec![0, 1, 1, 1, 1], vec![0, 0, 2, 9, 9], vec![0, 5]] {
-            Balance::even(4).cells(&starts, &mut cells);
-            assert_eq!((cells[0], cells[4]), (0, starts.len() - 1));
-            assert!(cells.is_sorted(), "{cells:?}");
-        }
-    }
-
-    #[test]
-    fn rank_without_a_time_keeps_the_shares() {
-        let mut balance = Balance::even(2);
-        balance.add(0, 1.0);
-        (0..STEPS).for_each(|_| balance.begin_step());
-        assert_eq!(balance.shares, [0.0, 0.5, 1.0]);
+    fn domains_change_as_often_as_wanted() {
+        let mut balance = Balance::new(2, Some(7));
+        assert_eq!((1..=21).filter(|_| balance.begin_step()).count(), 3);
+        assert_eq!(balance.take_costs(&[5.0, 0.0]), [1.0, 1.0]);
     }
 }

@@ -1,34 +1,52 @@
-//! Ranks: processes, or threads with a pool of their own, that run the same flow and share its pair
-//! passes.
+//! Ranks: processes, or threads with a pool of their own, that run the same flow together.
 //!
-//! Every rank holds all particles. A pass sums for the rows of its own cells on each rank, and all
-//! ranks send each other the columns that they found: the atom decomposition of Plimpton (1995),
-//! section 3. What is not a pass, such as the kick or the change of zones, every rank does for all
-//! particles.
+//! Each rank owns a domain, a set of cells of the grid, and sums for the particles in it: the
+//! spatial decomposition of Plimpton (1995), section 5. It holds the particles of the cells in
+//! reach too. After each pass the ranks send each other what they found for the particles that
+//! another one holds, so all that a rank holds is always as it would be on one rank alone. Between
+//! passes each rank advances all that it holds. Places are sent only of the few particles that
+//! enter the cells that another rank holds (`rows`).
 //!
 //! The sums of a particle depend on the pack of its cell alone, and the summary of a pass on no
-//! order, so every rank is bitwise identical to one rank alone. The cells of a rank follow each
-//! other, and so do its rows. Their number follows the time that each rank needed (`balance.rs`).
+//! order, so every rank is bitwise identical to one rank alone.
 //!
-//! Limits: the memory is that of all particles on every rank, and a message goes from each rank to
-//! all others after every pass.
+//! - `balance`: what the particles of a domain cost
+//! - `bisection`: domains of equal cost
+//! - `domains`: the cells that each rank owns and holds
+//! - `rows`: the particles that enter and leave what a rank holds
+//! - `shared_blocks`: passes of which each rank runs the blocks of its cells
+//! - `shared_columns`: output columns in messages
+//! - `shared_points`: results at points that all ranks need
+//! - [`shares`]: particles that each of a number of ranks would own and hold
+//! - `traffic`: messages and times of a rank
 
 mod balance;
+mod bisection;
+mod domains;
+mod rows;
+mod shared_blocks;
 mod shared_columns;
+mod shared_points;
+pub mod shares;
 #[cfg(test)]
 mod tests;
+mod traffic;
 
+pub(super) use shared_blocks::Joined;
 pub(super) use shared_columns::{OutputNumber, SharedColumns};
+pub(super) use shared_points::PointResult;
+pub use traffic::Traffic;
 
 use std::fmt;
-use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use super::blocks::for_each_block;
+use crate::math::exact_sum::ExactSum;
 use crate::math::grid::CellGrid;
+use crate::math::grid::cell_set::CellSet;
 use balance::Balance;
-use shared_columns::MessageRows;
+use domains::Domains;
 
 /// Connection between the ranks of a flow.
 pub trait Transport: fmt::Debug + Send + Sync {
@@ -48,68 +66,112 @@ pub trait Transport: fmt::Debug + Send + Sync {
     /// If another rank has ended.
     fn all_gather(&self, own: &[u8], lengths: &[usize], all: &mut Vec<u8>);
 
+    /// Sends a message to each other rank that gets one and receives one from each that sends one.
+    ///
+    /// `incoming` has the length of each message already; a message without bytes is not sent.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]);
+
     /// Tells the other ranks that this one ends before its time, so that they do not wait for it.
     fn abandon(&self);
 }
 
-/// Ranks that share the pair passes; the default is one rank alone.
+/// Ranks that run a flow together; the default is one rank alone.
 #[derive(Clone, Debug, Default)]
 pub struct Ranks(Option<Arc<Group>>);
 
 #[derive(Debug)]
 struct Group {
     transport: Box<dyn Transport>,
+    /// True if there are walls anywhere.
+    has_walls: AtomicBool,
+    /// True if any wall is thin.
+    has_thin_walls: AtomicBool,
     state: Mutex<State>,
 }
 
-/// Buffers and counters of a rank.
+/// Domains, buffers and counters of a rank.
 #[derive(Debug)]
 struct State {
     balance: Balance,
-    /// First cell of each rank, followed by the number of cells.
-    cells: Vec<usize>,
-    lengths: Vec<usize>,
-    own: Vec<u8>,
-    all: Vec<u8>,
+    /// Domains of the ranks; None as long as each holds all particles.
+    domains: Option<Domains>,
+    /// Number of times that the domains changed.
+    changes: u64,
+    /// True if the domains change before the next step.
+    is_change_due: bool,
+    /// True if rank 0 has the particles of all.
+    is_whole: bool,
+    /// True if rank 0 keeps the particles of all in the next sort.
+    is_observed: bool,
+    /// Time of own sums since the ranks told each other, s.
+    busy: f64,
+    messages: Messages,
     traffic: Traffic,
 }
 
-/// Messages of a rank to the others, and the time that they took.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Traffic {
-    /// Messages sent to each other rank.
-    pub messages: u64,
-    /// Bytes sent to each other rank.
-    pub sent: u64,
-    /// Bytes received from all other ranks.
-    pub received: u64,
-    /// Wall-clock time of own sums, s.
-    pub busy: f64,
-    /// Wall-clock time of messages, waiting for other ranks included, s.
-    pub exchanging: f64,
+/// Buffers for messages, kept from pass to pass.
+#[derive(Debug, Default)]
+struct Messages {
+    outgoing: Vec<Vec<u8>>,
+    incoming: Vec<Vec<u8>>,
+    lengths: Vec<usize>,
+    gathered: Vec<u8>,
 }
 
-/// Result of a pass besides its columns, which the ranks join.
-pub(super) trait Joined: bytemuck::Pod + Default + Send {}
+/// Cells that a rank owns.
+#[derive(Clone, Debug, Default)]
+pub struct OwnCells(Option<Arc<CellSet>>);
 
-impl<S: bytemuck::Pod + Default + Send> Joined for S {}
+impl OwnCells {
+    /// Returns true if the rank owns a cell.
+    #[inline]
+    pub fn has(&self, cell: usize) -> bool {
+        self.0.as_ref().is_none_or(|own| own.contains(cell))
+    }
+
+    /// Returns true if the rank owns a row of arrays that are sorted by a grid; those added since
+    /// belong to none.
+    pub fn has_row<const D: usize>(&self, grid: &CellGrid<D>, row: usize) -> bool {
+        let Some(own) = &self.0 else { return true };
+        let cells = grid.starts().partition_point(|&start| start as usize <= row);
+        cells <= grid.len() && own.contains(cells - 1)
+    }
+}
 
 impl Ranks {
     /// Returns the ranks of a connection; one rank alone if it connects no others.
     pub fn new(transport: impl Transport + 'static) -> Self {
+        Self::changing_domains(transport, None)
+    }
+
+    /// Returns the ranks of a connection whose domains change every few steps, `every`, even if the
+    /// ranks are balanced, as tests need it.
+    pub fn changing_domains(transport: impl Transport + 'static, every: Option<u32>) -> Self {
         let size = transport.size();
         if size < 2 {
             return Self::default();
         }
+        let buffers = || (0..size).map(|_| Vec::new()).collect::<Vec<Vec<u8>>>();
         let state = State {
-            balance: Balance::even(size),
-            cells: Vec::new(),
-            lengths: Vec::new(),
-            own: Vec::new(),
-            all: Vec::new(),
+            balance: Balance::new(size, every),
+            domains: None,
+            changes: 0,
+            is_change_due: false,
+            is_whole: true,
+            is_observed: false,
+            busy: 0.0,
+            messages: Messages { outgoing: buffers(), incoming: buffers(), ..Messages::default() },
             traffic: Traffic::default(),
         };
-        Self(Some(Arc::new(Group { transport: Box::new(transport), state: Mutex::new(state) })))
+        Self(Some(Arc::new(Group {
+            transport: Box::new(transport),
+            has_walls: AtomicBool::new(false),
+            has_thin_walls: AtomicBool::new(false),
+            state: Mutex::new(state),
+        })))
     }
 
     /// Returns the number of this rank, from 0.
@@ -122,9 +184,39 @@ impl Ranks {
         self.0.as_ref().map_or(1, |group| group.transport.size())
     }
 
-    /// Returns what this rank has sent so far.
-    pub fn traffic(&self) -> Traffic {
-        self.0.as_ref().map_or(Traffic::default(), |group| group.state().traffic)
+    /// Returns what each rank has sent so far, in the order of the ranks; nothing for one rank
+    /// alone.
+    ///
+    /// All ranks call it together.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn traffic(&self) -> Vec<Traffic> {
+        let Some(group) = &self.0 else { return Vec::new() };
+        let state = &mut *group.state();
+        let own = state.traffic;
+        group.gather(state, bytemuck::bytes_of(&own));
+        state.messages.gathered.chunks_exact(size_of::<Traffic>()).map(bytemuck::pod_read_unaligned).collect()
+    }
+
+    /// Returns true if another rank has walls, whether this one has any or not.
+    pub(super) fn have_walls(&self) -> bool {
+        self.0.as_ref().is_some_and(|group| group.has_walls.load(Ordering::Relaxed))
+    }
+
+    /// Returns true if another rank has thin walls, whether this one has any or not.
+    pub(super) fn have_thin_walls(&self) -> bool {
+        self.0.as_ref().is_some_and(|group| group.has_thin_walls.load(Ordering::Relaxed))
+    }
+
+    /// Returns the cells of this rank; all for one rank alone.
+    pub fn own_cells(&self) -> OwnCells {
+        OwnCells(self.0.as_ref().and_then(|group| Some(Arc::clone(&group.state().domains.as_ref()?.own))))
+    }
+
+    /// Returns the number of times that the cells of this rank changed.
+    pub fn changes(&self) -> u64 {
+        self.0.as_ref().map_or(0, |group| group.state().changes)
     }
 
     /// Sends bytes of rank 0 to all ranks and returns them; `length` is their number on all ranks.
@@ -140,11 +232,41 @@ impl Ranks {
         let own = if group.transport.rank() == 0 { bytes } else { &[] };
         let mut all = Vec::new();
         group.transport.all_gather(own, &lengths, &mut all);
-        let traffic = &mut group.state().traffic;
-        traffic.messages += 1;
-        traffic.sent += own.len() as u64;
-        traffic.received += (all.len() - own.len()) as u64;
+        group.state().traffic.count(own.len(), all.len() - own.len());
         all
+    }
+
+    /// Joins a value of each rank in the order of the ranks; the result is that of all ranks.
+    ///
+    /// All ranks call it together.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn joined<T: bytemuck::Pod>(&self, own: T, join: impl Fn(T, T) -> T) -> T {
+        let Some(group) = &self.0 else { return own };
+        group.joined(&mut group.state(), own, join)
+    }
+
+    /// Adds up exact sums of all ranks, each in its place; all ranks have as many.
+    ///
+    /// All ranks call it together.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn sum_exactly(&self, sums: &mut [ExactSum]) {
+        let Some(group) = &self.0 else { return };
+        let state = &mut *group.state();
+        let mut own = vec![0; sums.len() * ExactSum::BYTES];
+        for (sum, message) in sums.iter().zip(own.chunks_exact_mut(ExactSum::BYTES)) {
+            sum.write(message);
+        }
+        group.gather(state, &own);
+        let others = state.messages.gathered.chunks_exact(own.len());
+        for (_, message) in others.enumerate().filter(|(rank, _)| *rank != group.transport.rank()) {
+            for (sum, other) in sums.iter_mut().zip(message.chunks_exact(ExactSum::BYTES)) {
+                *sum += &ExactSum::read(other);
+            }
+        }
     }
 
     /// Tells the other ranks that this one ends before its time.
@@ -154,37 +276,15 @@ impl Ranks {
         }
     }
 
-    /// Begins a step: the cells of each rank stay the same until the next one.
+    /// Begins a step: rank 0 need not keep the particles of all any more.
     pub fn begin_step(&self) {
         if let Some(group) = &self.0 {
-            group.state().balance.begin_step();
-        }
-    }
-
-    /// Runs `work` over the cells in blocks, in parallel, and joins the results; each rank runs it
-    /// over its own cells, and all have all rows in the end.
-    ///
-    /// `work` takes the cells of a block and the rows of the output columns that belong to them.
-    /// The result must not depend on the order of the joins.
-    pub(super) fn for_each_block<C: SharedColumns, S: Joined, const D: usize>(
-        &self,
-        grid: &CellGrid<D>,
-        columns: C,
-        work: &(impl Fn(Range<usize>, &mut C) -> S + Sync),
-        join: &(impl Fn(S, S) -> S + Sync),
-    ) -> S {
-        match &self.0 {
-            None => {
-                let work = |cells: Range<usize>, mut columns: C| work(cells, &mut columns);
-                for_each_block(grid.starts(), 0..grid.len(), columns, &work, join)
-            }
-            Some(group) => group.for_each_block(grid.starts(), columns, work, join),
+            let state = &mut *group.state();
+            state.is_observed = false;
+            state.is_change_due = state.balance.begin_step();
         }
     }
 }
-
-/// Bytes of the busy time at the end of a message.
-const BUSY: usize = size_of::<f64>();
 
 impl Group {
     fn state(&self) -> MutexGuard<'_, State> {
@@ -192,74 +292,37 @@ impl Group {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn for_each_block<C: SharedColumns, S: Joined>(
-        &self,
-        starts: &[u32],
-        columns: C,
-        work: &(impl Fn(Range<usize>, &mut C) -> S + Sync),
-        join: &(impl Fn(S, S) -> S + Sync),
-    ) -> S {
-        let state = &mut *self.state();
-        let State { balance, cells, lengths, own, all, traffic } = state;
-        let rank = self.transport.rank();
-        let width = columns.width();
-        let tail = size_of::<S>() + BUSY;
-        balance.cells(starts, cells);
-        let rows = |rank: usize| starts[cells[rank]] as usize..starts[cells[rank + 1]] as usize;
+    /// Puts messages of equal length of all ranks behind each other.
+    fn gather(&self, state: &mut State, own: &[u8]) {
+        let lengths = &mut state.messages.lengths;
         lengths.clear();
-        lengths.extend((0..self.transport.size()).map(|rank| rows(rank).len() * width + tail));
+        lengths.resize(self.transport.size(), own.len());
+        self.gather_lengths(state, own);
+    }
 
+    /// Puts messages of all ranks, whose lengths are set, behind each other.
+    fn gather_lengths(&self, state: &mut State, own: &[u8]) {
+        let Messages { lengths, gathered, .. } = &mut state.messages;
         let started = Instant::now();
-        own.resize(lengths[rank], 0);
-        let (own_rows, own_tail) = own.split_at_mut(lengths[rank] - tail);
-        let (before, rest) = columns.cut(rows(rank).start);
-        let (mine, after) = rest.cut(rows(rank).len());
-        let message = MessageRows { bytes: own_rows, width };
-        let own_cells = cells[rank]..cells[rank + 1];
-        let mut found = S::default();
-        if !own_cells.is_empty() {
-            let work = |cells: Range<usize>, (mut columns, message): (C, MessageRows<'_>)| {
-                let found = work(cells, &mut columns);
-                columns.write(message.bytes);
-                found
-            };
-            found = for_each_block(starts, own_cells, (mine, message), &work, join);
-        }
-        let busy = started.elapsed().as_secs_f64();
-        own_tail[..size_of::<S>()].copy_from_slice(bytemuck::bytes_of(&found));
-        own_tail[size_of::<S>()..].copy_from_slice(bytemuck::bytes_of(&busy));
+        self.transport.all_gather(own, lengths, gathered);
+        state.traffic.exchanging += started.elapsed().as_secs_f64();
+        state.traffic.count(own.len(), gathered.len() - own.len());
+    }
 
+    fn joined<T: bytemuck::Pod>(&self, state: &mut State, own: T, join: impl Fn(T, T) -> T) -> T {
+        self.gather(state, bytemuck::bytes_of(&own));
+        let values = state.messages.gathered.chunks_exact(size_of::<T>().max(1));
+        values.map(bytemuck::pod_read_unaligned).reduce(join).unwrap_or(own)
+    }
+
+    /// Sends the outgoing messages and receives the incoming ones, whose lengths are set.
+    fn exchange(&self, state: &mut State) {
+        let State { messages: Messages { outgoing, incoming, .. }, traffic, .. } = state;
         let started = Instant::now();
-        self.transport.all_gather(own, lengths, all);
-        let mut joined: Option<S> = None;
-        let mut rest = &mut all[..];
-        let (mut before, mut after) = (before, after);
-        for other in 0..lengths.len() {
-            let (message, next) = rest.split_at_mut(lengths[other]);
-            rest = next;
-            let (bytes, end) = message.split_at_mut(lengths[other] - tail);
-            let found: S = bytemuck::pod_read_unaligned(&end[..size_of::<S>()]);
-            joined = Some(joined.map_or(found, |joined| join(joined, found)));
-            balance.add(other, bytemuck::pod_read_unaligned(&end[size_of::<S>()..]));
-            let their_cells = cells[other]..cells[other + 1];
-            if other == rank || width == 0 || their_cells.is_empty() {
-                continue;
-            }
-            let side = if other < rank { &mut before } else { &mut after };
-            let (theirs, others) = std::mem::replace(side, C::none()).cut(rows(other).len());
-            *side = others;
-            // In the blocks in which the other rank has written them.
-            let read = |_: Range<usize>, (mut columns, message): (C, MessageRows<'_>)| {
-                columns.read(message.bytes);
-            };
-            let message = MessageRows { bytes, width };
-            for_each_block(starts, their_cells, (theirs, message), &read, &|(), ()| ());
-        }
-        traffic.messages += 1;
-        traffic.sent += own.len() as u64;
-        traffic.received += (all.len() - own.len()) as u64;
-        traffic.busy += busy;
+        self.transport.exchange(outgoing, incoming);
         traffic.exchanging += started.elapsed().as_secs_f64();
-        joined.unwrap_or_default()
+        traffic.messages += outgoing.iter().filter(|message| !message.is_empty()).count() as u64;
+        traffic.sent += outgoing.iter().map(|message| message.len() as u64).sum::<u64>();
+        traffic.received += incoming.iter().map(|message| message.len() as u64).sum::<u64>();
     }
 }

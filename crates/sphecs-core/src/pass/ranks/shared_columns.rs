@@ -1,4 +1,6 @@
-//! Output columns as parts of a message: the rows of a block, column after column.
+//! Output columns as parts of a message: the rows of a cell, column after column.
+
+use std::ops::Range;
 
 use crate::math::real::Real;
 use crate::pass::blocks::SplittableColumns;
@@ -12,16 +14,15 @@ pub(in crate::pass) trait OutputNumber: bytemuck::Pod + Send + Sync {
 impl<R: Real> OutputNumber for R {}
 
 /// Output columns that a rank sends to the others.
-pub(in crate::pass) trait SharedColumns: SplittableColumns {
+pub(in crate::pass) trait SharedColumns: SplittableColumns + Sync {
     /// Returns the bytes of a row in a message; 0 for columns that are not in use.
     fn width(&self) -> usize;
 
-    /// Writes the rows to the beginning of a message and returns the rest of it.
-    fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8];
+    /// Appends some rows to a message.
+    fn write(&self, rows: Range<usize>, message: &mut Vec<u8>);
 
-    /// Reads as many rows as the columns have, which [`Self::write`] wrote, and returns the rest of
-    /// the message.
-    fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8];
+    /// Reads rows that [`Self::write`] wrote, and returns the rest of the message.
+    fn read<'m>(&mut self, rows: Range<usize>, message: &'m [u8]) -> &'m [u8];
 }
 
 impl<T: OutputNumber> SharedColumns for &mut [T] {
@@ -29,18 +30,16 @@ impl<T: OutputNumber> SharedColumns for &mut [T] {
         if T::IS_SENT && !self.is_empty() { size_of::<T>() } else { 0 }
     }
 
-    fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8] {
-        let (own, rest) = message.split_at_mut(self.width() * self.len());
-        if T::IS_SENT {
-            own.copy_from_slice(bytemuck::cast_slice(self));
+    fn write(&self, rows: Range<usize>, message: &mut Vec<u8>) {
+        if self.width() > 0 {
+            message.extend_from_slice(bytemuck::cast_slice(&self[rows]));
         }
-        rest
     }
 
-    fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8] {
-        let (own, rest) = message.split_at(self.width() * self.len());
-        if T::IS_SENT {
-            bytemuck::cast_slice_mut(self).copy_from_slice(own);
+    fn read<'m>(&mut self, rows: Range<usize>, message: &'m [u8]) -> &'m [u8] {
+        let (own, rest) = message.split_at(self.width() * rows.len());
+        if self.width() > 0 {
+            bytemuck::cast_slice_mut(&mut self[rows]).copy_from_slice(own);
         }
         rest
     }
@@ -51,12 +50,12 @@ impl<C: SharedColumns, const N: usize> SharedColumns for [C; N] {
         self.iter().map(C::width).sum()
     }
 
-    fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8] {
-        self.iter().fold(message, |rest, column| column.write(rest))
+    fn write(&self, rows: Range<usize>, message: &mut Vec<u8>) {
+        self.iter().for_each(|column| column.write(rows.clone(), message));
     }
 
-    fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8] {
-        self.iter_mut().fold(message, |rest, column| column.read(rest))
+    fn read<'m>(&mut self, rows: Range<usize>, message: &'m [u8]) -> &'m [u8] {
+        self.iter_mut().fold(message, |rest, column| column.read(rows.clone(), rest))
     }
 }
 
@@ -67,13 +66,12 @@ macro_rules! tuples {
                 [$(self.$place.width()),*].iter().sum()
             }
 
-            fn write<'m>(&self, message: &'m mut [u8]) -> &'m mut [u8] {
-                $(let message = self.$place.write(message);)*
-                message
+            fn write(&self, rows: Range<usize>, message: &mut Vec<u8>) {
+                $(self.$place.write(rows.clone(), message);)*
             }
 
-            fn read<'m>(&mut self, message: &'m [u8]) -> &'m [u8] {
-                $(let message = self.$place.read(message);)*
+            fn read<'m>(&mut self, rows: Range<usize>, message: &'m [u8]) -> &'m [u8] {
+                $(let message = self.$place.read(rows.clone(), message);)*
                 message
             }
         }
@@ -82,25 +80,3 @@ macro_rules! tuples {
 tuples!(A 0, B 1);
 tuples!(A 0, B 1, C 2);
 tuples!(A 0, B 1, C 2, E 3);
-
-/// Part of a message with rows of `width` bytes.
-///
-/// Both sides cut it at the rows of the same blocks.
-pub(super) struct MessageRows<'a> {
-    /// The rows.
-    pub bytes: &'a mut [u8],
-    /// Bytes of a row.
-    pub width: usize,
-}
-
-impl SplittableColumns for MessageRows<'_> {
-    fn none() -> Self {
-        Self { bytes: &mut [], width: 0 }
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let Self { bytes, width } = self;
-        let (low, high) = bytes.split_at_mut((row * width).min(bytes.len()));
-        (Self { bytes: low, width }, Self { bytes: high, width })
-    }
-}

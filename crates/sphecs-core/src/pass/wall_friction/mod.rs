@@ -63,7 +63,7 @@ pub fn add_wall_friction<R: Real, const D: usize>(
     sums: &mut PairSums<R, D>,
 ) {
     sums.packs.prepare();
-    if !pair.has_wall_function() || sums.columns.find_walls(pair, particles) == 0 {
+    if !pair.has_wall_function() || !sums.columns.find_walls(pair, particles) {
         return;
     }
     sums.columns.find_fluid_volume(pair, particles);
@@ -136,8 +136,10 @@ pub fn add_friction_on<R: Real, const D: usize>(
     }
     let friction = sums.friction.read(WallFriction(()));
     let friction_felt = sums.friction_felt.read(WallFriction(()));
+    let own = pair.ranks.own_cells();
     for row in 0..particles.len() {
-        if particles.zone[row] != Zone::Wall || particles.patch[row] != body.part {
+        let is_of_body = particles.zone[row] == Zone::Wall && particles.patch[row] == body.part;
+        if !is_of_body || !own.has_row(grid, row) {
             continue;
         }
         let (mut force, mut arm) = (DVec3::ZERO, DVec3::ZERO);

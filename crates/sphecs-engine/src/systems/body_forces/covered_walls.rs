@@ -12,6 +12,7 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::real_vector;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::Ranks;
 use sphecs_scene::model::Scene;
 use sphecs_scene::movers::{Wall, WallPoses};
 
@@ -24,7 +25,8 @@ pub(super) struct CoveredWalls {
     /// Number of each particle and the point in front of its surface, m; in the order of the
     /// numbers.
     points: Vec<(u32, DVec3)>,
-    is_found: bool,
+    /// Changes of the rank's cells at which the points were found; None until then.
+    found_at: Option<u64>,
 }
 
 impl CoveredWalls {
@@ -34,12 +36,14 @@ impl CoveredWalls {
         &mut self,
         (scene, poses): (&Scene, &WallPoses),
         part: u16,
-        arrays: &ParticleArrays<R, D>,
+        (arrays, ranks): (&ParticleArrays<R, D>, &Ranks),
         numbers: &mut Vec<u32>,
     ) {
         numbers.clear();
         let Wall::Mover(index) = Wall::of_part(scene, part) else { return };
-        if !self.is_found {
+        let changes = Some(ranks.changes());
+        if self.found_at != changes {
+            self.found_at = changes;
             self.find(scene, arrays);
         }
         let (mover, pose) = (&scene.movers[index], &poses.movers[index]);
@@ -57,7 +61,6 @@ impl CoveredWalls {
 
     /// Finds the particles of walls at rest, in a scene of which the casing does not move.
     fn find<R: PairReal<D>, const D: usize>(&mut self, scene: &Scene, arrays: &ParticleArrays<R, D>) {
-        self.is_found = true;
         if scene.casing_motion.is_some() {
             return;
         }

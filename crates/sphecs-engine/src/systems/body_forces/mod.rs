@@ -23,6 +23,7 @@ use crate::systems::boundaries::wall_contacts::WallContacts;
 use covered_walls::CoveredWalls;
 use sphecs_core::pass::body::{Body, BodySum};
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::Ranks;
 use sphecs_core::pass::settings::{PairSettings, PressureLaw};
 use sphecs_core::pass::wall_friction::add_friction_on;
 use sphecs_core::physics::edac::Edac;
@@ -76,6 +77,13 @@ pub struct Bodies {
     edac: Edac,
 }
 
+impl Bodies {
+    /// Shares the sums with other ranks.
+    pub(crate) fn connect(&mut self, ranks: Ranks) {
+        self.pair.ranks = ranks;
+    }
+}
+
 impl FromWorld for Bodies {
     fn from_world(world: &mut World) -> Self {
         let scene = &world.resource::<ActiveScene>().0;
@@ -117,11 +125,12 @@ pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).enumerate().map(|(index, (body, shear))| {
-        covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
+        covered.collect((&scene.0, &poses.0), body.part, (&arrays, &pair.ranks), &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
         let mut exact =
             R::sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
+        exact.join(&pair.ranks);
         let mut sum = exact.value();
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
         contacts.add(index, &mut sum);
@@ -143,10 +152,11 @@ pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
     row.forces.extend(bodies.iter_mut().zip(shear).enumerate().map(|(index, (body, shear))| {
-        covered.collect((&scene.0, &poses.0), body.part, &arrays, &mut body.others);
+        covered.collect((&scene.0, &poses.0), body.part, (&arrays, &pair.ranks), &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
         let mut exact = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
+        exact.join(&pair.ranks);
         let mut sum = exact.value();
         add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
         contacts.add(index, &mut sum);

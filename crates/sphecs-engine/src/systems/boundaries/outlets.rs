@@ -323,7 +323,7 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
         (scene, clock.time, clock.time_step),
         inflow,
         |outlet| all[outlet].condition.plane_pressure(),
-        (&grid.0, &arrays),
+        (&grid.0, &arrays, &pair.0.ranks),
     );
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
         let force = OutletForce::new(scene, zone.patch, outlet.is_bidirectional, outlet.balance, clock.time);

@@ -9,6 +9,7 @@ use glam::DVec3;
 use super::patch_rows::ADJACENT_LAYERS;
 use sphecs_core::boundary::outlet::method::Needs;
 use sphecs_core::math::grid::CellGrid;
+use sphecs_core::math::grid::cell_set::runs_of;
 use sphecs_scene::model::{Emitter, Patch, Scene};
 use sphecs_scene::movers::Wall;
 
@@ -38,6 +39,25 @@ impl PatchCells {
             self.starts.push(start);
             self.before.push(total);
         }
+    }
+
+    /// Returns the cells of which every rank holds the rows: those near patches and those whose
+    /// rows a condition may read at the mirror images of its particles.
+    pub fn everywhere<const D: usize>(
+        scene: &Scene,
+        needs: &[Needs],
+        grid: &CellGrid<D>,
+    ) -> Vec<Range<usize>> {
+        let support = scene.discretisation.support;
+        let reach = |patch: &Patch, layers: f64| {
+            let reach = patch.depth + 2.0 * support + layers * scene.spacing;
+            (patch.clone(), -reach, reach)
+        };
+        let inlets = scene.inlets.iter().map(|inlet| reach(&inlet.patch, ADJACENT_LAYERS));
+        let outlets = scene.outlets.iter().zip(needs).map(|(outlet, needs)| {
+            reach(&outlet.patch, needs.upstream_layers.unwrap_or(0.0).max(ADJACENT_LAYERS))
+        });
+        cells_of(scene, &inlets.chain(outlets).collect::<Vec<_>>(), grid)
     }
 
     /// Returns the number of rows.
@@ -78,10 +98,19 @@ fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>
         let reach = support + needs.upstream_layers.unwrap_or(0.0).max(ADJACENT_LAYERS) * scene.spacing;
         slab(&outlet.patch, reach, outlet.patch.depth)
     });
-    let slabs: Vec<_> = inlets.chain(outlets).collect();
+    cells_of(scene, &inlets.chain(outlets).collect::<Vec<_>>(), grid)
+}
+
+/// Finds the runs of consecutive cells in slabs, which are planes with two distances along their
+/// normal, m, or near emitters.
+fn cells_of<const D: usize>(
+    scene: &Scene,
+    slabs: &[(Patch, f64, f64)],
+    grid: &CellGrid<D>,
+) -> Vec<Range<usize>> {
+    let support = scene.discretisation.support;
     let balls: Vec<(DVec3, f64)> = scene.emitters.iter().map(ball).collect();
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for cell in 0..grid.len() {
+    runs_of(0..grid.len(), |cell| {
         let corner = grid.corner(grid.index_of(cell));
         let (mut centre, mut half) = (DVec3::ZERO, DVec3::ZERO);
         for d in 0..D {
@@ -92,17 +121,11 @@ fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>
             let (along, extent) = (patch.along(centre), half.dot(patch.towards.abs()));
             along + extent > *from && along - extent < *to
         });
-        let near = is_in_slab
+        is_in_slab
             || balls.iter().any(|(middle, radius)| {
                 centre.distance(scene.nearest_image(*middle, centre)) < radius + support + half.length()
-            });
-        match runs.last_mut() {
-            _ if !near => {}
-            Some(last) if last.end == cell => last.end += 1,
-            _ => runs.push(cell..cell + 1),
-        }
-    }
-    runs
+            })
+    })
 }
 
 #[cfg(test)]

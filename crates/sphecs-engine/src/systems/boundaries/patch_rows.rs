@@ -1,5 +1,7 @@
 //! Rows of the sorted arrays that belong to each inlet and outlet.
 
+use std::ops::Range;
+
 use bevy_ecs::resource::Resource;
 use glam::DVec3;
 
@@ -29,6 +31,9 @@ pub struct PatchRows {
     /// Rows of the cells near inlets and outlets. They contain the rows above and all rows that
     /// cross a plane.
     pub near: PatchCells,
+    /// Cells of which every rank holds the rows, found once; None before that, and on one rank
+    /// alone.
+    everywhere: Option<Vec<Range<usize>>>,
     /// Lists of each part of the rows, kept so that collecting allocates nothing.
     parts: Vec<PatchRows>,
 }
@@ -42,6 +47,16 @@ impl PatchRows {
     ) -> impl Iterator<Item = DVec3> {
         let rows = self.inflow[usize::from(inlet)].iter().map(|&row| row as usize);
         rows.filter(|&row| arrays.zone[row] == Zone::Inflow).map(|row| arrays.position_of(row))
+    }
+
+    /// Returns the cells of which every rank holds the rows.
+    pub fn everywhere<const D: usize>(
+        &mut self,
+        scene: &Scene,
+        needs: &[Needs],
+        grid: &CellGrid<D>,
+    ) -> &[Range<usize>] {
+        self.everywhere.get_or_insert_with(|| PatchCells::everywhere(scene, needs, grid))
     }
 
     /// Empties the lists of every patch of a scene.

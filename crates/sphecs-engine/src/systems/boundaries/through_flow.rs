@@ -33,6 +33,7 @@ use sphecs_core::math::grid::CellGrid;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::Ranks;
 use sphecs_scene::displaced_flow::DisplacedFlow;
 use sphecs_scene::model::{Outlet, Scene};
 use sphecs_scene::potential_flow::{PotentialFlow, potential_flows};
@@ -82,10 +83,11 @@ impl ThroughFlow {
         (scene, time, time_step): (&Scene, f64, f64),
         inflow: &PrescribedInflow,
         plane_pressure: impl Fn(usize) -> PlanePressure,
-        (grid, arrays): (&CellGrid<D>, &ParticleArrays<R, D>),
+        (grid, arrays, ranks): (&CellGrid<D>, &ParticleArrays<R, D>, &Ranks),
     ) {
         let Self { weights, displaced, sound_velocity, velocities, sums } = self;
         velocities.clear();
+        let own = ranks.own_cells();
         let stiffness = scene.fluid.density * scene.fluid.sound_speed.powi(2);
         for (index, (outlet, weights)) in scene.outlets.iter().zip(&*weights).enumerate() {
             velocities.push(weights.as_ref().map(|weights| {
@@ -97,17 +99,19 @@ impl ThroughFlow {
                 };
                 let of_chunk = |chunk: usize| {
                     let mut sums = <[ExactSum; 2]>::default();
-                    for cell in chunk * CHUNK..grid.len().min((chunk + 1) * CHUNK) {
+                    let cells = chunk * CHUNK..grid.len().min((chunk + 1) * CHUNK);
+                    for cell in cells.filter(|&cell| own.has(cell)) {
                         sums.iter_mut().zip(of_cell(cell)).for_each(|(sum, part)| *sum += part);
                     }
                     sums
                 };
                 (0..grid.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect_into_vec(sums);
-                let [flow, square] = std::array::from_fn(|of| {
-                    let mut all = ExactSum::default();
-                    sums.iter().for_each(|sums| all += &sums[of]);
-                    all.value()
-                });
+                let mut all = <[ExactSum; 2]>::default();
+                for (of, all) in all.iter_mut().enumerate() {
+                    sums.iter().for_each(|sums| *all += &sums[of]);
+                }
+                ranks.sum_exactly(&mut all);
+                let [flow, square] = all.each_ref().map(ExactSum::value);
                 let displaced =
                     displaced[index].as_mut().map(|displaced| displaced.rate(scene, weights, time));
                 let volume = if !scene.movers.is_empty() {

@@ -13,6 +13,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use sphecs_core::pass::body::{BodySum, ExactBodySum};
+use sphecs_core::pass::ranks::Ranks;
 use sphecs_scene::model::Scene;
 use sphecs_scene::movers::{Wall, WallPoses};
 use sphecs_scene::wall_particles::surface;
@@ -40,12 +41,10 @@ pub struct WallContacts {
 }
 
 impl WallContacts {
-    /// Sums the contacts found in a step of size `time_step`, s. Their order does not matter.
-    pub(super) fn sum(&mut self, scene: &Scene, poses: &WallPoses, time_step: f64) {
+    /// Sums the contacts found in a step of size `time_step`, s, by all ranks, of which any found
+    /// some. Their order does not matter.
+    pub(super) fn sum(&mut self, scene: &Scene, poses: &WallPoses, time_step: f64, ranks: &Ranks) {
         self.forces.clear();
-        if self.found.is_empty() {
-            return;
-        }
         let rate = scene.discretisation.mass / time_step;
         self.forces.extend(scene.bodies.iter().map(|body| {
             let wall = Wall::of_part(scene, body.part);
@@ -62,10 +61,16 @@ impl WallContacts {
                 let pressure_torque = arm.cross(force);
                 sum += &BodySum { pressure_force: force, pressure_torque, ..BodySum::default() };
             }
+            sum.join(ranks);
             let sum = sum.value();
             [sum.pressure_force, sum.pressure_torque]
         }));
         self.found.clear();
+    }
+
+    /// Forgets the contacts of the step before.
+    pub(super) fn clear(&mut self) {
+        self.forces.clear();
     }
 
     /// Adds the force on a body, by its index in the scene.

@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
+use crate::resources::pair::Pair;
 use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::movers::PresentPoses;
 use crate::systems::boundaries::wall_contacts::{WallContact, WallContacts};
@@ -51,7 +52,7 @@ const IN_FRONT: f64 = 1e-6;
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
 pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
-    grid: Res<Grid<D>>,
+    (grid, pair): (Res<Grid<D>>, Res<Pair>),
     (mut projections, mut contacts): (ResMut<WallProjections>, ResMut<WallContacts>),
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
@@ -62,6 +63,7 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     let near = R::from_f64(if has_mesh { NEAR_MESHES } else { NEAR } * scene.spacing);
     let ParticleArrays { zone, position, velocity, previous_velocity, wall_distance, .. } = &mut **arrays;
     let (zone, wall_distance) = (&*zone, &*wall_distance);
+    let own = pair.0.ranks.own_cells();
     let count = AtomicU64::new(0);
     // Contacts are few: a lock costs nothing.
     let found = Mutex::new(std::mem::take(&mut contacts.found));
@@ -105,7 +107,7 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
                     velocity[axis][at] -= R::from_f64(*lost * outwards[axis]);
                 }
             }
-            if zone[row] == Zone::Fluid {
+            if zone[row] == Zone::Fluid && own.has_row(&grid.0, row) {
                 count.fetch_add(1, Ordering::Relaxed);
                 if !scene.bodies.is_empty() && lost[0] > 0.0 {
                     let contact = WallContact { wall, point, lost: lost[0] * outwards };
@@ -115,9 +117,15 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
         }
     };
     for_each_part(0..zone.len(), columns, &work);
-    projections.0 += count.into_inner();
     contacts.found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-    contacts.sum(scene, poses, clock.time_step);
+    let found = [count.into_inner(), contacts.found.len() as u64];
+    let [count, contacts_of_all] = pair.0.ranks.joined(found, |a, b| [a[0] + b[0], a[1] + b[1]]);
+    projections.0 += count;
+    if contacts_of_all > 0 {
+        contacts.sum(scene, poses, clock.time_step, &pair.0.ranks);
+    } else {
+        contacts.clear();
+    }
 }
 
 /// Positions and velocities, present and previous, of the rows of a part.

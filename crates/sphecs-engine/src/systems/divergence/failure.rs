@@ -14,6 +14,8 @@ use sphecs_core::pass::pair_real::PairReal;
 pub struct Failure {
     /// Particle with an impossible value.
     pub diverged: Option<DivergedParticle>,
+    /// True if rank 0 records a particle of another rank than itself.
+    pub is_elsewhere: bool,
     /// True if an inlet found the reservoir empty and the scene demands a stop.
     pub reservoir_empty: bool,
     /// Index of an inlet that is filled once and has no particles left.

@@ -18,6 +18,7 @@ pub use neighbourhood::{NearbyParticle, Neighbourhood};
 
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
+use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::scene::ActiveScene;
 use failure::{Finding, STEP_ADVICE};
@@ -49,21 +50,33 @@ const SMALLEST_STEP: f64 = 1e-3;
 pub fn check_state<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
-    pair: Res<Pair>,
-    arrays: Res<Arrays<R, D>>,
+    (pair, mut grid): (Res<Pair>, ResMut<Grid<D>>),
+    mut arrays: ResMut<Arrays<R, D>>,
     mut failure: ResMut<Failure>,
 ) {
-    if failure.diverged.is_some() || clock.step == 0 {
+    if failure.diverged.is_some() || failure.is_elsewhere || clock.step == 0 {
         return;
     }
     let scene = &*scene.0;
     let bounds = Bounds::new(scene);
     let support = pair.0.discretisation.support;
+    let smallest = SMALLEST_STEP * step_at_rest(scene);
+    if pair.0.ranks.size() > 1 {
+        let has_diverged = clock.time_step < smallest || bounds.first_violation(&arrays.0).is_some();
+        if pair.0.ranks.joined(u8::from(has_diverged), u8::max) == 0 {
+            return;
+        }
+        // Rank 0 alone records what it finds among the particles of all.
+        pair.0.ranks.assemble(&mut grid.0, &mut arrays.0);
+        failure.is_elsewhere = pair.0.ranks.rank() > 0;
+        if failure.is_elsewhere {
+            return;
+        }
+    }
     if let Some(row) = bounds.first_violation(&arrays.0) {
         failure.record(&arrays, row, support, bounds.finding(scene, &arrays.0, row));
         return;
     }
-    let smallest = SMALLEST_STEP * step_at_rest(scene);
     if clock.time_step < smallest
         && let Some(row) = most_accelerated(&arrays.0)
     {

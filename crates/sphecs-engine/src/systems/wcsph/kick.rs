@@ -38,7 +38,7 @@ pub(crate) fn kick<R: PairReal<D>, const D: usize>(
     let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
     let found = &settings.found;
     let time_step = settings.limits(friction::DAMPING).time_step(
-        largest_acceleration(arrays, lanes),
+        largest_acceleration(arrays, &pair.0),
         found.largest_signal,
         found.largest_damping,
     );

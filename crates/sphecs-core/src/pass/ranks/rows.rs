@@ -1,0 +1,354 @@
+//! Particles that enter and leave what a rank holds.
+//!
+//! Every rank advances all particles that it holds, in the same way. So after a step it lacks only
+//! those that entered its cells from cells that it does not hold, and their owners send them.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+
+use super::bisection::bisect;
+use super::domains::Domains;
+use super::{Group, Ranks, State};
+use crate::math::grid::CellGrid;
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::record;
+use crate::particles::rows::{ParticleRow, set_real_vector};
+use crate::particles::zone::Zone;
+use std::sync::atomic::Ordering;
+
+/// Message of a rank to all others before a sort, followed by the bytes that each gets from it.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Header {
+    /// Time of own sums since the last sort, s.
+    busy: f64,
+    /// 1 if a particle is outside the grid.
+    is_outside: u64,
+}
+
+/// Rows that a thread checks at a time.
+const CHUNK: usize = 8192;
+
+impl Ranks {
+    /// Takes the particles that enter what this rank holds, so that the next sort by the grid
+    /// finds all of them; the sort drops those that leave it.
+    ///
+    /// All ranks hold the cells `everywhere` and what is in reach of them; these never change.
+    /// Returns false if a particle is outside the grid; then rank 0 has the particles of all.
+    ///
+    /// All ranks call it together, with arrays in the order of the last sort.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn move_rows<R: Real, const D: usize>(
+        &self,
+        grid: &mut CellGrid<D>,
+        arrays: &mut ParticleArrays<R, D>,
+        everywhere: &[Range<usize>],
+    ) -> bool {
+        let Some(group) = &self.0 else { return true };
+        let state = &mut *group.state();
+        if state.domains.is_none() {
+            group.make_domains(state, grid, arrays, everywhere);
+        } else {
+            let before = state.is_change_due.then(|| group.change_domains(state, grid, everywhere));
+            state.is_change_due = false;
+            if !group.send_newcomers(state, before.flatten().as_ref(), grid, arrays) {
+                return false;
+            }
+        }
+        let (exist, thin) = (&group.has_walls, &group.has_thin_walls);
+        arrays.use_wall_columns(exist.load(Ordering::Relaxed), thin.load(Ordering::Relaxed));
+        let rank = group.transport.rank();
+        state.is_whole = state.is_observed;
+        let holds_all = rank == 0 && state.is_observed;
+        grid.hold(state.domains.as_ref().filter(|_| !holds_all).map(|domains| domains.held[rank].clone()));
+        true
+    }
+
+    /// Counts the rows after the sort of a step.
+    pub fn count_rows<const D: usize>(&self, grid: &CellGrid<D>) {
+        let Some(group) = &self.0 else { return };
+        let state = &mut *group.state();
+        // Rank 0 holds more than its domain needs when it reads the flow.
+        let Some(domains) = state.domains.as_ref().filter(|_| !state.is_whole) else { return };
+        let rows = |cells: &Range<usize>| u64::from(grid.starts()[cells.end] - grid.starts()[cells.start]);
+        state.traffic.own_rows = domains.owned[group.transport.rank()].iter().map(rows).sum();
+        state.traffic.held_rows = rows(&(0..grid.len()));
+    }
+
+    /// Gives rank 0 the particles of all, in the order in which one rank alone would have them;
+    /// it keeps them until the next step.
+    ///
+    /// All ranks call it together.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn assemble<R: Real, const D: usize>(
+        &self,
+        grid: &mut CellGrid<D>,
+        arrays: &mut ParticleArrays<R, D>,
+    ) {
+        if let Some(group) = &self.0 {
+            group.assemble(&mut group.state(), grid, arrays);
+        }
+    }
+}
+
+impl Group {
+    /// Makes the first domains, of equal numbers of particles; all ranks hold all particles.
+    fn make_domains<R: Real, const D: usize>(
+        &self,
+        state: &mut State,
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<R, D>,
+        everywhere: &[Range<usize>],
+    ) {
+        let (rank, ranks) = (self.transport.rank(), self.transport.size());
+        self.has_walls.store(arrays.zone.contains(&Zone::Wall), Ordering::Relaxed);
+        self.has_thin_walls.store(!arrays.wall_thickness.is_empty(), Ordering::Relaxed);
+        let mut counts = vec![0.0; grid.len()];
+        for row in (0..arrays.len()).filter(|&row| arrays.zone[row] != Zone::Reservoir) {
+            if let Some(cell) = cell_of(grid, arrays, row) {
+                counts[cell] += 1.0;
+            }
+        }
+        let owner = bisect(grid, &counts, ranks);
+        state.domains = Some(Domains::new(grid, &owner, (rank, ranks), everywhere));
+        state.changes += 1;
+    }
+
+    /// Makes new domains by the times of the ranks and returns the old ones.
+    fn change_domains<const D: usize>(
+        &self,
+        state: &mut State,
+        grid: &CellGrid<D>,
+        everywhere: &[Range<usize>],
+    ) -> Option<Domains> {
+        let domains = state.domains.take()?;
+        let (rank, ranks) = (self.transport.rank(), self.transport.size());
+        let cells_of = |rank: usize| domains.owned[rank].iter().flat_map(Clone::clone);
+        let count = |cell: usize| grid.rows(cell).len() as u32;
+        let own: Vec<u8> = cells_of(rank).flat_map(|cell| count(cell).to_ne_bytes()).collect();
+        let lengths: Vec<usize> = (0..ranks).map(|rank| cells_of(rank).count() * size_of::<u32>()).collect();
+        let mut all = Vec::new();
+        self.transport.all_gather(&own, &lengths, &mut all);
+        state.traffic.count(own.len(), all.len() - own.len());
+        let mut counts = all
+            .chunks_exact(size_of::<u32>())
+            .map(|bytes| f64::from(bytemuck::pod_read_unaligned::<u32>(bytes)));
+        let mut rows = vec![0.0; ranks];
+        let mut of_cell = vec![(0.0, 0); grid.len()];
+        for rank in 0..ranks {
+            for (cell, count) in cells_of(rank).zip(&mut counts) {
+                of_cell[cell] = (count, rank);
+                rows[rank] += count;
+            }
+        }
+        let cost_of_row = state.balance.take_costs(&rows);
+        let costs: Vec<f64> = of_cell.into_iter().map(|(rows, rank)| rows * cost_of_row[rank]).collect();
+        let owner = bisect(grid, &costs, ranks);
+        state.domains = Some(Domains::new(grid, &owner, (rank, ranks), everywhere));
+        state.changes += 1;
+        Some(domains)
+    }
+
+    /// Sends the own particles that enter what another rank holds, and appends those of others to
+    /// the arrays. `before` are the domains of the last sort if they have changed.
+    ///
+    /// Returns false if a particle is outside the grid; then rank 0 has the particles of all.
+    fn send_newcomers<R: Real, const D: usize>(
+        &self,
+        state: &mut State,
+        before: Option<&Domains>,
+        grid: &mut CellGrid<D>,
+        arrays: &mut ParticleArrays<R, D>,
+    ) -> bool {
+        let (rank, ranks) = (self.transport.rank(), self.transport.size());
+        let Some(now) = &state.domains else { return true };
+        let old = before.unwrap_or(now);
+        for other in 0..ranks {
+            let message = &mut state.messages.outgoing[other];
+            message.clear();
+            if other == rank || other == 0 && state.is_whole {
+                continue;
+            }
+            let cells = if before.is_some() { &old.owned[rank] } else { &now.bordering[other] };
+            for cell in cells.iter().flat_map(Clone::clone).filter(|&cell| !old.held[other].contains(cell)) {
+                for row in grid.rows(cell).filter(|&row| arrays.zone[row] != Zone::Reservoir) {
+                    if cell_of(grid, arrays, row).is_some_and(|cell| now.held[other].contains(cell)) {
+                        record::write(&arrays.row(row), DVec3::ZERO, message);
+                    }
+                }
+            }
+        }
+        let header = Header {
+            busy: std::mem::take(&mut state.busy),
+            is_outside: u64::from(!are_inside(grid, arrays)),
+        };
+        let mut own = bytemuck::bytes_of(&header).to_vec();
+        let lengths = state.messages.outgoing.iter().map(|message| message.len() as u64);
+        own.extend(lengths.flat_map(u64::to_ne_bytes));
+        self.gather(state, &own);
+        let mut is_outside = false;
+        for (other, message) in state.messages.gathered.chunks_exact(own.len()).enumerate() {
+            let (header, lengths) = message.split_at(size_of::<Header>());
+            let header: Header = bytemuck::pod_read_unaligned(header);
+            state.balance.add(other, header.busy);
+            is_outside |= header.is_outside != 0;
+            let length = &lengths[rank * size_of::<u64>()..(rank + 1) * size_of::<u64>()];
+            let length = bytemuck::pod_read_unaligned::<u64>(length) as usize;
+            state.messages.incoming[other].resize(length, 0);
+        }
+        if is_outside {
+            self.assemble(state, grid, arrays);
+            return false;
+        }
+        self.exchange(state);
+        for message in &state.messages.incoming {
+            let newcomers: Vec<ParticleRow> =
+                message.chunks_exact(record::BYTES).map(|message| record::read(message).0).collect();
+            arrays.extend(&newcomers);
+        }
+        true
+    }
+
+    /// Gives rank 0 the particles of all in the order of the cells of the last sort, followed by
+    /// those added since, which all ranks have.
+    fn assemble<R: Real, const D: usize>(
+        &self,
+        state: &mut State,
+        grid: &mut CellGrid<D>,
+        arrays: &mut ParticleArrays<R, D>,
+    ) {
+        state.is_observed = true;
+        if state.is_whole {
+            return;
+        }
+        let Some(domains) = state.domains.take() else { return };
+        let (rank, ranks) = (self.transport.rank(), self.transport.size());
+        state.messages.outgoing.iter_mut().for_each(Vec::clear);
+        if rank != 0 {
+            let message = &mut state.messages.outgoing[0];
+            let cells = || domains.owned[rank].iter().flat_map(Clone::clone);
+            message.extend(cells().flat_map(|cell| (grid.rows(cell).len() as u32).to_ne_bytes()));
+            for row in cells().flat_map(|cell| grid.rows(cell)) {
+                record::write(&arrays.row(row), arrays.acceleration_of(row), message);
+            }
+        }
+        let length = state.messages.outgoing[0].len() as u64;
+        self.gather(state, &length.to_ne_bytes());
+        let lengths = state.messages.gathered.chunks_exact(size_of::<u64>());
+        for (message, length) in state.messages.incoming.iter_mut().zip(lengths) {
+            let length = bytemuck::pod_read_unaligned::<u64>(length) as usize;
+            message.resize(if rank == 0 { length } else { 0 }, 0);
+        }
+        self.exchange(state);
+        if rank == 0 {
+            put_together(&domains, ranks, &state.messages.incoming, grid, arrays);
+        }
+        state.domains = Some(domains);
+        state.is_whole = true;
+        // The buffers for all particles are larger than those of any pass.
+        state.messages.outgoing.iter_mut().for_each(|message| *message = Vec::new());
+        state.messages.incoming.iter_mut().for_each(|message| *message = Vec::new());
+    }
+}
+
+/// Puts the particles of all ranks together, from the messages of the others and the own rows.
+fn put_together<R: Real, const D: usize>(
+    domains: &Domains,
+    ranks: usize,
+    messages: &[Vec<u8>],
+    grid: &mut CellGrid<D>,
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    let count = |cells: &[Range<usize>]| cells.iter().map(ExactSizeIterator::len).sum::<usize>();
+    let mut parts: Vec<(&[u8], &[u8])> = (0..ranks)
+        .map(|rank| {
+            if rank == 0 {
+                (&[][..], &[][..])
+            } else {
+                messages[rank].split_at(4 * count(&domains.owned[rank]))
+            }
+        })
+        .collect();
+    let mut starts = vec![0; grid.len() + 1];
+    let all = ParticleArrays {
+        evolves_pressure: arrays.evolves_pressure,
+        drifts: arrays.drifts,
+        ..ParticleArrays::default()
+    };
+    let before = std::mem::replace(arrays, all);
+    let own = |row: usize| (before.row(row), before.acceleration_of(row));
+    let mut rows: Vec<(ParticleRow, DVec3)> = Vec::new();
+    for (cells, owner) in &domains.runs {
+        for cell in cells.clone() {
+            if rows.len() > BATCH {
+                append(&mut rows, arrays);
+            }
+            starts[cell] = (arrays.len() + rows.len()) as u32;
+            if *owner == 0 {
+                rows.extend(grid.rows(cell).map(own));
+                continue;
+            }
+            let (counts, records) = &mut parts[*owner];
+            let (number, after) = counts.split_at(size_of::<u32>());
+            *counts = after;
+            let number = bytemuck::pod_read_unaligned::<u32>(number) as usize;
+            let (of_cell, after) = records.split_at(number * record::BYTES);
+            *records = after;
+            rows.extend(of_cell.chunks_exact(record::BYTES).map(record::read));
+        }
+    }
+    starts[grid.len()] = (arrays.len() + rows.len()) as u32;
+    let sorted = grid.starts().last().map_or(0, |&end| end as usize);
+    rows.extend((sorted..before.len()).map(own));
+    append(&mut rows, arrays);
+    grid.set_starts(starts);
+    grid.hold(None);
+}
+
+/// Particles that are put into the columns at once: their rows take less than 20 MB.
+const BATCH: usize = 65_536;
+
+/// Appends particles with their accelerations, m/s², and empties their list.
+fn append<R: Real, const D: usize>(
+    particles: &mut Vec<(ParticleRow, DVec3)>,
+    arrays: &mut ParticleArrays<R, D>,
+) {
+    let first = arrays.len();
+    let rows: Vec<ParticleRow> = particles.iter().map(|(particle, _)| *particle).collect();
+    arrays.extend(&rows);
+    for (row, (_, acceleration)) in (first..).zip(particles.drain(..)) {
+        set_real_vector(&mut arrays.acceleration, row, acceleration);
+    }
+}
+
+fn cell_of<R: Real, const D: usize>(
+    grid: &CellGrid<D>,
+    arrays: &ParticleArrays<R, D>,
+    row: usize,
+) -> Option<usize> {
+    grid.cell_of(std::array::from_fn(|axis| arrays.position[axis][row]))
+}
+
+/// Returns true if all particles that are not bound for the reservoir are inside the grid.
+fn are_inside<R: Real, const D: usize>(grid: &CellGrid<D>, arrays: &ParticleArrays<R, D>) -> bool {
+    let (lower, upper) = (grid.lower(), grid.upper());
+    (0..arrays.len().div_ceil(CHUNK)).into_par_iter().with_max_len(1).all(|chunk| {
+        let rows = chunk * CHUNK..arrays.len().min((chunk + 1) * CHUNK);
+        // Without branches, so that the compiler vectorises the loop; a NaN fails it.
+        let is_inside = (0..D).all(|axis| {
+            let column = arrays.position[axis][rows.clone()].iter();
+            column.fold(true, |all, x| all & (*x >= lower[axis]) & (*x < upper[axis]))
+        });
+        is_inside
+            || rows
+                .clone()
+                .all(|row| arrays.zone[row] == Zone::Reservoir || cell_of(grid, arrays, row).is_some())
+    })
+}

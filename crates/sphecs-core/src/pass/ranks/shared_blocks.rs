@@ -1,0 +1,171 @@
+//! Passes of which each rank runs the blocks of its own cells.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use super::domains::Domains;
+use super::shared_columns::SharedColumns;
+use super::{Group, Ranks, State};
+use crate::math::grid::CellGrid;
+use crate::pass::blocks::{blocks_of, for_each_block};
+
+/// Result of a pass besides its columns, which the ranks join.
+pub(in crate::pass) trait Joined: bytemuck::Pod + Default + Send {}
+
+impl<S: bytemuck::Pod + Default + Send> Joined for S {}
+
+impl Ranks {
+    /// Runs `work` over the cells in blocks, in parallel, and joins the results; each rank runs it
+    /// over its own cells, and has the rows of all cells that it holds in the end.
+    ///
+    /// `work` takes the cells of a block and the rows of the output columns that belong to them.
+    /// The result must not depend on the order of the joins.
+    pub(in crate::pass) fn for_each_block<C: SharedColumns, S: Joined, const D: usize>(
+        &self,
+        grid: &CellGrid<D>,
+        columns: C,
+        work: &(impl Fn(Range<usize>, &mut C) -> S + Sync),
+        join: &(impl Fn(S, S) -> S + Sync),
+    ) -> S {
+        let shared = self.0.as_ref().map(|group| (group, group.state()));
+        match shared.filter(|(_, state)| state.domains.is_some()) {
+            None => {
+                let work = |cells: Range<usize>, mut columns: C| work(cells, &mut columns);
+                for_each_block(grid.starts(), 0..grid.len(), columns, &work, join)
+            }
+            Some((group, mut state)) => group.for_each_block(&mut state, grid.starts(), columns, work, join),
+        }
+    }
+}
+
+/// Consecutive cells of one rank that have rows.
+struct Piece {
+    cells: Range<usize>,
+    first_row: usize,
+    is_own: bool,
+}
+
+/// Returns the pieces of the cells in their order; those of this rank are not larger than a block.
+fn pieces(domains: &Domains, rank: usize, starts: &[u32]) -> Vec<Piece> {
+    let mut pieces = Vec::with_capacity(domains.runs.len());
+    for (run, owner) in &domains.runs {
+        let is_own = *owner == rank;
+        let mut add = |cells: Range<usize>| {
+            if starts[cells.start] < starts[cells.end] {
+                pieces.push(Piece { first_row: starts[cells.start] as usize, cells, is_own });
+            }
+        };
+        if is_own {
+            blocks_of(starts, run.clone(), add);
+        } else {
+            add(run.clone());
+        }
+    }
+    pieces
+}
+
+/// Cuts columns into the rows of the pieces, which are all rows.
+fn cut<C: SharedColumns>(pieces: &[Piece], starts: &[u32], columns: C) -> Vec<C> {
+    let mut rest = columns;
+    let cut = |piece: &Piece| {
+        let rows = starts[piece.cells.end] as usize - piece.first_row;
+        let (columns, after) = std::mem::replace(&mut rest, C::none()).cut(rows);
+        rest = after;
+        columns
+    };
+    pieces.iter().map(cut).collect()
+}
+
+/// Lists the rows of cells, each with the index of its piece.
+fn rows_in(pieces: &[Piece], cells: &[Range<usize>], starts: &[u32], found: &mut Vec<(usize, Range<usize>)>) {
+    found.clear();
+    let mut piece = 0;
+    for cell in cells.iter().flat_map(Clone::clone) {
+        let rows = starts[cell] as usize..starts[cell + 1] as usize;
+        if rows.is_empty() {
+            continue;
+        }
+        while pieces[piece].cells.end <= cell {
+            piece += 1;
+        }
+        let first = pieces[piece].first_row;
+        found.push((piece, rows.start - first..rows.end - first));
+    }
+}
+
+/// Work on the cells of a block and the rows of the output columns that belong to them.
+///
+/// It is called through a pointer: a copy of the loops for every pass would take long to compile.
+type Work<'a, C, S> = dyn Fn(Range<usize>, &mut C) -> S + Sync + 'a;
+
+/// Joins two results.
+type Join<'a, S> = dyn Fn(S, S) -> S + Sync + 'a;
+
+/// Runs `work` over the own pieces, in parallel, and joins the results; None if there are none.
+fn run<C: Send, S: Send>(
+    pieces: &[Piece],
+    columns: &mut [C],
+    work: &Work<'_, C, S>,
+    join: &Join<'_, S>,
+) -> Option<S> {
+    if let ([piece], [columns]) = (pieces, &mut *columns) {
+        return piece.is_own.then(|| work(piece.cells.clone(), columns));
+    }
+    if pieces.is_empty() {
+        return None;
+    }
+    let middle = pieces.len() / 2;
+    let ((low, high), (low_columns, high_columns)) = (pieces.split_at(middle), columns.split_at_mut(middle));
+    let (low, high) =
+        rayon::join(|| run(low, low_columns, work, join), || run(high, high_columns, work, join));
+    match (low, high) {
+        (Some(low), Some(high)) => Some(join(low, high)),
+        (low, high) => low.or(high),
+    }
+}
+
+impl Group {
+    fn for_each_block<C: SharedColumns, S: Joined>(
+        &self,
+        state: &mut State,
+        starts: &[u32],
+        columns: C,
+        work: &Work<'_, C, S>,
+        join: &Join<'_, S>,
+    ) -> S {
+        let (rank, ranks) = (self.transport.rank(), self.transport.size());
+        let Some(domains) = state.domains.take() else { return S::default() };
+        let width = columns.width();
+        let started = Instant::now();
+        let pieces = pieces(&domains, rank, starts);
+        let mut columns = cut(&pieces, starts, columns);
+        let found = run(&pieces, &mut columns, work, join);
+        let busy = started.elapsed().as_secs_f64();
+        state.busy += busy;
+        state.traffic.busy += busy;
+        if width > 0 {
+            let is_whole = state.is_whole;
+            let mut rows = Vec::new();
+            for other in 0..ranks {
+                let message = &mut state.messages.outgoing[other];
+                message.clear();
+                rows_in(&pieces, domains.sent_to(other, is_whole), starts, &mut rows);
+                rows.drain(..).for_each(|(piece, rows)| columns[piece].write(rows, message));
+                let count = |cells: &Range<usize>| (starts[cells.end] - starts[cells.start]) as usize;
+                let expected: usize = domains.received_from(other, is_whole).iter().map(count).sum();
+                state.messages.incoming[other].resize(expected * width, 0);
+            }
+            self.exchange(state);
+            for other in 0..ranks {
+                let mut message = &state.messages.incoming[other][..];
+                rows_in(&pieces, domains.received_from(other, is_whole), starts, &mut rows);
+                for (piece, rows) in rows.drain(..) {
+                    message = columns[piece].read(rows, message);
+                }
+            }
+        }
+        state.domains = Some(domains);
+        let found = found.unwrap_or_default();
+        if size_of::<S>() > 0 { self.joined(state, found, join) } else { found }
+    }
+}
