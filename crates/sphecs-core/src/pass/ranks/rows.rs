@@ -4,6 +4,7 @@
 //! those that entered its cells from cells that it does not hold, and their owners send them.
 
 use std::ops::Range;
+use std::sync::atomic::Ordering;
 
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -17,7 +18,6 @@ use crate::particles::arrays::ParticleArrays;
 use crate::particles::record;
 use crate::particles::rows::{ParticleRow, set_real_vector};
 use crate::particles::zone::Zone;
-use std::sync::atomic::Ordering;
 
 /// Message of a rank to all others before a sort, followed by the bytes that each gets from it.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
