@@ -9,8 +9,11 @@ use census::{Particle, census};
 use common::{in_parallel, shipped_scenes, smoke_scene, text_scene};
 use rayon::ThreadPoolBuilder;
 use sphecs::Simulation;
-use sphecs::glam::DVec3;
+use sphecs::glam::{DMat3, DVec3};
+use sphecs_core::pass::section::Section;
+use sphecs_core::pass::surface_flow::{Friction, SurfacePoint};
 use sphecs_run::ranks::in_process::Followers;
+use sphecs_scene::model::ProbeSight;
 use sphecs_scene::seeds;
 
 /// Least and largest number of steps of each run, which include many changes of zone and corrective
@@ -84,8 +87,8 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_ranks_and_threads() {
         pools[1].install(|| {
             for step in 0..steps {
                 led.0.step().expect("a step");
-                // Rank 0 gets the particles of all for these.
                 match step % 13 {
+                    // Rank 0 gets the particles of all for this.
                     2 => drop(led.0.state()),
                     5 => drop(led.0.sample(&[DVec3::ZERO])),
                     _ => {}
@@ -96,13 +99,48 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_ranks_and_threads() {
         for (pool, simulation) in pools.iter().zip([&mut one, &mut led.0]) {
             pool.install(|| simulation.step().expect("a step"));
         }
-        // All that a checkpoint has, in its order, and what is written.
+        // What is written, before and after rank 0 gets the particles of all, and all that a
+        // checkpoint has, in its order.
+        let places = places_of(&mut one);
+        let expected = readings(&mut one, &places);
+        assert_eq!(readings(&mut led.0, &places), expected, "{}: 1 rank and {ranks} differ", path.display());
         assert!(one.state() == led.0.state(), "{}: the states differ on {ranks} ranks", path.display());
-        assert_eq!(one.body_forces(), led.0.body_forces(), "{}", path.display());
-        assert_eq!(one.monitor_row(), led.0.monitor_row(), "{}", path.display());
+        let rows = [readings(&mut one, &places), readings(&mut led.0, &places)];
+        assert_eq!(rows[0], rows[1], "{}: 1 rank and {ranks} differ", path.display());
         let found = difference(&mut one, &mut led.0);
         assert_eq!(found, None, "{}: 1 rank and {ranks} differ", path.display());
     });
+}
+
+/// Returns places in and beside a flow, m: close to particles, far outside, and nowhere.
+fn places_of(run: &mut Simulation) -> Vec<DVec3> {
+    let aside = DVec3::new(0.3, 0.1, 0.0) * run.scene().spacing;
+    let near = run.particles().position.into_iter().step_by(53).map(|place| place + aside);
+    near.chain([DVec3::splat(1e9), DVec3::splat(-1e3), DVec3::NAN]).collect()
+}
+
+/// Returns everything that is written of a flow but frames, at places, m, with every bit of the
+/// numbers.
+fn readings(run: &mut Simulation, places: &[DVec3]) -> String {
+    let row = run.monitor_row();
+    let sight = |at: usize| if at.is_multiple_of(3) { ProbeSight::Flow } else { ProbeSight::Fluid };
+    let probes: Vec<_> = places.iter().enumerate().map(|(at, &place)| (place, sight(at))).collect();
+    let (samples, pressures) = (run.sample_seeing(&probes), run.sample_pressure(&probes));
+    let on_surface = |&position: &DVec3| SurfacePoint {
+        position,
+        normal: DVec3::Y,
+        velocity: DVec3::X,
+        gradient: DMat3::IDENTITY,
+        friction: Friction::NoSlip,
+    };
+    let surface = run.sample_surface(&places.iter().map(on_surface).collect::<Vec<_>>());
+    let (spacing, dimensions) = (run.scene().spacing, run.scene().dimensions);
+    let inside = &places[..places.len() - 3];
+    let periods = run.scene().periodic.map(|ends| ends.map(|(lower, upper)| upper - lower));
+    let section = |normal| Section::new(inside[inside.len() / 2], normal, inside, spacing, periods, dimensions);
+    let flows = run.mass_flows(&[&section(DVec3::X), &section(DVec3::Y)]);
+    assert!(samples.iter().any(Option::is_some) && pressures.len() == places.len());
+    format!("{row:?} {samples:?} {pressures:?} {surface:?} {flows:?} {:?}", run.body_forces())
 }
 
 /// Channel with enough rows for several tasks per pass, with inlet, outlet, walls and a body force
@@ -143,6 +181,17 @@ fn check_many_rows(sets: &[(&str, &str)]) {
     let [one, threads, ranks] = &mut runs;
     let (rows, total) = (ranks.0.traffic(), ranks.0.ledger().total());
     assert!(rows.iter().all(|rank| 3 * rank.held_rows < 2 * total), "{rows:?}");
+    // A rank begins with the particles that it holds, not with all.
+    let division = one.0.divide(4);
+    for rank in 1..4 {
+        let part = one.0.part(&division, rank);
+        let (_, ids) = part.iter().find(|(name, _)| *name == "arrays.id").expect("numbers of particles");
+        assert!(3 * (ids.len() as u64) < 2 * total, "{} of {total} on rank {rank}", ids.len());
+        // A record is one value as bytes.
+        let columns = part.iter().filter(|(name, _)| !name.starts_with("record."));
+        let largest = columns.map(|(_, column)| column.len()).max().expect("columns");
+        assert_eq!(largest, ids.len(), "a column has more particles than rank {rank} holds");
+    }
     assert_eq!(difference(&mut one.0, &mut threads.0), None, "threads");
     assert_eq!(difference(&mut one.0, &mut ranks.0), None, "ranks");
 }

@@ -15,12 +15,13 @@ use sphecs::{Ledger, Scene, Simulation, StepSet};
 use sphecs_core::math::column::Columns;
 use sphecs_engine::arrays::Arrays;
 use sphecs_engine::components::{
-    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, Returned, SpsStress, Thermodynamics, Tracer,
-    Velocity, Wall, WallSurface,
+    Fluid, Inflow, Outflow, ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Tracer, Velocity,
+    Wall, WallSurface,
 };
 use sphecs_engine::plugins::{Plugin, PluginContext};
 use sphecs_engine::resources::entity_index::{EntityIndex, FreeParticles};
 use sphecs_engine::resources::grid::{Grid, SortBuffers};
+use sphecs_engine::resources::inflow_particles::InflowParticles;
 use sphecs_engine::resources::pair::Pair;
 use sphecs_engine::resources::pair_sums::Sums;
 use sphecs_engine::resources::scene::ActiveScene;
@@ -341,6 +342,7 @@ fn not_saved() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<Arrays<f64, 2>>(), "saved as columns"),
         (TypeId::of::<FreeParticles>(), "saved as a column"),
         (TypeId::of::<EntityIndex>(), "a restored world has other entities"),
+        (TypeId::of::<InflowParticles>(), "saved as zones and flags of the particles"),
         (TypeId::of::<StateLocation>(), "components and arrays agree in a restored world"),
         (TypeId::of::<Failure>(), "a diverged flow is not saved"),
         (TypeId::of::<PatchRows>(), "collected at each sort"),
@@ -360,7 +362,6 @@ fn not_saved() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<Wall>(), "saved: zone and patch"),
         (TypeId::of::<WallSurface>(), "saved: columns"),
         (TypeId::of::<Inflow>(), "saved: zone and patch"),
-        (TypeId::of::<Returned>(), "saved: a flag"),
         (TypeId::of::<Outflow>(), "saved: zone and patch"),
         (TypeId::of::<Reservoir>(), "saved: reservoir"),
         (TypeId::of::<SpsStress>(), "summed before it is read"),

@@ -72,11 +72,6 @@ pub struct Inflow {
     pub inlet: u16,
 }
 
-/// Mark of an inflow particle that returned from the fluid. The particle that was injected behind
-/// it may still be there.
-#[derive(Component, Clone, Copy, Debug, Default)]
-pub struct Returned;
-
 /// Role: outflow particle, downstream of the outlet `outlet`.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Outflow {

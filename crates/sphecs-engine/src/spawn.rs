@@ -5,10 +5,11 @@ use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 
 use crate::components::{
-    Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, Returned, SpsStress,
-    Thermodynamics, Tracer, Velocity, Wall, WallSurface,
+    Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, SpsStress, Thermodynamics,
+    Tracer, Velocity, Wall, WallSurface,
 };
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
+use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::{InflowCapacity, Ledger};
 use crate::systems::transitions::refill::WaitingInjections;
 use sphecs_core::particles::zone::Zone;
@@ -19,9 +20,10 @@ use sphecs_scene::model::{ParticleSeed, Scene};
 pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
     let turbulent = scene.scheme.has_stress();
     let tait = scene.fluid.tait();
-    let mut index = EntityIndex(Vec::with_capacity(seeds.len()));
+    let mut entities = Vec::with_capacity(seeds.len());
     let mut free = FreeParticles::default();
     let mut capacity = InflowCapacity(vec![0; scene.source_count()]);
+    let mut inflow = InflowParticles::none(scene.source_count());
     let mut outflow = vec![0; scene.outlets.len()];
     let mut ledger = Ledger {
         initial: seeds.len() as u64,
@@ -32,9 +34,9 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
         ..Ledger::default()
     };
     for group in seeds.chunk_by(|a, b| a.zone == b.zone) {
-        let first = index.0.len() as u32;
+        let first = entities.len() as u32;
         let state = (first..).zip(group).map(|(id, seed)| (seed_bundle(tait, id, seed), seed));
-        let mut spawn = Spawn { world, turbulent, entities: &mut index.0 };
+        let mut spawn = Spawn { world, turbulent, entities: &mut entities };
         match group[0].zone {
             Zone::Fluid => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
             Zone::Wall => spawn.all(state.map(|(bundle, seed)| {
@@ -50,15 +52,19 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
             Zone::Reservoir => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
         }
         match group[0].zone {
-            Zone::Reservoir => free.0.extend(first..index.0.len() as u32),
-            Zone::Inflow => group.iter().for_each(|seed| capacity.0[usize::from(seed.patch)] += 1),
+            Zone::Reservoir => free.0.extend(first..entities.len() as u32),
+            Zone::Inflow => group.iter().for_each(|seed| {
+                capacity.0[usize::from(seed.patch)] += 1;
+                inflow.inject(seed.patch);
+            }),
             Zone::Outflow => group.iter().for_each(|seed| outflow[usize::from(seed.patch)] += 1),
             Zone::Fluid | Zone::Wall => {}
         }
         ledger.by_zone[group[0].zone as usize] += group.len() as u64;
     }
-    world.insert_resource(index);
+    world.insert_resource(EntityIndex::new(entities));
     world.insert_resource(free);
+    world.insert_resource(inflow);
     world.insert_resource(capacity);
     world.insert_resource(WaitingInjections { capacity: outflow, waiting: Vec::new() });
     world.insert_resource(ledger);
@@ -83,8 +89,6 @@ pub(crate) struct SavedParticle {
     pub zone: Zone,
     /// Index of inlet, outlet or wall part.
     pub patch: u16,
-    /// True if it returned from the fluid through its inlet.
-    pub returned: bool,
     /// Position relative to the wall surface, for a wall particle.
     pub surface: WallSurface,
 }
@@ -95,37 +99,32 @@ pub(crate) fn spawn_saved(world: &mut World, scene: &Scene, particles: &[Option<
     let turbulent = scene.scheme.has_stress();
     let mut index = vec![Entity::PLACEHOLDER; particles.len()];
     let mut spawned = Vec::new();
-    let roles: Vec<_> = Zone::ALL.into_iter().flat_map(|zone| [(zone, false), (zone, true)]).collect();
     // All groups in one pass: the particles of a large scene do not fit into the cache.
-    let mut groups: Vec<Vec<&SavedParticle>> = vec![Vec::new(); roles.len()];
+    let mut groups: [Vec<&SavedParticle>; Zone::ALL.len()] = Default::default();
     for particle in particles.iter().flatten() {
-        let role = roles.iter().position(|role| *role == (particle.zone, particle.returned));
-        groups[role.expect("all roles are listed")].push(particle);
+        groups[particle.zone as usize].push(particle);
     }
-    for ((zone, returned), group) in roles.into_iter().zip(groups) {
+    for (zone, group) in Zone::ALL.into_iter().zip(groups) {
         let state = group.iter().map(|particle| (particle.bundle, **particle));
         let mut spawn = Spawn { world, turbulent, entities: &mut spawned };
-        match (zone, returned) {
-            (Zone::Fluid, _) => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
-            (Zone::Wall, _) => {
-                spawn.all(state.map(|(bundle, wall)| (bundle, (Wall { part: wall.patch }, wall.surface))))
+        match zone {
+            Zone::Fluid => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
+            Zone::Wall => {
+                spawn.all(state.map(|(bundle, wall)| (bundle, (Wall { part: wall.patch }, wall.surface))));
             }
-            (Zone::Inflow, false) => {
+            Zone::Inflow => {
                 spawn.all(state.map(|(bundle, inflow)| (bundle, Inflow { inlet: inflow.patch })));
             }
-            (Zone::Inflow, true) => {
-                spawn.all(state.map(|(bundle, inflow)| (bundle, (Inflow { inlet: inflow.patch }, Returned))));
-            }
-            (Zone::Outflow, _) => {
+            Zone::Outflow => {
                 spawn.all(state.map(|(bundle, outflow)| (bundle, Outflow { outlet: outflow.patch })));
             }
-            (Zone::Reservoir, _) => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
+            Zone::Reservoir => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
         }
         for (particle, entity) in group.iter().zip(spawned.drain(..)) {
             index[particle.bundle.id.0 as usize] = entity;
         }
     }
-    world.insert_resource(EntityIndex(index));
+    world.insert_resource(EntityIndex::new(index));
 }
 
 /// Spawns the particles of one role in one batch, so that their table is allocated in the exact

@@ -148,7 +148,7 @@ impl Frame {
             }
             entities[slot] = Some(entity);
         }
-        let numbers = world.get_resource::<EntityIndex>().map_or(0, |entities| entities.0.len());
+        let numbers = world.get_resource::<EntityIndex>().map_or(0, EntityIndex::len);
         entities.resize(numbers.max(entities.len()), None);
         frame.resize(entities.len());
         roles.update_archetypes(world);

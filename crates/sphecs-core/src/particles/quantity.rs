@@ -112,6 +112,9 @@ pub trait Quantity: Sized {
     /// Appends the value of a particle. Rows up to `row`, which had none, get the default.
     fn push(&mut self, row: usize, value: Self::Value);
 
+    /// Writes the value of the particle of a row.
+    fn set(&mut self, row: usize, value: Self::Value);
+
     /// Returns the name of a column in a checkpoint: `name`, or `name.axis` of a vector.
     fn saved_name(name: &str, axis: usize) -> String;
 
@@ -173,6 +176,11 @@ impl<E: ColumnElement> Quantity for Vec<E> {
         self.push(E::from_value(value));
     }
 
+    #[inline]
+    fn set(&mut self, row: usize, value: E::Value) {
+        self[row] = E::from_value(value);
+    }
+
     fn saved_name(name: &str, _axis: usize) -> String {
         name.to_owned()
     }
@@ -207,6 +215,13 @@ impl<E: ColumnElement<Value = f64>, const D: usize> Quantity for [Vec<E>; D] {
         for axis in 0..D {
             self[axis].resize(row, E::default());
             self[axis].push(E::from_value(value[axis]));
+        }
+    }
+
+    #[inline]
+    fn set(&mut self, row: usize, value: DVec3) {
+        for axis in 0..D {
+            self[axis][row] = E::from_value(value[axis]);
         }
     }
 

@@ -24,6 +24,11 @@ pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order
     arrays.save_columns(&SavedRows::new(&arrays.id, &arrays.zone, order), to);
 }
 
+/// Adds the columns of [`save`], of some rows alone.
+pub fn save_rows<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, rows: Vec<u32>, to: &mut Columns) {
+    arrays.save_columns(&SavedRows(Some(rows)), to);
+}
+
 /// Takes the columns of [`save`] from a checkpoint.
 ///
 /// # Errors

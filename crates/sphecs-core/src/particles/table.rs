@@ -120,6 +120,26 @@ macro_rules! columns {
                 });
             }
 
+            /// Writes all values of the particle of a row, except to columns that are not in use.
+            pub fn set(&mut self, row: usize, particle: &ParticleRow) {
+                $(
+                    if self.is_used(When::$when) {
+                        Quantity::set(&mut self.$name, row, particle.$name);
+                    }
+                )*
+            }
+
+            /// Changes the number of particles; new ones have the defaults of all columns in use.
+            pub fn resize(&mut self, rows: usize) {
+                $(
+                    if self.is_used(When::$when) {
+                        let columns = self.$name.columns_mut();
+                        columns.iter_mut().for_each(|column| column.resize(rows, Default::default()));
+                    }
+                )*
+                self.acceleration.iter_mut().for_each(|column| column.resize(rows, R::default()));
+            }
+
             /// Returns all values of the particle of a row; 0 for columns that are not in use.
             pub fn row(&self, row: usize) -> ParticleRow {
                 ParticleRow {

@@ -14,6 +14,7 @@
 //! particles that are Δ apart M4 sums to one wherever the plane lies.
 
 use std::collections::HashSet;
+use std::ops::Range;
 
 use glam::DVec3;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -60,6 +61,33 @@ impl Section {
         section
     }
 
+    /// Appends the section as numbers, for a message to another rank.
+    pub fn write(&self, to: &mut Vec<f64>) {
+        for vector in [self.at, self.normal, self.along[0], self.along[1]] {
+            to.extend(vector.to_array());
+        }
+        to.push(self.spacing);
+        to.extend(self.periods.map(|period| period.unwrap_or(0.0)));
+        to.push(self.cells.len() as f64);
+        to.extend(self.cells.iter().flat_map(|&(i, j)| [f64::from(i), f64::from(j)]));
+    }
+
+    /// Returns the sections whose numbers were [written](Self::write).
+    pub fn read_all(numbers: &[f64]) -> Vec<Self> {
+        let mut numbers = numbers.iter().copied();
+        let mut sections = Vec::new();
+        while let Some(x) = numbers.next() {
+            let mut next = || numbers.next().expect("a whole section");
+            let at = DVec3::new(x, next(), next());
+            let [normal, first, second] = std::array::from_fn(|_| DVec3::new(next(), next(), next()));
+            let spacing = next();
+            let periods = std::array::from_fn(|_| Some(next()).filter(|&period| period > 0.0));
+            let cells = (0..next() as usize).map(|_| (next() as i32, next() as i32)).collect();
+            sections.push(Self { at, normal, along: [first, second], spacing, cells, periods });
+        }
+        sections
+    }
+
     fn cell(&self, offset: DVec3) -> (i32, i32) {
         let [i, j] = self.along.map(|unit| (offset.dot(unit) / self.spacing).round() as i32);
         (i, j)
@@ -90,22 +118,23 @@ fn cubic_spline(x: f64) -> f64 {
     if x < 1.0 { 2.0 / 3.0 - x * x + 0.5 * x * x * x } else { (2.0 - x).max(0.0).powi(3) / 6.0 }
 }
 
-/// Returns the mass flows through sections, kg/s, of particles of the mass `mass`, kg (both per
-/// metre of depth in 2D).
-pub fn mass_flows<R: Real, const D: usize>(
+/// Returns Σ (v + w) · n M4/Δ, 1/s, through sections over rows of the particles; times the mass of
+/// a particle it is the mass flow.
+pub fn flow_sums<R: Real, const D: usize>(
     particles: &ParticleArrays<R, D>,
-    mass: f64,
+    rows: &[Range<usize>],
     sections: &[&Section],
-) -> Vec<f64> {
+) -> Vec<ExactSum> {
     let flow = |section: &&Section| {
         let mut flow = ExactSum::default();
-        for row in (0..particles.len()).filter(|&row| particles.zone[row].flows()) {
+        let rows = rows.iter().flat_map(Clone::clone);
+        for row in rows.filter(|&row| particles.zone[row].flows()) {
             let weight = section.weight(particles.position_of(row));
             if weight > 0.0 {
                 flow += weight * particles.carrying_velocity_of(row).dot(section.normal);
             }
         }
-        mass * flow.value()
+        flow
     };
     sections.par_iter().map(flow).collect()
 }
@@ -122,6 +151,22 @@ mod tests {
         (0..count as usize).map(|k| at + along * length * ((k as f64 + 0.5) / count - 0.5)).collect()
     }
 
+    fn mass_flow<R: Real, const D: usize>(sample: &Sample<R, D>, section: &Section) -> f64 {
+        let rows = 0..sample.particles.len();
+        sample.pair.discretisation.mass * flow_sums(&sample.particles, &[rows], &[section])[0].value()
+    }
+
+    #[test]
+    fn section_is_read_as_it_was_written() {
+        let points = line(DVec3::new(0.3, 0.1, 0.0), DVec3::Y, 7.0 * SPACING);
+        let periods = [None, Some(2.0), None];
+        let section = Section::new(points[0], DVec3::X, &points, SPACING, periods, 2);
+        let other = Section::new(points[1], DVec3::Y, &points, SPACING, [None; 3], 3);
+        let mut numbers = Vec::new();
+        [&section, &other].iter().for_each(|section| section.write(&mut numbers));
+        assert_eq!(Section::read_all(&numbers), [section, other]);
+    }
+
     #[test]
     fn mass_flow_on_the_lattice_is_exact_wherever_the_plane_lies() {
         let mut sample = Sample::<f64, 2>::lattice(settings(Kernel::WendlandC2, 2, 1.33), [40, 20], false);
@@ -131,7 +176,7 @@ mod tests {
             let at = DVec3::new(-0.1 + shift * SPACING, -0.2, 0.0);
             let points = line(at, DVec3::Y, 20.0 * SPACING);
             let section = Section::new(at, DVec3::X, &points, SPACING, [None; 3], 2);
-            let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
+            let found = mass_flow(&sample, &section);
             assert!((found / exact - 1.0).abs() < 1e-12, "{found} for {exact} at {shift}");
         }
     }
@@ -144,7 +189,7 @@ mod tests {
         sample.particles.drift = [-0.02, 0.5].map(|w| vec![w; sample.particles.len()]);
         let at = DVec3::new(-0.1, -0.2, 0.0);
         let section = Section::new(at, DVec3::X, &line(at, DVec3::Y, 20.0 * SPACING), SPACING, [None; 3], 2);
-        let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
+        let found = mass_flow(&sample, &section);
         let exact = WATER.reference_density * 0.28 * 20.0 * SPACING;
         assert!((found / exact - 1.0).abs() < 1e-12, "{found} for {exact}");
     }
@@ -159,7 +204,7 @@ mod tests {
         let (at, along) = (DVec3::new(0.0, -0.1, 0.0), DVec3::new(-0.6, 0.8, 0.0));
         let points = line(at, along, 0.5);
         let section = Section::new(at, normal, &points, SPACING, [None; 3], 2);
-        let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
+        let found = mass_flow(&sample, &section);
         let exact = WATER.reference_density * 0.3 * 40.0 * SPACING;
         assert!((found / exact - 1.0).abs() < 2e-3, "{found} for {exact}");
     }
@@ -176,7 +221,7 @@ mod tests {
             points.extend(line(at + DVec3::Z * f64::from(k) * SPACING, DVec3::Y, 3.0 * SPACING));
         }
         let section = Section::new(at, DVec3::X, &points, SPACING, periods, 3);
-        let found = mass_flows(&sample.particles, sample.pair.discretisation.mass, &[&section])[0];
+        let found = mass_flow(&sample, &section);
         let rows = sample.particles.position[1].iter().zip(&sample.particles.position[2]);
         let inside = rows
             .filter(|(y, z)| {

@@ -1,5 +1,6 @@
 //! Saved state of a world: everything that the next step depends on, as named columns.
 //!
+//! - `part`: the particles that a rank holds
 //! - `particles`: the particles, from arrays and components
 //!
 //! A resource that later steps depend on is saved by one line where it is inserted,
@@ -12,6 +13,7 @@
 //! Add a new column of the arrays to `particles/saved.rs`, which does not compile without it. Add a
 //! new component to `saved_state/particles.rs`.
 
+pub(crate) mod part;
 pub(crate) mod particles;
 
 use std::any::TypeId;

@@ -14,8 +14,6 @@
 //! All else follows from these columns. The other components repeat the row, the sub-particle
 //! stress is computed before it is read, and the entities are new.
 
-use bevy_ecs::entity::Entity;
-use bevy_ecs::query::Has;
 use bevy_ecs::world::World;
 use glam::DVec3;
 use rayon::iter::{
@@ -24,10 +22,11 @@ use rayon::iter::{
 
 use crate::arrays::Arrays;
 use crate::components::{
-    ParticleBundle, ParticleId, Position, Returned, Thermodynamics, Tracer, Velocity, WallSurface,
+    ParticleBundle, ParticleId, Position, Thermodynamics, Tracer, Velocity, WallSurface,
 };
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
 use crate::resources::grid::Grid;
+use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::{InflowCapacity, Ledger};
 use crate::resources::pair::Pair;
 use crate::resources::scene::ActiveScene;
@@ -54,26 +53,33 @@ pub(crate) fn save<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut C
         }
         StateLocation::Arrays | StateLocation::Both => Order::AsTheyStand,
     };
-    let grid = &world.resource::<Grid<D>>().0;
-    to.put("grid.lower", grid.lower().to_vec());
-    to.put("grid.upper", grid.upper().to_vec());
+    save_grid::<D>(world, to);
     saved::save(world.resource::<Arrays<R, D>>(), order, to);
     save_components(world, to);
     save_stored(world, to);
 }
 
+/// Saves the box of the cell grid.
+pub(super) fn save_grid<const D: usize>(world: &World, to: &mut Columns) {
+    let grid = &world.resource::<Grid<D>>().0;
+    to.put("grid.lower", grid.lower().to_vec());
+    to.put("grid.upper", grid.upper().to_vec());
+}
+
 fn save_components(world: &mut World, to: &mut Columns) {
-    let count = world.resource::<EntityIndex>().0.len();
+    let count = world.resource::<EntityIndex>().len();
     let mut tag = vec![0.0_f32; count];
     let mut passages = vec![0_u32; count];
     let mut returned = vec![0_u8; count];
     let mut walls: Vec<(u32, WallSurface)> = Vec::new();
-    let mut particles = world.query::<(&ParticleId, &Tracer, Has<Returned>, Option<&WallSurface>)>();
-    for (id, tracer, has_returned, surface) in particles.iter(world) {
+    for id in world.resource::<InflowParticles>().returned() {
+        returned[id as usize] = 1;
+    }
+    let mut particles = world.query::<(&ParticleId, &Tracer, Option<&WallSurface>)>();
+    for (id, tracer, surface) in particles.iter(world) {
         let slot = id.0 as usize;
         tag[slot] = tracer.tag;
         passages[slot] = tracer.passages;
-        returned[slot] = u8::from(has_returned);
         walls.extend(surface.map(|surface| (id.0, *surface)));
     }
     walls.sort_unstable_by_key(|(id, _)| *id);
@@ -88,11 +94,11 @@ fn save_components(world: &mut World, to: &mut Columns) {
 
 fn save_stored(world: &World, to: &mut Columns) {
     let stored = &world.resource::<FreeParticles>().0;
-    let index = &world.resource::<EntityIndex>().0;
+    let index = world.resource::<EntityIndex>();
     let state: Vec<(DVec3, DVec3, Thermodynamics)> = stored
         .iter()
         .map(|&id| {
-            let entity = world.entity(index[id as usize]);
+            let entity = world.entity(index.get(id).expect("a stored particle has an entity"));
             let state = entity.components::<(&Position, &Velocity, &Thermodynamics)>();
             (state.0.0, state.1.0, *state.2)
         })
@@ -158,6 +164,33 @@ pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     from: &mut Columns,
 ) -> Result<(), ColumnMismatch> {
     let scene = world.resource::<ActiveScene>().0.clone();
+    let arrays = restore_arrays::<R, D>(world, from)?;
+    let stored = from.take::<u32>("stored.id")?;
+    let tag = from.take::<f32>("particle.tag")?;
+    let mut particles = moving(&scene, &arrays, tag.len())?;
+    restore_stored(&stored, &mut particles, from)?;
+    // Every number must be in use, unless the scene deletes particles.
+    if scene.reservoir.recycle && particles.iter().any(Option::is_none) {
+        let (found, slots) = (arrays.len() + stored.len(), particles.len());
+        return Err(ColumnMismatch(format!("there are {found} particles for {slots} numbers")));
+    }
+    let returned = restore_components(&mut particles, tag, from)?;
+    spawn_saved(world, &scene, &particles);
+    world.insert_resource(inflow_particles(&scene, &arrays, |id| returned[id as usize] != 0));
+    world.insert_resource(FreeParticles(stored));
+    world.insert_resource(Arrays(arrays));
+    world.insert_resource(StateLocation::Both);
+    Ok(())
+}
+
+/// Takes the arrays of a state.
+///
+/// # Errors
+/// [`ColumnMismatch`] if they do not fit the scheme of the scene.
+pub(super) fn restore_arrays<R: PairReal<D>, const D: usize>(
+    world: &World,
+    from: &mut Columns,
+) -> Result<ParticleArrays<R, D>, ColumnMismatch> {
     let arrays = saved::restore::<R, D>(from)?;
     if arrays.evolves_pressure != world.resource::<Arrays<R, D>>().evolves_pressure {
         return Err(ColumnMismatch(
@@ -169,21 +202,24 @@ pub(crate) fn restore<R: PairReal<D>, const D: usize>(
             "the columns of the drift belong to another scheme or other probes than the scene has".to_owned(),
         ));
     }
-    let stored = from.take::<u32>("stored.id")?;
-    let tag = from.take::<f32>("particle.tag")?;
-    let mut particles = moving(&scene, &arrays, tag.len())?;
-    restore_stored(&stored, &mut particles, from)?;
-    // Every number must be in use, unless the scene deletes particles.
-    if scene.reservoir.recycle && particles.iter().any(Option::is_none) {
-        let (found, slots) = (arrays.len() + stored.len(), particles.len());
-        return Err(ColumnMismatch(format!("there are {found} particles for {slots} numbers")));
+    Ok(arrays)
+}
+
+/// Returns the particles of the inflow zones in the arrays.
+pub(super) fn inflow_particles<R: PairReal<D>, const D: usize>(
+    scene: &Scene,
+    arrays: &ParticleArrays<R, D>,
+    has_returned: impl Fn(u32) -> bool,
+) -> InflowParticles {
+    let mut inflow = InflowParticles::none(scene.source_count());
+    for row in (0..arrays.len()).filter(|&row| arrays.zone[row] == Zone::Inflow) {
+        if has_returned(arrays.id[row]) {
+            inflow.add_returned(arrays.id[row]);
+        } else {
+            inflow.inject(arrays.patch[row]);
+        }
     }
-    restore_components(&mut particles, tag, from)?;
-    spawn_saved(world, &scene, &particles);
-    world.insert_resource(FreeParticles(stored));
-    world.insert_resource(Arrays(arrays));
-    world.insert_resource(StateLocation::Both);
-    Ok(())
+    inflow
 }
 
 /// Returns the particles of the arrays by their numbers.
@@ -241,7 +277,6 @@ fn saved_particle(
         },
         zone,
         patch: 0,
-        returned: false,
         surface: WallSurface::default(),
     }
 }
@@ -291,17 +326,18 @@ fn restore_stored(
     Ok(())
 }
 
+/// Restores the values that only components have, and returns which particles came back from the
+/// fluid.
 fn restore_components(
     particles: &mut [Option<SavedParticle>],
     tag: Vec<f32>,
     from: &mut Columns,
-) -> Result<(), ColumnMismatch> {
+) -> Result<Vec<u8>, ColumnMismatch> {
     let passages = from.take_exactly::<u32>("particle.passages", particles.len())?;
     let returned = from.take_exactly::<u8>("particle.returned", particles.len())?;
     particles.par_iter_mut().enumerate().for_each(|(slot, particle)| {
         let Some(particle) = particle else { return };
         particle.bundle.tracer = Tracer { tag: tag[slot], passages: passages[slot] };
-        particle.returned = returned[slot] != 0;
     });
     let walls = from.take::<u32>("wall.id")?;
     let distance = from.take_exactly::<f64>("wall.distance", walls.len())?;
@@ -322,7 +358,7 @@ fn restore_components(
         })?;
         wall.surface = WallSurface { distance: distance[at], normal: normal[at], thickness: thickness[at] };
     }
-    Ok(())
+    Ok(returned)
 }
 
 /// Checks that the particle counts agree with the particles of the world.
@@ -340,11 +376,9 @@ pub(crate) fn check_ledger(world: &mut World) -> Result<(), ColumnMismatch> {
             "the particle counts are not those of {inlets} inlets and emitters and {outlets} outlets"
         )));
     }
-    let index = &world.resource::<EntityIndex>().0;
     let mut free: Vec<u32> = world.resource::<FreeNumbers>().0.iter().map(|free| free.id).collect();
     free.sort_unstable();
-    let empty = (0..).zip(index).filter(|(_, entity)| **entity == Entity::PLACEHOLDER).map(|(id, _)| id);
-    if !free.iter().copied().eq(empty) {
+    if !free.iter().copied().eq(world.resource::<EntityIndex>().free()) {
         return Err(ColumnMismatch(format!("the free numbers {free:?} are not those without a particle")));
     }
     if ledger.by_zone == counted {

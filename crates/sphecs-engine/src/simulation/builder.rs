@@ -5,16 +5,18 @@ use std::sync::Arc;
 use bevy_ecs::schedule::{Schedule, Schedules};
 use bevy_ecs::world::World;
 
-use super::ranks::Connection;
+use super::ranks::{Connection, FirstDivision};
+use super::readings::Readiness;
 use super::{Simulation, TypedFunctions};
 use crate::plugins::builtin::add_builtin;
 use crate::plugins::{Plugin, PluginContext};
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
 use crate::resources::grid::{Grid, scene_grid};
+use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::{InflowCapacity, Ledger};
 use crate::resources::pair::{Pair, pair_settings};
 use crate::resources::scene::ActiveScene;
-use crate::saved_state::{SavedResources, particles};
+use crate::saved_state::{SavedResources, part, particles};
 use crate::schedule::{stage_schedule, step_schedule};
 use crate::spawn::spawn_particles;
 use crate::systems::boundaries::emitter_states::EmitterStates;
@@ -25,6 +27,7 @@ use crate::systems::transitions::refill::WaitingInjections;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::division::Division;
 use sphecs_scene::model::{ParticleSeed, Precision, Scene};
 
 /// Builder of a [`Simulation`], from [`Simulation::builder`].
@@ -43,6 +46,8 @@ enum Start {
     Particles(Vec<ParticleSeed>),
     /// State of another simulation of the same scene.
     State(Columns),
+    /// Part of the state of a simulation that this one follows.
+    Part(Columns),
 }
 
 /// Reason for which a simulation cannot be built.
@@ -100,6 +105,15 @@ impl SimulationBuilder {
         self
     }
 
+    /// Starts from what [`Simulation::part`] returned for a rank, which
+    /// [follows](Simulation::follow) that simulation.
+    ///
+    /// Its particles have no components.
+    pub fn part(mut self, part: Columns) -> Self {
+        self.start = Start::Part(part);
+        self
+    }
+
     /// Builds the simulation, ready for its first step.
     ///
     /// # Errors
@@ -120,6 +134,7 @@ impl SimulationBuilder {
             Start::Scene => Contents::Particles(sphecs_scene::spawn::seeds(&scene)),
             Start::Particles(particles) => Contents::Particles(particles),
             Start::State(state) => Contents::State(state),
+            Start::Part(part) => Contents::Part(part),
         };
         let scene = Arc::new(scene);
         let mut world = World::new();
@@ -146,10 +161,21 @@ impl SimulationBuilder {
                 SavedResources::restore(&mut world, &mut state)?;
                 particles::check_ledger(&mut world)?;
             }
+            Contents::Part(mut part) => {
+                world.insert_resource(FirstDivision(Division::restore(&mut part)?));
+                part::restore::<R, D>(&mut world, &mut part)?;
+                SavedResources::restore(&mut world, &mut part)?;
+            }
         }
         find_poses(&mut world);
         let functions = TypedFunctions::new::<R, D>(&scene);
-        Ok(Simulation { world, scene, functions, is_refreshed: false, connection: Connection::default() })
+        Ok(Simulation {
+            world,
+            scene,
+            functions,
+            readiness: Readiness::default(),
+            connection: Connection::default(),
+        })
     }
 }
 
@@ -159,13 +185,15 @@ enum Contents {
     Particles(Vec<ParticleSeed>),
     /// Saved state.
     State(Columns),
+    /// Part of a state.
+    Part(Columns),
 }
 
 impl Contents {
     fn grid<const D: usize>(&mut self, scene: &Scene, pair: &Pair) -> Result<CellGrid<D>, ColumnMismatch> {
         match self {
             Self::Particles(particles) => Ok(scene_grid(scene, &pair.0, particles)),
-            Self::State(state) => particles::restore_grid(scene, pair, state),
+            Self::State(state) | Self::Part(state) => particles::restore_grid(scene, pair, state),
         }
     }
 }
@@ -185,6 +213,7 @@ fn build_plugins<R: PairReal<D>, const D: usize>(
     insert_outlets::<R, D>(context.world, scene)?;
     context.world.init_resource::<EntityIndex>();
     context.world.init_resource::<FreeParticles>();
+    context.world.init_resource::<InflowParticles>();
     context.save_resource::<InflowCapacity>("inflow_capacity");
     context.save_resource::<WaitingInjections>("waiting_injections");
     context.save_resource::<Ledger>("ledger");

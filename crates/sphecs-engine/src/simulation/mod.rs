@@ -2,10 +2,12 @@
 //!
 //! - `builder`: scene, initial state and plugins
 //! - `ranks`: the ranks that share the passes
+//! - `readings`: what is read between two steps
 //! - `stop`: reasons for which a simulation cannot continue
 
 mod builder;
 mod ranks;
+mod readings;
 mod stop;
 
 use std::sync::Arc;
@@ -17,12 +19,13 @@ pub use builder::{BuildError, SimulationBuilder};
 pub use stop::{Stop, StopRequest};
 
 use self::ranks::{Command, Connection};
+use self::readings::Readiness;
 use crate::arrays::Arrays;
 use crate::particle_table::ParticleTable;
 use crate::resources::clock::Clock;
 use crate::resources::ledger::Ledger;
 use crate::resources::pair::Pair;
-use crate::resources::state_location::{self, StateLocation};
+use crate::resources::state_location;
 use crate::resources::stopwatch::Stopwatch;
 use crate::saved_state::{SavedResources, particles};
 use crate::schedule::Step;
@@ -35,6 +38,7 @@ use sphecs_core::math::column::Columns;
 pub use sphecs_core::particles::sample::Sample;
 use sphecs_core::pass::grid_rows::{NodeRow, RowSink};
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::division::Division;
 use sphecs_core::pass::ranks::shares::Share;
 use sphecs_core::pass::section::Section;
 use sphecs_core::pass::surface_flow::{SurfaceFlow, SurfacePoint};
@@ -45,9 +49,8 @@ pub struct Simulation {
     world: World,
     scene: Arc<Scene>,
     functions: TypedFunctions,
-    /// True if the arrays are sorted and have the density at the present positions, so that monitor
-    /// rows, samples and frames of one time share one sort.
-    is_refreshed: bool,
+    /// What has been done to read the present state.
+    readiness: Readiness,
     connection: Connection,
 }
 
@@ -67,6 +70,8 @@ struct TypedFunctions {
     sample_surface: fn(&World, &[SurfacePoint], f64) -> Vec<Option<SurfaceFlow>>,
     mass_flows: fn(&World, &[&Section]) -> Vec<f64>,
     shares: fn(&mut World, usize) -> Vec<Share>,
+    divide: fn(&World, usize) -> Division,
+    part: fn(&mut World, &Division, usize, &mut Columns),
 }
 
 impl TypedFunctions {
@@ -88,6 +93,8 @@ impl TypedFunctions {
             sample_surface: sampling::sample_surface::<R, D>,
             mass_flows: sampling::mass_flows::<R, D>,
             shares: ranks::shares_of::<R, D>,
+            divide: ranks::divide::<R, D>,
+            part: ranks::save_part::<R, D>,
         }
     }
 }
@@ -132,7 +139,7 @@ impl Simulation {
     fn own_step(&mut self) -> Result<(), Stop> {
         self.world.resource::<Pair>().0.ranks.begin_step();
         self.world.resource_mut::<Stopwatch>().start();
-        self.is_refreshed = false;
+        self.readiness = Readiness::default();
         let world = &mut self.world;
         // On a thread of the pool: from any other thread, each parallel loop would wake the pool
         // and wait for it.
@@ -181,56 +188,6 @@ impl Simulation {
         Arc::clone(&self.scene)
     }
 
-    /// Returns the world with up-to-date components, density and pressure at the present positions
-    /// included.
-    pub fn world(&mut self) -> &World {
-        self.update_components();
-        &self.world
-    }
-
-    /// Returns the world with up-to-date components; the next step starts from the components that
-    /// the caller leaves in it.
-    pub fn world_mut(&mut self) -> &mut World {
-        self.update_components();
-        self.is_refreshed = false;
-        self.world.insert_resource(StateLocation::Components);
-        &mut self.world
-    }
-
-    fn update_components(&mut self) {
-        self.refresh();
-        (self.functions.scatter)(&mut self.world);
-    }
-
-    fn refresh(&mut self) {
-        if !self.is_refreshed {
-            self.connection.announce(Command::Refresh);
-            self.own_refresh();
-            self.is_refreshed = true;
-        }
-    }
-
-    /// Sums the densities at the present positions on this rank.
-    fn own_refresh(&mut self) {
-        (self.functions.collect)(&mut self.world);
-        (self.functions.refresh)(&mut self.world);
-    }
-
-    /// Gives rank 0 the particles of all ranks, unless it has them already.
-    fn collect(&mut self) {
-        if self.connection.is_shared() && !self.is_refreshed {
-            self.connection.announce(Command::Collect);
-            (self.functions.collect)(&mut self.world);
-        }
-    }
-
-    /// Returns the state of all particles in the order of their numbers, as [`Self::world`] has it
-    /// for single ones.
-    pub fn particles(&mut self) -> ParticleTable {
-        self.refresh();
-        (self.functions.table)(&self.world)
-    }
-
     /// Returns time, step and step size.
     pub fn clock(&self) -> Clock {
         *self.world.resource::<Clock>()
@@ -253,63 +210,10 @@ impl Simulation {
         self.world.resource::<Ledger>()
     }
 
-    /// Returns the integral quantities at the present time; the mass flows are means since the
-    /// previous call.
-    pub fn monitor_row(&mut self) -> MonitorRow {
-        self.refresh();
-        (self.functions.monitor_row)(&mut self.world)
-    }
-
     /// Returns force and torque of the fluid on the bodies of the scene at the beginning of the
     /// last step.
     pub fn body_forces(&self) -> &BodyForcesRow {
         &self.world.resource::<Bodies>().row
-    }
-
-    /// Returns velocity (m/s), pressure (Pa) and density (kg/m³) of the fluid at points, m, by
-    /// corrected kernel sums; None at a point without fluid nearby.
-    pub fn sample(&mut self, points: &[DVec3]) -> Vec<Option<Sample>> {
-        let fluid: Vec<_> = points.iter().map(|&point| (point, ProbeSight::Fluid)).collect();
-        self.sample_seeing(&fluid)
-    }
-
-    /// Samples as [`Self::sample`] does, with a choice of the particles that count at each point.
-    pub fn sample_seeing(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<Sample>> {
-        self.refresh();
-        (self.functions.sample)(&self.world, points)
-    }
-
-    /// Returns the pressure of [`Self::sample_seeing`], Pa, for less work than all fields.
-    pub fn sample_pressure(&mut self, points: &[(DVec3, ProbeSight)]) -> Vec<Option<f64>> {
-        self.refresh();
-        (self.functions.pressure)(&self.world, points)
-    }
-
-    /// Samples the fields of the fluid at the nodes of a grid, in parallel, and passes those of
-    /// each row to its sink; with `tagged`, the passive scalar too.
-    ///
-    /// # Panics
-    /// If there are not as many sinks as rows.
-    pub fn sample_rows(&mut self, rows: &[NodeRow], sinks: &mut [&mut dyn RowSink], tagged: bool) {
-        self.refresh();
-        (self.functions.sample_rows)(&self.world, rows, sinks, tagged);
-    }
-
-    /// Returns pressure and shear stress at points of the walls; None at a point without fluid
-    /// nearby.
-    pub fn sample_surface(&mut self, points: &[SurfacePoint]) -> Vec<Option<SurfaceFlow>> {
-        self.refresh();
-        (self.functions.sample_surface)(&self.world, points, self.scene.fluid.viscosity)
-    }
-
-    /// Returns the mass flow through sections along their normals, kg/s (per metre of depth in 2D).
-    ///
-    /// It includes the displacement by shifting if the scene has a section among its probes.
-    /// Otherwise `Wcsph` does not store that displacement, and the flow is that of the velocities.
-    pub fn mass_flows(&mut self, sections: &[&Section]) -> Vec<f64> {
-        self.collect();
-        (self.functions.gather)(&mut self.world);
-        (self.functions.mass_flows)(&self.world, sections)
     }
 
     /// Returns name and wall-clock seconds of each set, in the order of the step.

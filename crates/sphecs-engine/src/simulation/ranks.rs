@@ -4,7 +4,10 @@
 //! all do together: a step, and before it reads fields or saves the state, that it gets the
 //! particles of all. The reading itself changes nothing that later steps depend on.
 
+use std::ops::Range;
+
 use bevy_ecs::change_detection::Mut;
+use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 
 use super::Simulation;
@@ -12,10 +15,13 @@ use crate::arrays::Arrays;
 use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::scene::ActiveScene;
+use crate::saved_state::{SavedResources, part};
 use crate::systems::body_forces::Bodies;
 use crate::systems::boundaries::outlets::Outlets;
 use crate::systems::boundaries::patch_rows::PatchRows;
+use sphecs_core::math::column::Columns;
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::division::Division;
 use sphecs_core::pass::ranks::shares::{Share, shares};
 use sphecs_core::pass::ranks::{Ranks, Traffic};
 
@@ -30,12 +36,33 @@ pub(super) enum Command {
     Traffic,
     /// Rank 0 gets the particles of all.
     Collect,
-    /// Rank 0 gets the particles of all, with the densities at the present positions.
-    Refresh,
+    /// All ranks sort their particles and sum the densities at the present positions.
+    Sort,
+    /// All ranks sum for a row of the monitor.
+    MonitorRow,
+    /// All ranks find the fields at points that follow.
+    Sample,
+    /// All ranks find the pressure at points that follow.
+    Pressure,
+    /// All ranks find the flow at points of walls that follow.
+    Surface,
+    /// All ranks sum the mass flows through sections that follow.
+    MassFlows,
 }
 
 impl Command {
-    const ALL: [Self; 5] = [Self::End, Self::Step, Self::Traffic, Self::Collect, Self::Refresh];
+    const ALL: [Self; 10] = [
+        Self::End,
+        Self::Step,
+        Self::Traffic,
+        Self::Collect,
+        Self::Sort,
+        Self::MonitorRow,
+        Self::Sample,
+        Self::Pressure,
+        Self::Surface,
+        Self::MassFlows,
+    ];
 }
 
 /// Connection of a rank to the others; its end is announced to them.
@@ -55,6 +82,21 @@ impl Connection {
         self.0.size() > 1
     }
 
+    /// Tells the other ranks numbers.
+    pub(super) fn tell(&self, numbers: &[f64]) {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_ne_bytes()).collect();
+        self.0.from_first(&bytes.len().to_ne_bytes(), size_of::<usize>());
+        self.0.from_first(&bytes, bytes.len());
+    }
+
+    /// Returns the numbers that rank 0 tells.
+    pub(super) fn hear(&self) -> Vec<f64> {
+        let length = self.0.from_first(&[], size_of::<usize>());
+        let length = length.try_into().map_or(0, usize::from_ne_bytes);
+        let bytes = self.0.from_first(&[], length);
+        bytes.as_chunks().0.iter().map(|&number| f64::from_ne_bytes(number)).collect()
+    }
+
     /// Returns what rank 0 does next.
     fn next(&self) -> Command {
         let heard = self.0.from_first(&[], 1);
@@ -63,13 +105,39 @@ impl Connection {
     }
 }
 
-/// Returns the shares of a number of ranks in the particles of the arrays.
-pub(super) fn shares_of<R: PairReal<D>, const D: usize>(world: &mut World, ranks: usize) -> Vec<Share> {
+/// Division with which a rank begins, until it is connected.
+#[derive(Resource, Debug)]
+pub(super) struct FirstDivision(pub Division);
+
+/// Returns the cells that all ranks hold.
+fn everywhere<R: PairReal<D>, const D: usize>(world: &mut World) -> Vec<Range<usize>> {
     let scene = world.resource::<ActiveScene>().0.clone();
-    let everywhere = world.resource_scope(|world, mut rows: Mut<PatchRows>| {
+    world.resource_scope(|world, mut rows: Mut<PatchRows>| {
         let needs = world.resource::<Outlets<R, D>>().needs();
         rows.everywhere(&scene, needs, &world.resource::<Grid<D>>().0).to_vec()
-    });
+    })
+}
+
+/// Divides the particles of the arrays among a number of ranks.
+pub(super) fn divide<R: PairReal<D>, const D: usize>(world: &World, ranks: usize) -> Division {
+    Division::new(&world.resource::<Grid<D>>().0, &world.resource::<Arrays<R, D>>().0, ranks)
+}
+
+/// Saves the particles that a rank holds.
+pub(super) fn save_part<R: PairReal<D>, const D: usize>(
+    world: &mut World,
+    division: &Division,
+    rank: usize,
+    to: &mut Columns,
+) {
+    let everywhere = everywhere::<R, D>(world);
+    let (grid, arrays) = (&world.resource::<Grid<D>>().0, &world.resource::<Arrays<R, D>>().0);
+    part::save::<R, D>(world, division.rows_of(rank, grid, arrays, &everywhere), to);
+}
+
+/// Returns the shares of a number of ranks in the particles of the arrays.
+pub(super) fn shares_of<R: PairReal<D>, const D: usize>(world: &mut World, ranks: usize) -> Vec<Share> {
+    let everywhere = everywhere::<R, D>(world);
     let arrays = world.resource::<Arrays<R, D>>();
     let place = |row: usize| std::array::from_fn(|axis| arrays.position[axis][row]);
     shares(&world.resource::<Grid<D>>().0, (0..arrays.len()).map(place), &everywhere, ranks)
@@ -86,19 +154,43 @@ impl Drop for Connection {
 }
 
 impl Simulation {
-    /// Shares the pair passes with other ranks, which [follow](Self::follow) this one; for rank 0.
+    /// Divides the particles among a number of ranks, which begin with [parts](Self::part) of the
+    /// state.
     ///
-    /// Results are bitwise those of one rank. The components that [`Self::world_mut`] returns must
-    /// not be changed any more, and the simulation must have no plugins.
-    pub fn lead(&mut self, ranks: Ranks) {
-        self.connect(ranks);
+    /// The components that [`Self::world_mut`] returns must not be changed any more.
+    pub fn divide(&mut self, ranks: usize) -> Division {
+        (self.functions.gather)(&mut self.world);
+        (self.functions.divide)(&self.world, ranks)
+    }
+
+    /// Returns the part of the state with which a rank begins.
+    pub fn part(&mut self, division: &Division, rank: usize) -> Columns {
+        let mut part = Columns::default();
+        division.save(&mut part);
+        (self.functions.part)(&mut self.world, division, rank, &mut part);
+        SavedResources::save(&self.world, &mut part);
+        part
+    }
+
+    /// Shares the pair passes with other ranks, which [follow](Self::follow) this one from their
+    /// parts of its present state; for rank 0.
+    ///
+    /// Results are bitwise those of one rank. The simulation must have no plugins.
+    pub fn lead(&mut self, ranks: Ranks, division: Division) {
+        self.connect(ranks, division);
     }
 
     /// Takes the steps of rank 0 until that simulation is dropped; for all other ranks.
     ///
-    /// The simulation must have the scene and the state of that of rank 0.
+    /// The simulation must have the scene and [a part](super::SimulationBuilder::part) of the state of
+    /// that of rank 0.
+    ///
+    /// # Panics
+    /// If it was not built from a part of a state.
     pub fn follow(mut self, ranks: Ranks) {
-        self.connect(ranks);
+        let FirstDivision(division) =
+            self.world.remove_resource().expect("a simulation from a part of a state");
+        self.connect(ranks, division);
         loop {
             match self.connection.next() {
                 Command::End => return,
@@ -106,7 +198,8 @@ impl Simulation {
                 Command::Step => drop(self.own_step()),
                 Command::Traffic => drop(self.connection.0.traffic()),
                 Command::Collect => (self.functions.collect)(&mut self.world),
-                Command::Refresh => self.own_refresh(),
+                Command::Sort => self.own_sort(),
+                reading => self.answer(reading),
             }
         }
     }
@@ -130,7 +223,8 @@ impl Simulation {
         (self.functions.shares)(&mut self.world, ranks)
     }
 
-    fn connect(&mut self, ranks: Ranks) {
+    fn connect(&mut self, ranks: Ranks, division: Division) {
+        ranks.divide(division);
         self.world.resource_mut::<Pair>().0.ranks = ranks.clone();
         self.world.resource_mut::<Bodies>().connect(ranks.clone());
         self.connection = Connection(ranks);

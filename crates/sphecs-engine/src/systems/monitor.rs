@@ -1,5 +1,7 @@
 //! Integral quantities of the flow, computed when a monitor row is due.
 
+use std::ops::Range;
+
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
@@ -10,6 +12,7 @@ use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
 use crate::resources::grid::Grid;
 use crate::resources::ledger::Ledger;
+use crate::resources::pair::Pair;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
 use crate::systems::boundaries::movers::PresentPoses;
@@ -20,6 +23,7 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::ranks::Ranks;
 use sphecs_scene::model::Scene;
 use sphecs_scene::movers::WallPoses;
 
@@ -78,10 +82,11 @@ pub struct ClosestPair {
 }
 
 impl ClosestPair {
-    /// Returns the closer of two pairs, the first one where they are equally close.
+    /// Returns the closer of two pairs; of two as close, the one at the lower place, by x first.
     fn closer(first: Option<Self>, second: Option<Self>) -> Option<Self> {
+        let numbers = |pair: &Self| [&[pair.distance], &pair.position.to_array()[..]].concat();
         match (first, second) {
-            (Some(a), Some(b)) if b.distance < a.distance => Some(b),
+            (Some(a), Some(b)) if numbers(&b) < numbers(&a) => Some(b),
             (a, b) => a.or(b),
         }
     }
@@ -122,7 +127,8 @@ fn mean_flow(now: &[i64], before: &[i64], mass: f64, interval: f64) -> Vec<f64> 
 
 /// Computes the row of the present state and starts a new interval of the mean flows.
 ///
-/// The arrays must be sorted and have the density at the present positions.
+/// The arrays must be sorted and have the density at the present positions. All ranks call it
+/// together.
 pub(crate) fn monitor_row<R: PairReal<D>, const D: usize>(world: &mut World) -> MonitorRow {
     let clock = *world.resource::<Clock>();
     let ledger = world.resource::<Ledger>();
@@ -162,7 +168,9 @@ fn quantities<R: PairReal<D>, const D: usize>(
         ..MonitorRow::default()
     };
     let poses = &world.resource::<PresentPoses>().0;
-    let sums = fluid_sums((scene, poses), &world.resource::<Grid<D>>().0, arrays);
+    let grid = &world.resource::<Grid<D>>().0;
+    let ranks = &world.resource::<Pair>().0.ranks;
+    let sums = fluid_sums((scene, poses), grid, arrays, &ranks.own_rows(grid)).of_all(ranks);
     row.kinetic_energy = 0.5 * mass * sums.square_speed.value();
     let of_fluid = |sums: &[ExactSum; 3]| mass * DVec3::from_array(sums.each_ref().map(ExactSum::value));
     row.momentum = of_fluid(&sums.velocity);
@@ -212,19 +220,73 @@ impl FluidSums {
     }
 }
 
-/// Rows per partial sum.
+impl FluidSums {
+    /// Returns what is no exact sum as numbers, for a message to the other ranks: counts, extremes,
+    /// distance and position of the closest pair, which are NaN without any.
+    fn numbers(&self) -> [f64; NUMBERS] {
+        let [distance, x, y, z] = self.closest_pair.map_or([f64::NAN; 4], |pair| {
+            let [x, y, z] = pair.position.to_array();
+            [pair.distance, x, y, z]
+        });
+        [
+            self.count as f64,
+            self.through_walls as f64,
+            self.close_pairs as f64,
+            self.largest_speed,
+            self.largest_density_deviation,
+            distance,
+            x,
+            y,
+            z,
+        ]
+    }
+
+    /// Returns the sums of [`Self::numbers`].
+    fn of_numbers(numbers: [f64; NUMBERS]) -> Self {
+        let [count, through_walls, close_pairs, speed, deviation, distance, x, y, z] = numbers;
+        let closest = ClosestPair { distance, position: DVec3::new(x, y, z) };
+        Self {
+            count: count as u64,
+            through_walls: through_walls as u64,
+            close_pairs: close_pairs as u64,
+            largest_speed: speed,
+            largest_density_deviation: deviation,
+            closest_pair: (!distance.is_nan()).then_some(closest),
+            ..Self::default()
+        }
+    }
+
+    /// Joins the sums of all ranks, each of which has those of its own particles.
+    fn of_all(self, ranks: &Ranks) -> Self {
+        if ranks.size() < 2 {
+            return self;
+        }
+        let join = |a, b| Self::of_numbers(a).join(Self::of_numbers(b)).numbers();
+        let others = Self::of_numbers(ranks.joined(self.numbers(), join));
+        let Self { square_speed, velocity: [u, v, w], moment: [x, y, z], pressure, .. } = self;
+        let mut sums = [square_speed, pressure, u, v, w, x, y, z];
+        ranks.sum_exactly(&mut sums);
+        let [square_speed, pressure, u, v, w, x, y, z] = sums;
+        Self { square_speed, pressure, velocity: [u, v, w], moment: [x, y, z], ..others }
+    }
+}
+
+/// Numbers of [`FluidSums::numbers`].
+const NUMBERS: usize = 9;
+
+/// Rows that a thread adds at a time.
 const CHUNK: usize = 4096;
 
 fn fluid_sums<R: PairReal<D>, const D: usize>(
     (scene, poses): (&Scene, &WallPoses),
     grid: &CellGrid<D>,
     arrays: &ParticleArrays<R, D>,
+    own: &[Range<usize>],
 ) -> FluidSums {
     let container = &scene.layout.casing.container;
     let close = Neighbours::within(CLOSE * scene.spacing, grid, arrays);
-    let sums_of = |chunk: usize| {
-        let mut sums = FluidSums::default();
-        for a in chunk * CHUNK..arrays.len().min((chunk + 1) * CHUNK) {
+    let add = |mut sums: FluidSums, rows: Range<usize>| {
+        for a in rows {
             if arrays.zone[a] != Zone::Fluid {
                 continue;
             }
@@ -256,6 +318,10 @@ fn fluid_sums<R: PairReal<D>, const D: usize>(
         }
         sums
     };
-    let by_chunk: Vec<FluidSums> = (0..arrays.len().div_ceil(CHUNK)).into_par_iter().map(sums_of).collect();
-    by_chunk.into_iter().fold(FluidSums::default(), FluidSums::join)
+    let chunks_of = |rows: &Range<usize>| {
+        let end = rows.end;
+        rows.clone().step_by(CHUNK).map(move |from| from..end.min(from + CHUNK))
+    };
+    let chunks: Vec<Range<usize>> = own.iter().flat_map(chunks_of).collect();
+    chunks.into_par_iter().fold(FluidSums::default, add).reduce(FluidSums::default, FluidSums::join)
 }

@@ -74,7 +74,14 @@ pub(crate) fn sample<R: PairReal<D>, const D: usize>(
     world: &World,
     points: &[(DVec3, ProbeSight)],
 ) -> Vec<Option<Sample>> {
-    by_sight(world, points, |sampler: Sampler<'_, R, D>, points| sampler.sample(points))
+    let at = |points: &[_]| by_sight(world, points, |sampler: Sampler<'_, R, D>, at| sampler.sample(at));
+    let write = |sample: &Sample| {
+        let [u, v, w] = sample.velocity.to_array();
+        [u, v, w, sample.pressure, sample.density]
+    };
+    let read =
+        |[u, v, w, pressure, density]: [f64; 5]| Sample { velocity: DVec3::new(u, v, w), pressure, density };
+    by_owner::<D, _, _, 5>(world, points, |point| point.0, at, (&write, &read))
 }
 
 /// Returns the pressure of [`sample`], Pa.
@@ -82,7 +89,52 @@ pub(crate) fn pressure<R: PairReal<D>, const D: usize>(
     world: &World,
     points: &[(DVec3, ProbeSight)],
 ) -> Vec<Option<f64>> {
-    by_sight(world, points, |sampler: Sampler<'_, R, D>, points| sampler.pressure(points))
+    let at = |points: &[_]| by_sight(world, points, |sampler: Sampler<'_, R, D>, at| sampler.pressure(at));
+    by_owner::<D, _, _, 1>(
+        world,
+        points,
+        |point| point.0,
+        at,
+        (&|&pressure| [pressure], &|[pressure]| pressure),
+    )
+}
+
+/// Returns results at points, each from the rank that owns the cell of the point; only rank 0 has
+/// those of the others. A result has `N` numbers, which `write` and `read` name.
+fn by_owner<const D: usize, P: Copy, T: Clone, const N: usize>(
+    world: &World,
+    points: &[P],
+    place: impl Fn(&P) -> DVec3,
+    at: impl Fn(&[P]) -> Vec<Option<T>>,
+    (write, read): (&dyn Fn(&T) -> [f64; N], &dyn Fn([f64; N]) -> T),
+) -> Vec<Option<T>> {
+    let ranks = &world.resource::<Pair>().0.ranks;
+    if ranks.size() < 2 {
+        return at(points);
+    }
+    let (grid, own) = (&world.resource::<Grid<D>>().0, ranks.own_cells());
+    let is_own = |&index: &usize| {
+        let place = place(&points[index]);
+        own.has(grid.nearest_cell(std::array::from_fn(|axis| place[axis])))
+    };
+    let chosen: Vec<usize> = (0..points.len()).filter(is_own).collect();
+    let results = at(&chosen.iter().map(|&index| points[index]).collect::<Vec<P>>());
+    // Numbers of 64 bits: the index of a point and its result.
+    let mut message = Vec::new();
+    for (index, result) in chosen.iter().zip(&results) {
+        if let Some(result) = result {
+            message.extend((*index as u64).to_ne_bytes());
+            message.extend(write(result).into_iter().flat_map(f64::to_ne_bytes));
+        }
+    }
+    let mut found = vec![None; points.len()];
+    for message in ranks.to_first(message) {
+        for result in message.as_chunks::<8>().0.chunks_exact(1 + N) {
+            let numbers = std::array::from_fn(|number| f64::from_ne_bytes(result[1 + number]));
+            found[u64::from_ne_bytes(result[0]) as usize] = Some(read(numbers));
+        }
+    }
+    found
 }
 
 /// Samples the points of each sight at once and returns the results in the order of the points.
@@ -137,13 +189,17 @@ pub(crate) fn sample_surface<R: PairReal<D>, const D: usize>(
 ) -> Vec<Option<SurfaceFlow>> {
     let arrays = world.resource::<Arrays<R, D>>();
     let pair = &world.resource::<Pair>().0;
-    SurfaceSampler::new(&world.resource::<Grid<D>>().0, arrays, pair, viscosity).sample(points)
+    let sampler = SurfaceSampler::new(&world.resource::<Grid<D>>().0, arrays, pair, viscosity);
+    let write = |flow: &SurfaceFlow| [flow.pressure, flow.shear.x, flow.shear.y, flow.shear.z];
+    let read = |[pressure, x, y, z]: [f64; 4]| SurfaceFlow { pressure, shear: DVec3::new(x, y, z) };
+    let at = |points: &[SurfacePoint]| sampler.sample(points);
+    by_owner::<D, _, _, 4>(world, points, |point| point.position, at, (&write, &read))
 }
 
 /// Returns the passive scalars of particles by their numbers, which only their components have.
 fn tags(world: &World, ids: &[u32]) -> Vec<f32> {
-    let entities = &world.resource::<EntityIndex>().0;
-    let tag = |&id: &u32| entities.get(id as usize).and_then(|&entity| world.get::<Tracer>(entity));
+    let index = world.resource::<EntityIndex>();
+    let tag = |&id: &u32| index.get(id).and_then(|entity| world.get::<Tracer>(entity));
     ids.par_iter().with_min_len(CHUNK).map(|id| tag(id).map_or(0.0, |tracer| tracer.tag)).collect()
 }
 
@@ -152,9 +208,9 @@ const CHUNK: usize = 4096;
 
 /// Returns the mass flows through sections along their normals, kg/s (per metre of depth in 2D).
 pub(crate) fn mass_flows<R: PairReal<D>, const D: usize>(world: &World, sections: &[&Section]) -> Vec<f64> {
-    section::mass_flows(
-        world.resource::<Arrays<R, D>>(),
-        world.resource::<Pair>().0.discretisation.mass,
-        sections,
-    )
+    let pair = &world.resource::<Pair>().0;
+    let own = pair.ranks.own_rows(&world.resource::<Grid<D>>().0);
+    let mut sums = section::flow_sums(&world.resource::<Arrays<R, D>>().0, &own, sections);
+    pair.ranks.sum_exactly(&mut sums);
+    sums.iter().map(|sum| pair.discretisation.mass * sum.value()).collect()
 }

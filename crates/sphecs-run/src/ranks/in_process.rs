@@ -48,16 +48,17 @@ impl Followers {
         let pools = others.map(|_| Threads::start(Some(threads))).collect::<Result<Vec<_>, _>>()?;
         let table = Arc::new(Table::new(ranks));
         let rank_of = |rank| Ranks::changing_domains(InProcess { rank, table: Arc::clone(&table) }, every);
-        let state = simulation.state();
+        let division = simulation.divide(ranks);
         for (rank, pool) in (1..).zip(&pools) {
-            let (scene, state, ranks) = (simulation.scene().clone(), state.clone(), rank_of(rank));
+            let (scene, part) = (simulation.scene().clone(), simulation.part(&division, rank));
+            let ranks = rank_of(rank);
             pool.begin(move || {
-                let built = Simulation::builder(scene).state(state).build();
+                let built = Simulation::builder(scene).part(part).build();
                 // The state is that of a simulation of the same scene, which has no plugins.
-                built.expect("a simulation from the state of another").follow(ranks);
+                built.expect("a simulation from a part of another").follow(ranks);
             });
         }
-        simulation.lead(rank_of(0));
+        simulation.lead(rank_of(0), division);
         Ok(Self { _pools: pools })
     }
 }

@@ -63,15 +63,13 @@ pub struct Session {
     leads: AtomicBool,
 }
 
-/// Scene and state with which a rank begins.
+/// Scene of a run.
 #[derive(Debug, Serialize, Deserialize)]
-struct Beginning {
+struct SceneFiles {
     name: String,
     text: String,
     tables: Vec<(String, String)>,
     meshes: Vec<(String, Vec<u8>)>,
-    /// File of a checkpoint.
-    state: Vec<u8>,
 }
 
 impl fmt::Debug for Session {
@@ -123,16 +121,38 @@ impl Session {
         let scene = simulation.scene();
         let (name, text, tables) = (scene.name.clone(), scene.text.clone(), scene.tables.clone());
         let meshes = scene.meshes.iter().map(|mesh| (mesh.path.clone(), mesh.bytes.to_vec())).collect();
-        let checkpoint = Checkpoint { facts: Facts::default(), state: simulation.state() };
-        let mut state = Vec::new();
-        // Writing to memory does not fail.
-        container::write(&checkpoint, &mut state).expect("a state in memory");
-        let beginning = encode_record(&Beginning { name, text, tables, meshes, state });
+        let files = encode_record(&SceneFiles { name, text, tables, meshes });
         let ranks = self.ranks();
-        ranks.from_first(&(beginning.len() as u64).to_le_bytes(), LENGTH);
-        ranks.from_first(&beginning, beginning.len());
+        ranks.from_first(&(files.len() as u64).to_le_bytes(), LENGTH);
+        ranks.from_first(&files, files.len());
         self.leads.store(true, Ordering::Relaxed);
-        simulation.lead(ranks);
+        let division = simulation.divide(self.size);
+        for rank in 1..self.size {
+            let checkpoint = Checkpoint { facts: Facts::default(), state: simulation.part(&division, rank) };
+            let mut part = Vec::new();
+            // Writing to memory does not fail.
+            container::write(&checkpoint, &mut part).expect("a state in memory");
+            ranks.from_first(&(part.len() as u64).to_le_bytes(), LENGTH);
+            let mut outgoing = vec![Vec::new(); self.size];
+            outgoing[rank] = part;
+            self.world().exchange(&outgoing, &mut vec![Vec::new(); self.size]);
+        }
+        simulation.lead(ranks, division);
+    }
+
+    /// Returns the part of the state with which this rank begins.
+    fn receive_part(&self, ranks: &Ranks) -> Result<Columns, String> {
+        let mut part = Vec::new();
+        for rank in 1..self.size {
+            let length = length_from(ranks)?;
+            if rank == self.rank {
+                let mut incoming = vec![Vec::new(); self.size];
+                incoming[0] = vec![0; length];
+                self.world().exchange(&vec![Vec::new(); self.size], &mut incoming);
+                part = incoming.swap_remove(0);
+            }
+        }
+        container::read(&part).map(|part| part.state).map_err(|rejection| rejection.to_string())
     }
 
     /// Follows the simulation of rank 0 to its end, on the thread pool of the caller.
@@ -141,14 +161,13 @@ impl Session {
     /// The fault of the scene or the state that rank 0 sent: it runs another program.
     pub fn follow(&self) -> Result<(), String> {
         let ranks = self.ranks();
-        let length: [u8; LENGTH] =
-            ranks.from_first(&[], LENGTH).try_into().map_err(|_| "rank 0 sent no length".to_owned())?;
-        let length = u64::from_le_bytes(length) as usize;
+        let length = length_from(&ranks)?;
         if length == 0 {
             return Ok(());
         }
-        let (scene, state) = begin(&ranks.from_first(&[], length))?;
-        let simulation = Simulation::builder(scene).state(state).build();
+        let files = ranks.from_first(&[], length);
+        let part = self.receive_part(&ranks)?;
+        let simulation = Simulation::builder(read_scene(&files)?).part(part).build();
         simulation.map_err(|error| error.to_string())?.follow(ranks);
         Ok(())
     }
@@ -168,15 +187,20 @@ const NAME: usize = 16;
 /// Bytes of the length of what rank 0 sends.
 const LENGTH: usize = size_of::<u64>();
 
-/// Returns scene and state that rank 0 sent.
-fn begin(bytes: &[u8]) -> Result<(Scene, Columns), String> {
-    let Beginning { name, text, tables, meshes, state } = decode_record(bytes)?;
+/// Returns the length of what rank 0 sends next, bytes.
+fn length_from(ranks: &Ranks) -> Result<usize, String> {
+    let length = ranks.from_first(&[], LENGTH).try_into();
+    let length: [u8; LENGTH] = length.map_err(|_| "rank 0 sent no length".to_owned())?;
+    Ok(u64::from_le_bytes(length) as usize)
+}
+
+/// Returns the scene whose files rank 0 sent.
+fn read_scene(bytes: &[u8]) -> Result<Scene, String> {
+    let SceneFiles { name, text, tables, meshes } = decode_record(bytes)?;
     let mesh = |(path, bytes): (String, Vec<u8>)| MeshFile { path, bytes: bytes.into() };
     let meshes: Vec<_> = meshes.into_iter().map(mesh).collect();
     let scene = Scene::from_text(&name, &text).tables(tables).meshes(meshes).load();
-    let scene = scene.map_err(|faults| faults.to_string())?;
-    let checkpoint = container::read(&state).map_err(|rejection| rejection.to_string())?;
-    Ok((scene, checkpoint.state))
+    scene.map_err(|faults| faults.to_string())
 }
 
 impl Drop for Session {

@@ -192,6 +192,16 @@ impl<const D: usize> CellGrid<D> {
         Some(cell)
     }
 
+    /// Returns the cell of a point, m, or the nearest one to a point outside the box; some cell for
+    /// a point that is not finite.
+    ///
+    /// All cells in reach of the point are in reach of that cell.
+    pub fn nearest_cell(&self, point: [f64; D]) -> usize {
+        let inside = self.wrap(point);
+        let nearest = std::array::from_fn(|d| inside[d].max(self.lower[d]).min(self.upper[d]));
+        self.cell_of(nearest).unwrap_or(0)
+    }
+
     /// Returns the indices of a cell along each axis.
     #[inline]
     pub fn index_of(&self, mut cell: usize) -> [i64; D] {
@@ -221,6 +231,13 @@ impl<const D: usize> CellGrid<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn point_outside_belongs_to_the_nearest_cell() {
+        let grid = CellGrid::<2>::new([0.0, 0.0], [3.0, 2.0], [true, false], 1.0, 1.0);
+        let places = [[0.5, 0.5], [3.5, 0.5], [-0.5, 1.5], [1.5, 9.0], [1.5, -9.0], [0.5, f64::NAN]];
+        assert_eq!(places.map(|place| grid.nearest_cell(place)), [0, 0, 5, 4, 1, 0]);
+    }
 
     #[test]
     fn wrapped_point_is_inside_the_box() {

@@ -51,20 +51,9 @@ impl Domains {
             .flat_map(|(rank, own)| own.iter().map(move |run| (run.clone(), rank)))
             .collect();
         runs.sort_unstable_by_key(|(run, _)| run.start);
-        let set = |runs: &[Range<usize>]| {
-            let mut set = CellSet::empty(cells);
-            runs.iter().for_each(|run| set.insert_run(run.clone()));
-            set
-        };
-        let shared = grid.in_reach_of(&set(everywhere));
-        let held: Vec<CellSet> = owned
-            .iter()
-            .map(|own| {
-                let mut held = grid.in_reach_of(&set(own));
-                held.insert_all(&shared);
-                held
-            })
-            .collect();
+        let set = |runs: &[Range<usize>]| set_of(cells, runs);
+        let everywhere = set(everywhere);
+        let held: Vec<CellSet> = owned.iter().map(|own| held_with(grid, &set(own), &everywhere)).collect();
         let others = |runs: &dyn Fn(usize) -> Vec<Range<usize>>| {
             (0..ranks).map(|other| if other == rank { Vec::new() } else { runs(other) }).collect::<Vec<_>>()
         };
@@ -98,6 +87,20 @@ impl Domains {
     pub(super) fn received_from(&self, other: usize, observed: bool) -> &[Range<usize>] {
         if observed && self.rank == 0 && other != 0 { &self.owned[other] } else { &self.received[other] }
     }
+}
+
+/// Returns the cells that a rank holds that owns the cells `own`, where all ranks hold `everywhere`.
+pub(super) fn held_with<const D: usize>(grid: &CellGrid<D>, own: &CellSet, everywhere: &CellSet) -> CellSet {
+    let mut cells = own.clone();
+    cells.insert_all(everywhere);
+    grid.in_reach_of(&cells)
+}
+
+/// Returns the cells of runs as a set of a grid of `cells` cells.
+pub(super) fn set_of(cells: usize, runs: &[Range<usize>]) -> CellSet {
+    let mut set = CellSet::empty(cells);
+    runs.iter().for_each(|run| set.insert_run(run.clone()));
+    set
 }
 
 #[cfg(test)]

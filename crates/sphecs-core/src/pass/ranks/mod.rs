@@ -10,8 +10,10 @@
 //! The sums of a particle depend on the pack of its cell alone, and the summary of a pass on no
 //! order, so every rank is bitwise identical to one rank alone.
 //!
+//! - `assembly`: all particles together on rank 0
 //! - `balance`: what the particles of a domain cost
 //! - `bisection`: domains of equal cost
+//! - [`division`]: what each rank begins with
 //! - `domains`: the cells that each rank owns and holds
 //! - `rows`: the particles that enter and leave what a rank holds
 //! - `shared_blocks`: passes of which each rank runs the blocks of its cells
@@ -20,8 +22,10 @@
 //! - [`shares`]: particles that each of a number of ranks would own and hold
 //! - `traffic`: messages and times of a rank
 
+mod assembly;
 mod balance;
 mod bisection;
+pub mod division;
 mod domains;
 mod rows;
 mod shared_blocks;
@@ -38,6 +42,7 @@ pub(super) use shared_points::PointResult;
 pub use traffic::Traffic;
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -96,7 +101,9 @@ struct Group {
 #[derive(Debug)]
 struct State {
     balance: Balance,
-    /// Domains of the ranks; None as long as each holds all particles.
+    /// Rank of each cell before the first sort.
+    first_owners: Vec<u16>,
+    /// Domains of the ranks; None before the first sort.
     domains: Option<Domains>,
     /// Number of times that the domains changed.
     changes: u64,
@@ -157,6 +164,7 @@ impl Ranks {
         let buffers = || (0..size).map(|_| Vec::new()).collect::<Vec<Vec<u8>>>();
         let state = State {
             balance: Balance::new(size, every),
+            first_owners: Vec::new(),
             domains: None,
             changes: 0,
             is_change_due: false,
@@ -267,6 +275,48 @@ impl Ranks {
                 *sum += &ExactSum::read(other);
             }
         }
+    }
+
+    /// Gives rank 0 a message of each rank, in the order of the ranks; the others get none.
+    ///
+    /// All ranks call it together.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn to_first(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
+        let Some(group) = &self.0 else { return vec![own] };
+        let state = &mut *group.state();
+        group.gather(state, &(own.len() as u64).to_ne_bytes());
+        let lengths = state.messages.gathered.chunks_exact(size_of::<u64>());
+        let lengths: Vec<u64> = lengths.map(bytemuck::pod_read_unaligned).collect();
+        let is_first = group.transport.rank() == 0;
+        state.messages.outgoing.iter_mut().for_each(Vec::clear);
+        for (message, length) in state.messages.incoming.iter_mut().zip(lengths) {
+            message.resize(if is_first { length as usize } else { 0 }, 0);
+        }
+        if !is_first {
+            state.messages.outgoing[0] = own;
+            group.exchange(state);
+            return Vec::new();
+        }
+        state.messages.incoming[0].clear();
+        group.exchange(state);
+        let mut all: Vec<Vec<u8>> = state.messages.incoming.iter_mut().map(std::mem::take).collect();
+        all[0] = own;
+        all
+    }
+
+    /// Returns the rows of this rank in arrays that are sorted by a grid: those of its cells; all
+    /// for one rank alone.
+    pub fn own_rows<const D: usize>(&self, grid: &CellGrid<D>) -> Vec<Range<usize>> {
+        let rows =
+            |cells: &Range<usize>| grid.starts()[cells.start] as usize..grid.starts()[cells.end] as usize;
+        let Some(group) = &self.0 else { return vec![rows(&(0..grid.len()))] };
+        let state = &*group.state();
+        state.domains.as_ref().map_or_else(
+            || vec![rows(&(0..grid.len()))],
+            |domains| domains.owned[group.transport.rank()].iter().map(rows).collect(),
+        )
     }
 
     /// Tells the other ranks that this one ends before its time.

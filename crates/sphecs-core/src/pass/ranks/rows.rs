@@ -16,7 +16,7 @@ use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::record;
-use crate::particles::rows::{ParticleRow, set_real_vector};
+use crate::particles::rows::ParticleRow;
 use crate::particles::zone::Zone;
 
 /// Message of a rank to all others before a sort, followed by the bytes that each gets from it.
@@ -52,7 +52,7 @@ impl Ranks {
         let Some(group) = &self.0 else { return true };
         let state = &mut *group.state();
         if state.domains.is_none() {
-            group.make_domains(state, grid, arrays, everywhere);
+            group.make_domains(state, grid, everywhere);
         } else {
             let before = state.is_change_due.then(|| group.change_domains(state, grid, everywhere));
             state.is_change_due = false;
@@ -79,44 +79,19 @@ impl Ranks {
         state.traffic.own_rows = domains.owned[group.transport.rank()].iter().map(rows).sum();
         state.traffic.held_rows = rows(&(0..grid.len()));
     }
-
-    /// Gives rank 0 the particles of all, in the order in which one rank alone would have them;
-    /// it keeps them until the next step.
-    ///
-    /// All ranks call it together.
-    ///
-    /// # Panics
-    /// If another rank has ended.
-    pub fn assemble<R: Real, const D: usize>(
-        &self,
-        grid: &mut CellGrid<D>,
-        arrays: &mut ParticleArrays<R, D>,
-    ) {
-        if let Some(group) = &self.0 {
-            group.assemble(&mut group.state(), grid, arrays);
-        }
-    }
 }
 
 impl Group {
-    /// Makes the first domains, of equal numbers of particles; all ranks hold all particles.
-    fn make_domains<R: Real, const D: usize>(
+    /// Makes the first domains from the division of the flow.
+    fn make_domains<const D: usize>(
         &self,
         state: &mut State,
         grid: &CellGrid<D>,
-        arrays: &ParticleArrays<R, D>,
         everywhere: &[Range<usize>],
     ) {
         let (rank, ranks) = (self.transport.rank(), self.transport.size());
-        self.has_walls.store(arrays.zone.contains(&Zone::Wall), Ordering::Relaxed);
-        self.has_thin_walls.store(!arrays.wall_thickness.is_empty(), Ordering::Relaxed);
-        let mut counts = vec![0.0; grid.len()];
-        for row in (0..arrays.len()).filter(|&row| arrays.zone[row] != Zone::Reservoir) {
-            if let Some(cell) = cell_of(grid, arrays, row) {
-                counts[cell] += 1.0;
-            }
-        }
-        let owner = bisect(grid, &counts, ranks);
+        let owner = std::mem::take(&mut state.first_owners);
+        assert_eq!(owner.len(), grid.len(), "a flow is divided before its first step");
         state.domains = Some(Domains::new(grid, &owner, (rank, ranks), everywhere));
         state.changes += 1;
     }
@@ -215,120 +190,9 @@ impl Group {
         }
         true
     }
-
-    /// Gives rank 0 the particles of all in the order of the cells of the last sort, followed by
-    /// those added since, which all ranks have.
-    fn assemble<R: Real, const D: usize>(
-        &self,
-        state: &mut State,
-        grid: &mut CellGrid<D>,
-        arrays: &mut ParticleArrays<R, D>,
-    ) {
-        state.is_observed = true;
-        if state.is_whole {
-            return;
-        }
-        let Some(domains) = state.domains.take() else { return };
-        let (rank, ranks) = (self.transport.rank(), self.transport.size());
-        state.messages.outgoing.iter_mut().for_each(Vec::clear);
-        if rank != 0 {
-            let message = &mut state.messages.outgoing[0];
-            let cells = || domains.owned[rank].iter().flat_map(Clone::clone);
-            message.extend(cells().flat_map(|cell| (grid.rows(cell).len() as u32).to_ne_bytes()));
-            for row in cells().flat_map(|cell| grid.rows(cell)) {
-                record::write(&arrays.row(row), arrays.acceleration_of(row), message);
-            }
-        }
-        let length = state.messages.outgoing[0].len() as u64;
-        self.gather(state, &length.to_ne_bytes());
-        let lengths = state.messages.gathered.chunks_exact(size_of::<u64>());
-        for (message, length) in state.messages.incoming.iter_mut().zip(lengths) {
-            let length = bytemuck::pod_read_unaligned::<u64>(length) as usize;
-            message.resize(if rank == 0 { length } else { 0 }, 0);
-        }
-        self.exchange(state);
-        if rank == 0 {
-            put_together(&domains, ranks, &state.messages.incoming, grid, arrays);
-        }
-        state.domains = Some(domains);
-        state.is_whole = true;
-        // The buffers for all particles are larger than those of any pass.
-        state.messages.outgoing.iter_mut().for_each(|message| *message = Vec::new());
-        state.messages.incoming.iter_mut().for_each(|message| *message = Vec::new());
-    }
 }
 
-/// Puts the particles of all ranks together, from the messages of the others and the own rows.
-fn put_together<R: Real, const D: usize>(
-    domains: &Domains,
-    ranks: usize,
-    messages: &[Vec<u8>],
-    grid: &mut CellGrid<D>,
-    arrays: &mut ParticleArrays<R, D>,
-) {
-    let count = |cells: &[Range<usize>]| cells.iter().map(ExactSizeIterator::len).sum::<usize>();
-    let mut parts: Vec<(&[u8], &[u8])> = (0..ranks)
-        .map(|rank| {
-            if rank == 0 {
-                (&[][..], &[][..])
-            } else {
-                messages[rank].split_at(4 * count(&domains.owned[rank]))
-            }
-        })
-        .collect();
-    let mut starts = vec![0; grid.len() + 1];
-    let all = ParticleArrays {
-        evolves_pressure: arrays.evolves_pressure,
-        drifts: arrays.drifts,
-        ..ParticleArrays::default()
-    };
-    let before = std::mem::replace(arrays, all);
-    let own = |row: usize| (before.row(row), before.acceleration_of(row));
-    let mut rows: Vec<(ParticleRow, DVec3)> = Vec::new();
-    for (cells, owner) in &domains.runs {
-        for cell in cells.clone() {
-            if rows.len() > BATCH {
-                append(&mut rows, arrays);
-            }
-            starts[cell] = (arrays.len() + rows.len()) as u32;
-            if *owner == 0 {
-                rows.extend(grid.rows(cell).map(own));
-                continue;
-            }
-            let (counts, records) = &mut parts[*owner];
-            let (number, after) = counts.split_at(size_of::<u32>());
-            *counts = after;
-            let number = bytemuck::pod_read_unaligned::<u32>(number) as usize;
-            let (of_cell, after) = records.split_at(number * record::BYTES);
-            *records = after;
-            rows.extend(of_cell.chunks_exact(record::BYTES).map(record::read));
-        }
-    }
-    starts[grid.len()] = (arrays.len() + rows.len()) as u32;
-    let sorted = grid.starts().last().map_or(0, |&end| end as usize);
-    rows.extend((sorted..before.len()).map(own));
-    append(&mut rows, arrays);
-    grid.set_starts(starts);
-    grid.hold(None);
-}
-
-/// Particles that are put into the columns at once: their rows take less than 20 MB.
-const BATCH: usize = 65_536;
-
-/// Appends particles with their accelerations, m/s², and empties their list.
-fn append<R: Real, const D: usize>(
-    particles: &mut Vec<(ParticleRow, DVec3)>,
-    arrays: &mut ParticleArrays<R, D>,
-) {
-    let first = arrays.len();
-    let rows: Vec<ParticleRow> = particles.iter().map(|(particle, _)| *particle).collect();
-    arrays.extend(&rows);
-    for (row, (_, acceleration)) in (first..).zip(particles.drain(..)) {
-        set_real_vector(&mut arrays.acceleration, row, acceleration);
-    }
-}
-
-fn cell_of<R: Real, const D: usize>(
+pub(super) fn cell_of<R: Real, const D: usize>(
     grid: &CellGrid<D>,
     arrays: &ParticleArrays<R, D>,
     row: usize,

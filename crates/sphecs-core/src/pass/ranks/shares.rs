@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::bisection::bisect;
+use super::domains::{held_with, set_of};
 use crate::math::grid::CellGrid;
 use crate::math::grid::cell_set::CellSet;
 
@@ -27,15 +28,12 @@ pub fn shares<const D: usize>(
     positions.filter_map(|place| grid.cell_of(place)).for_each(|cell| counts[cell] += 1);
     let costs: Vec<f64> = counts.iter().map(|&count| f64::from(count)).collect();
     let owner = bisect(grid, &costs, ranks);
-    let mut shared = CellSet::empty(grid.len());
-    everywhere.iter().for_each(|run| shared.insert_run(run.clone()));
-    let shared = grid.in_reach_of(&shared);
+    let everywhere = set_of(grid.len(), everywhere);
     let share = |rank: usize| {
         let is_own = |&cell: &usize| usize::from(owner[cell]) == rank;
         let mut own = CellSet::empty(grid.len());
         (0..grid.len()).filter(is_own).for_each(|cell| own.insert(cell));
-        let mut held = grid.in_reach_of(&own);
-        held.insert_all(&shared);
+        let held = held_with(grid, &own, &everywhere);
         let count = |set: &CellSet| {
             (0..grid.len()).filter(|&cell| set.contains(cell)).map(|cell| u64::from(counts[cell])).sum()
         };

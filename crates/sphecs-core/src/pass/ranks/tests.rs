@@ -5,6 +5,7 @@ use std::sync::{Arc, Barrier, Mutex};
 
 use glam::DVec3;
 
+use super::division::Division;
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::real::Real;
@@ -125,6 +126,9 @@ fn sort<R: Real, const D: usize>(
     particles: &mut ParticleArrays<R, D>,
     everywhere: &[Range<usize>],
 ) {
+    if ranks.changes() == 0 {
+        ranks.divide(Division::new(grid, particles, ranks.size()));
+    }
     assert!(ranks.move_rows(grid, particles, everywhere));
     let order = grid.build(&particles.position, &particles.id, |_| true).expect("all inside");
     particles.reorder(order, &mut SpareColumns::default());

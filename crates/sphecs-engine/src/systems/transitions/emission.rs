@@ -9,7 +9,6 @@ use bevy_ecs::world::World;
 use super::injection::{Injection, place};
 use super::{Change, change_role, count_crossing, set_zone};
 use crate::resources::clock::Clock;
-use crate::resources::entity_index::EntityIndex;
 use crate::resources::ledger::Ledger;
 use crate::systems::boundaries::emitter_states::{Crossed, EmitterStates};
 use crate::systems::boundaries::emitters::place_in_column;
@@ -38,8 +37,7 @@ pub(super) fn emit<R: PairReal<D>, const D: usize>(
             let change = Change { row, zone: Zone::Fluid, patch };
             count_crossing(&mut world.resource_mut::<Ledger>(), Zone::Inflow, &change);
             set_zone(arrays, &change);
-            let entity = world.resource::<EntityIndex>().0[crossed.id as usize];
-            change_role(world, entity, Zone::Inflow, &change);
+            change_role(world, crossed.id, (Zone::Inflow, patch), &change);
             let stretch = world.resource::<InflowColumns>().stretch(usize::from(patch));
             let depth = states.advance(scene, crossed, stretch);
             let (poses, time) = (&world.resource::<PresentPoses>().0, world.resource::<Clock>().time);

@@ -1,15 +1,15 @@
 //! Injection of a particle into a zone.
 
-use bevy_ecs::query::Without;
 use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::reservoir::take_particle;
-use crate::components::{Inflow, Outflow, Position, Reservoir, Returned, Tracer, Velocity};
+use crate::components::{Inflow, Outflow, Position, Reservoir, Tracer, Velocity};
 use crate::resources::clock::Clock;
 use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
+use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::{InflowCapacity, Ledger};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::ParticleRow;
@@ -88,8 +88,11 @@ pub(super) fn place<R: PairReal<D>, const D: usize>(
     let mut ledger = world.resource_mut::<Ledger>();
     ledger.by_zone[Zone::Reservoir as usize] -= 1;
     ledger.by_zone[zone as usize] += 1;
+    if zone == Zone::Inflow {
+        world.resource_mut::<InflowParticles>().inject(patch);
+    }
+    let Some(entity) = world.resource::<EntityIndex>().get(id) else { return Some(id) };
     let tag = scene.initial.tag.value(place.x, place.y, place.z, time);
-    let entity = world.resource::<EntityIndex>().0[id as usize];
     let mut entity = world.entity_mut(entity);
     if let Some(mut tracer) = entity.get_mut::<Tracer>() {
         *tracer = Tracer { tag: tag as f32, passages: tracer.passages + 1 };
@@ -107,7 +110,7 @@ pub(super) fn place<R: PairReal<D>, const D: usize>(
 /// Returns true if the position of an injection is free and, at an inlet, the zone has lost
 /// particles.
 fn is_possible<R: PairReal<D>, const D: usize>(
-    world: &mut World,
+    world: &World,
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
     injection: &Injection,
@@ -139,8 +142,7 @@ pub(super) fn is_free<R: PairReal<D>, const D: usize>(
 
 /// Returns true if an inflow zone has all its particles, not counting those that returned from the
 /// fluid.
-fn is_full(world: &mut World, inlet: u16) -> bool {
-    let mut inflow = world.query_filtered::<&Inflow, Without<Returned>>();
-    let present = inflow.iter(world).filter(|inflow| inflow.inlet == inlet).count() as u64;
-    present >= world.resource::<InflowCapacity>().0[usize::from(inlet)]
+fn is_full(world: &World, inlet: u16) -> bool {
+    world.resource::<InflowParticles>().others(inlet)
+        >= world.resource::<InflowCapacity>().0[usize::from(inlet)]
 }

@@ -30,7 +30,6 @@ pub(crate) mod refill;
 pub(crate) mod reservoir;
 
 use bevy_ecs::change_detection::Mut;
-use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
@@ -39,8 +38,9 @@ use super::boundaries::inflow_columns::InflowColumns;
 use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
 use crate::arrays::Arrays;
-use crate::components::{Fluid, Inflow, Outflow, Returned};
+use crate::components::{Fluid, Inflow, Outflow};
 use crate::resources::entity_index::EntityIndex;
+use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
 use emission::emit;
@@ -211,18 +211,18 @@ fn apply<R: PairReal<D>, const D: usize>(
     let row = change.row;
     let (from, id) = (arrays.zone[row], arrays.id[row]);
     let point = arrays.position_of(row);
-    let entity = world.resource::<EntityIndex>().0[id as usize];
     count_crossing(&mut world.resource_mut::<Ledger>(), from, change);
     match (from, change.zone) {
         (Zone::Inflow, Zone::Fluid) => {
-            let returned = world.entity(entity).contains::<Returned>();
+            let returned = world.resource::<InflowParticles>().has_returned(id);
             follow_inflow(world, scene, arrays, change, returned, injections);
         }
         (Zone::Outflow, Zone::Fluid) => injections.push(follow_backflow(scene, arrays, change)),
         _ => {}
     }
+    let patch = arrays.patch[row];
     set_zone(arrays, change);
-    change_role(world, entity, from, change);
+    change_role(world, id, (from, patch), change);
     if matches!(change.zone, Zone::Wall | Zone::Reservoir) {
         set_real_vector(&mut arrays.velocity, row, DVec3::ZERO);
         store(world, scene, id, point);
@@ -322,18 +322,27 @@ fn set_zone<R: PairReal<D>, const D: usize>(arrays: &mut ParticleArrays<R, D>, c
     }
 }
 
-/// Changes the role of a particle in its components, except for the role of a stored particle.
-fn change_role(world: &mut World, entity: Entity, from: Zone, change: &Change) {
+/// Changes the role of a particle, which it had with an opening, in its components, except for the
+/// role of a stored particle.
+fn change_role(world: &mut World, id: u32, (from, opening): (Zone, u16), change: &Change) {
+    let mut inflow = world.resource_mut::<InflowParticles>();
+    if from == Zone::Inflow {
+        inflow.remove(id, opening);
+    }
+    if change.zone == Zone::Inflow {
+        inflow.add_returned(id);
+    }
+    let Some(entity) = world.resource::<EntityIndex>().get(id) else { return };
     let mut entity = world.entity_mut(entity);
     match from {
         Zone::Fluid => entity.remove::<Fluid>(),
-        Zone::Inflow => entity.remove::<(Inflow, Returned)>(),
+        Zone::Inflow => entity.remove::<Inflow>(),
         Zone::Outflow => entity.remove::<Outflow>(),
         Zone::Wall | Zone::Reservoir => &mut entity,
     };
     match change.zone {
         Zone::Fluid => entity.insert(Fluid),
-        Zone::Inflow => entity.insert((Inflow { inlet: change.patch }, Returned)),
+        Zone::Inflow => entity.insert(Inflow { inlet: change.patch }),
         Zone::Outflow => entity.insert(Outflow { outlet: change.patch }),
         Zone::Wall | Zone::Reservoir => &mut entity,
     };

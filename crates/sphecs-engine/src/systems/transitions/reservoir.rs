@@ -10,7 +10,6 @@
 //! The counts balance in both cases: total = initial + grown + created − deleted.
 
 use bevy_ecs::bundle::Bundle;
-use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 use glam::DVec3;
@@ -50,17 +49,22 @@ fn stored_bundle(scene: &Scene, id: u32, position: DVec3) -> impl Bundle {
 
 /// Stores a particle that left its zone at a point, m, or deletes it.
 pub(super) fn store(world: &mut World, scene: &Scene, id: u32, point: DVec3) {
-    let entity = world.resource::<EntityIndex>().0[id as usize];
+    let entity = world.resource::<EntityIndex>().get(id);
     if !scene.reservoir.recycle {
-        let passages = world.get::<Tracer>(entity).map_or(0, |tracer| tracer.passages);
-        world.despawn(entity);
-        world.resource_mut::<EntityIndex>().0[id as usize] = Entity::PLACEHOLDER;
+        let tracer = entity.and_then(|entity| world.get::<Tracer>(entity));
+        let passages = tracer.map_or(0, |tracer| tracer.passages);
+        if let Some(entity) = entity {
+            world.despawn(entity);
+        }
+        world.resource_mut::<EntityIndex>().set(id, None);
         world.resource_mut::<FreeNumbers>().0.push(FreeNumber { id, passages });
         let mut ledger = world.resource_mut::<Ledger>();
         ledger.deleted += 1;
         ledger.by_zone[Zone::Reservoir as usize] -= 1;
         return;
     }
+    world.resource_mut::<FreeParticles>().0.push(id);
+    let Some(entity) = entity else { return };
     let mut entity = world.entity_mut(entity);
     // The next sort removes the row from the arrays. The components may be older than the arrays,
     // so all of them are set.
@@ -68,7 +72,6 @@ pub(super) fn store(world: &mut World, scene: &Scene, id: u32, point: DVec3) {
     if let Some(mut stress) = entity.get_mut::<SpsStress>() {
         *stress = SpsStress::default();
     }
-    world.resource_mut::<FreeParticles>().0.push(id);
 }
 
 /// Returns the number of a particle for an injection: a stored one, or a new one if the scene has
@@ -83,19 +86,17 @@ pub(super) fn take_particle(world: &mut World, scene: &Scene) -> Option<u32> {
         world.resource_mut::<Failure>().reservoir_empty = true;
         return None;
     }
-    let next = FreeNumber { id: world.resource::<EntityIndex>().0.len() as u32, passages: 0 };
+    let next = FreeNumber { id: world.resource::<EntityIndex>().len() as u32, passages: 0 };
     let FreeNumber { id, passages } = world.resource_mut::<FreeNumbers>().0.pop().unwrap_or(next);
-    let tracer = Tracer { passages, ..Tracer::default() };
-    let mut entity = world.spawn((stored_bundle(scene, id, DVec3::ZERO), tracer, Reservoir));
-    if scene.scheme.has_stress() {
-        entity.insert(SpsStress::default());
-    }
-    let entity = entity.id();
-    let index = &mut world.resource_mut::<EntityIndex>().0;
-    match index.get_mut(id as usize) {
-        Some(slot) => *slot = entity,
-        None => index.push(entity),
-    }
+    let entity = world.resource::<EntityIndex>().has_entities().then(|| {
+        let tracer = Tracer { passages, ..Tracer::default() };
+        let mut entity = world.spawn((stored_bundle(scene, id, DVec3::ZERO), tracer, Reservoir));
+        if scene.scheme.has_stress() {
+            entity.insert(SpsStress::default());
+        }
+        entity.id()
+    });
+    world.resource_mut::<EntityIndex>().set(id, entity);
     let mut ledger = world.resource_mut::<Ledger>();
     if scene.reservoir.recycle {
         ledger.grown += 1;

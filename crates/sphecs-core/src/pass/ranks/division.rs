@@ -1,0 +1,93 @@
+//! Division of a flow among ranks before their first step.
+//!
+//! Rank 0 has all particles and gives each other rank those that it holds.
+
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+use super::Ranks;
+use super::bisection::bisect;
+use super::domains::{held_with, set_of};
+use super::rows::cell_of;
+use crate::math::column::{ColumnMismatch, Columns};
+use crate::math::grid::CellGrid;
+use crate::math::grid::cell_set::{CellSet, runs_of};
+use crate::math::real::Real;
+use crate::particles::arrays::ParticleArrays;
+use crate::particles::zone::Zone;
+
+/// Cells that each rank owns at first, and what holds for the flow as a whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Division {
+    /// Rank of each cell.
+    owner: Vec<u16>,
+    has_walls: bool,
+    has_thin_walls: bool,
+}
+
+impl Division {
+    /// Divides the cells so that each rank owns as many of the particles.
+    pub fn new<R: Real, const D: usize>(
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<R, D>,
+        ranks: usize,
+    ) -> Self {
+        let mut counts = vec![0.0; grid.len()];
+        for row in (0..arrays.len()).filter(|&row| arrays.zone[row] != Zone::Reservoir) {
+            if let Some(cell) = cell_of(grid, arrays, row) {
+                counts[cell] += 1.0;
+            }
+        }
+        Self {
+            owner: bisect(grid, &counts, ranks),
+            has_walls: arrays.zone.contains(&Zone::Wall),
+            has_thin_walls: !arrays.wall_thickness.is_empty(),
+        }
+    }
+
+    /// Returns the rows that a rank holds; all ranks hold the cells `everywhere`.
+    pub fn rows_of<R: Real, const D: usize>(
+        &self,
+        rank: usize,
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<R, D>,
+        everywhere: &[Range<usize>],
+    ) -> Vec<u32> {
+        let cells = grid.len();
+        let own = runs_of(0..cells, |cell| usize::from(self.owner[cell]) == rank);
+        let held: CellSet = held_with(grid, &set_of(cells, &own), &set_of(cells, everywhere));
+        // One outside the grid stops all ranks.
+        let is_held = |row: usize| cell_of(grid, arrays, row).is_none_or(|cell| held.contains(cell));
+        let exists = |row: usize| arrays.zone[row] != Zone::Reservoir;
+        (0..arrays.len()).filter(|&row| exists(row) && is_held(row)).map(|row| row as u32).collect()
+    }
+
+    /// Adds the division to the state with which another rank begins.
+    pub fn save(&self, to: &mut Columns) {
+        to.put("division.owner", self.owner.clone());
+        to.put("division.walls", vec![u8::from(self.has_walls), u8::from(self.has_thin_walls)]);
+    }
+
+    /// Takes the division from such a state.
+    ///
+    /// # Errors
+    /// [`ColumnMismatch`] if it has none.
+    pub fn restore(from: &mut Columns) -> Result<Self, ColumnMismatch> {
+        let walls = from.take_exactly::<u8>("division.walls", 2)?;
+        Ok(Self {
+            owner: from.take("division.owner")?,
+            has_walls: walls[0] != 0,
+            has_thin_walls: walls[1] != 0,
+        })
+    }
+}
+
+impl Ranks {
+    /// Takes the division with which all ranks begin, before their first step.
+    pub fn divide(&self, division: Division) {
+        let Some(group) = &self.0 else { return };
+        group.has_walls.store(division.has_walls, Ordering::Relaxed);
+        group.has_thin_walls.store(division.has_thin_walls, Ordering::Relaxed);
+        group.state().first_owners = division.owner;
+    }
+}
