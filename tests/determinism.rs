@@ -137,7 +137,8 @@ fn readings(run: &mut Simulation, places: &[DVec3]) -> String {
     let (spacing, dimensions) = (run.scene().spacing, run.scene().dimensions);
     let inside = &places[..places.len() - 3];
     let periods = run.scene().periodic.map(|ends| ends.map(|(lower, upper)| upper - lower));
-    let section = |normal| Section::new(inside[inside.len() / 2], normal, inside, spacing, periods, dimensions);
+    let section =
+        |normal| Section::new(inside[inside.len() / 2], normal, inside, spacing, periods, dimensions);
     let flows = run.mass_flows(&[&section(DVec3::X), &section(DVec3::Y)]);
     assert!(samples.iter().any(Option::is_some) && pressures.len() == places.len());
     format!("{row:?} {samples:?} {pressures:?} {surface:?} {flows:?} {:?}", run.body_forces())

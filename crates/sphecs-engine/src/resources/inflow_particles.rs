@@ -1,4 +1,4 @@
-//! Particles of the inflow zones: how many, and which came back from the fluid.
+//! Particles of the inflow zones: how many, and which returned from the fluid.
 
 use std::collections::BTreeSet;
 

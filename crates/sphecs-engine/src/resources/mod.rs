@@ -3,7 +3,7 @@
 //! - [`clock`]: time, step and step size
 //! - [`entity_index`]: the entity of each particle number, and the particles in the reservoir
 //! - [`grid`]: the cell grid and the buffers for sorting
-//! - [`inflow_particles`]: which particles of the inflow zones came back from the fluid
+//! - [`inflow_particles`]: which particles of the inflow zones returned from the fluid
 //! - [`ledger`]: particle counts by zone and through the openings
 //! - [`pair`]: the settings of the pair sums
 //! - [`pair_sums`]: the results of the pair passes

@@ -326,7 +326,7 @@ fn restore_stored(
     Ok(())
 }
 
-/// Restores the values that only components have, and returns which particles came back from the
+/// Restores the values that only components have, and returns which particles returned from the
 /// fluid.
 fn restore_components(
     particles: &mut [Option<SavedParticle>],

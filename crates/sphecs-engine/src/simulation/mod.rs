@@ -49,7 +49,7 @@ pub struct Simulation {
     world: World,
     scene: Arc<Scene>,
     functions: TypedFunctions,
-    /// What has been done to read the present state.
+    /// Preparations for reading the present state.
     readiness: Readiness,
     connection: Connection,
 }

@@ -182,8 +182,8 @@ impl Simulation {
 
     /// Takes the steps of rank 0 until that simulation is dropped; for all other ranks.
     ///
-    /// The simulation must have the scene and [a part](super::SimulationBuilder::part) of the state of
-    /// that of rank 0.
+    /// The simulation must have the scene and [a part](super::SimulationBuilder::part) of the state
+    /// of that of rank 0.
     ///
     /// # Panics
     /// If it was not built from a part of a state.

@@ -18,7 +18,7 @@ use sphecs_core::pass::section::Section;
 use sphecs_core::pass::surface_flow::{Friction, SurfaceFlow, SurfacePoint};
 use sphecs_scene::model::ProbeSight;
 
-/// What has been done to read the present state, so that readings of one time share it.
+/// Preparations for reading the present state, which readings of one time share.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Readiness {
     /// The arrays have the density at the present positions.

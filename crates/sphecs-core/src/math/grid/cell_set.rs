@@ -23,6 +23,14 @@ impl CellSet {
         self.bits[word] & bit != 0
     }
 
+    /// Returns the cells in their order.
+    pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
+        let width = u64::BITS as usize;
+        self.bits.iter().enumerate().filter(|(_, bits)| **bits != 0).flat_map(move |(word, &bits)| {
+            (0..width).filter(move |bit| bits >> bit & 1 != 0).map(move |bit| width * word + bit)
+        })
+    }
+
     /// Adds a cell.
     #[inline]
     pub fn insert(&mut self, cell: usize) {
@@ -66,7 +74,7 @@ impl<const D: usize> CellGrid<D> {
         // One axis after the other makes a box of cells around each.
         for axis in 0..D {
             let before = reached.clone();
-            for cell in (0..self.len()).filter(|&cell| before.contains(cell)) {
+            for cell in before.iter() {
                 let index = self.index_of(cell);
                 for step in -self.reach[axis]..=self.reach[axis] {
                     let mut other = index;
@@ -78,6 +86,25 @@ impl<const D: usize> CellGrid<D> {
             }
         }
         reached
+    }
+
+    /// Calls `visit` with a cell and all cells within `reaches` times the reach of it, some
+    /// of them twice in a short period.
+    pub fn for_each_around(&self, cell: usize, reaches: i64, mut visit: impl FnMut(usize)) {
+        let index = self.index_of(cell);
+        let layers = self.reach.map(|reach| reaches * reach);
+        let mut step = layers.map(|layers| -layers);
+        loop {
+            if let Some(other) = self.wrapped_cell(std::array::from_fn(|axis| index[axis] + step[axis])) {
+                visit(other);
+            }
+            // The next step of the box, the first axis fastest.
+            let Some(axis) = (0..D).find(|&axis| step[axis] < layers[axis]) else { return };
+            step[axis] += 1;
+            for before in 0..axis {
+                step[before] = -layers[before];
+            }
+        }
     }
 
     /// Returns the cell of an unwrapped index; None outside the box.
@@ -107,6 +134,12 @@ mod tests {
         let reached = grid.in_reach_of(&set);
         let found: Vec<usize> = (0..grid.len()).filter(|&cell| reached.contains(cell)).collect();
         assert_eq!(found, [0, 1, 7, 8, 9, 15]);
+        let mut around = Vec::new();
+        grid.for_each_around(0, 1, |cell| around.push(cell));
+        assert_eq!(around, [7, 0, 1, 15, 8, 9]);
+        around.clear();
+        grid.for_each_around(20, 2, |cell| around.push(cell));
+        assert_eq!((around.len(), around[0], around[24]), (25, 2, 38));
         assert_eq!(runs_of(0..grid.len(), |cell| reached.contains(cell)), [0..2, 7..10, 15..16]);
     }
 
@@ -117,6 +150,7 @@ mod tests {
         other.insert(199);
         set.insert_all(&other);
         let found: Vec<usize> = (0..200).filter(|&cell| set.contains(cell)).collect();
+        assert!(set.iter().eq(found.iter().copied()));
         assert_eq!(found, (60..70).chain([199]).collect::<Vec<_>>());
     }
 }

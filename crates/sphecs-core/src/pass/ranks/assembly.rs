@@ -57,7 +57,7 @@ impl Group {
         }
         state.domains = Some(domains);
         state.is_whole = true;
-        // The buffers for so many particles are larger than those of any pass.
+        // The buffers for these messages are larger than those of any pass.
         state.messages.outgoing.iter_mut().for_each(|message| *message = Vec::new());
         state.messages.incoming.iter_mut().for_each(|message| *message = Vec::new());
     }

@@ -29,28 +29,69 @@ fn bisect_part<const D: usize>(
         cells.iter().for_each(|&cell| owner[cell as usize] = first as u16);
         return;
     }
-    let axis = longest_axis(grid, costs, cells);
-    cells.sort_unstable_by_key(|&cell| (grid.index_of(cell as usize)[axis], cell));
+    let layers = Layers::along(longest_axis(grid, costs, cells), grid, costs, cells);
     let low_ranks = ranks / 2;
-    let total: f64 = cells.iter().map(|&cell| costs[cell as usize]).sum();
-    let wanted = total * low_ranks as f64 / ranks as f64;
-    let mut below = 0.0;
-    let in_low = |cell: &u32| {
-        let cost = costs[*cell as usize];
-        // The cell on the cut belongs to the side with its larger part.
-        let is_low = below + 0.5 * cost < wanted;
-        below += cost;
-        is_low
-    };
-    let middle = cells.iter().take_while(cell_test(in_low)).count();
+    let middle = layers.split(low_ranks as f64 / ranks as f64, grid, costs, cells);
     let (low, high) = cells.split_at_mut(middle);
     bisect_part(grid, costs, low, first, low_ranks, owner);
     bisect_part(grid, costs, high, first + low_ranks, ranks - low_ranks, owner);
 }
 
-/// Returns a test of references to cells.
-fn cell_test(mut test: impl FnMut(&u32) -> bool) -> impl FnMut(&&u32) -> bool {
-    move |cell| test(cell)
+/// Layers of cells across an axis.
+struct Layers {
+    axis: usize,
+    /// Cost of each layer.
+    costs: Vec<f64>,
+}
+
+impl Layers {
+    fn along<const D: usize>(axis: usize, grid: &CellGrid<D>, costs: &[f64], cells: &[u32]) -> Self {
+        let mut of_layer = vec![0.0; grid.cells()[axis]];
+        for &cell in cells {
+            of_layer[grid.index_of(cell as usize)[axis] as usize] += costs[cell as usize];
+        }
+        Self { axis, costs: of_layer }
+    }
+
+    /// Puts those of the cells, which are in their order, in front that together have a share of
+    /// the cost, and returns their number; both parts keep their order.
+    fn split<const D: usize>(
+        &self,
+        share: f64,
+        grid: &CellGrid<D>,
+        costs: &[f64],
+        cells: &mut [u32],
+    ) -> usize {
+        let wanted = share * self.costs.iter().sum::<f64>();
+        let mut below = 0.0;
+        let cut = self.costs.iter().position(|cost| {
+            below += cost;
+            below >= wanted
+        });
+        let cut = cut.unwrap_or(self.costs.len());
+        let mut below: f64 = self.costs[..cut].iter().sum();
+        let mut high = Vec::new();
+        let mut low = 0;
+        for at in 0..cells.len() {
+            let cell = cells[at];
+            let layer = grid.index_of(cell as usize)[self.axis] as usize;
+            let is_low = layer < cut
+                || layer == cut && {
+                    let before = below;
+                    below += costs[cell as usize];
+                    // The cell on the cut belongs to the side with its larger part.
+                    before + 0.5 * costs[cell as usize] < wanted
+                };
+            if is_low {
+                cells[low] = cell;
+                low += 1;
+            } else {
+                high.push(cell);
+            }
+        }
+        cells[low..].copy_from_slice(&high);
+        low
+    }
 }
 
 /// Returns the axis along which the cells with particles extend the farthest.

@@ -11,69 +11,111 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::math::grid::CellGrid;
-use crate::math::grid::cell_set::{CellSet, runs_of};
+use crate::math::grid::cell_set::CellSet;
 
 /// Domains of all ranks, as one of them sees them.
 #[derive(Debug)]
 pub(super) struct Domains {
     /// Rank that sees them.
     rank: usize,
+    /// Rank of each cell.
+    owner: Vec<u16>,
+    /// Cells that all ranks hold.
+    shared: CellSet,
     /// Consecutive cells of one rank, in their order.
     pub runs: Vec<(Range<usize>, usize)>,
     /// Runs of the cells of each rank.
     pub owned: Vec<Vec<Range<usize>>>,
     /// Cells of this rank.
     pub own: Arc<CellSet>,
-    /// Cells that each rank holds.
-    pub held: Vec<CellSet>,
+    /// Cells that this rank holds.
+    pub held: CellSet,
     /// Own cells that each other rank holds.
     sent: Vec<Vec<Range<usize>>>,
     /// Cells of each other rank that this one holds.
     received: Vec<Vec<Range<usize>>>,
-    /// Own cells that each other rank does not hold, but some cell in reach of them: only their
-    /// rows can enter what it holds in a step.
-    pub bordering: Vec<Vec<Range<usize>>>,
+    /// Own cells that another rank does not hold, but some cell in reach of them: only their rows
+    /// can enter what it holds in a step.
+    pub bordering: Vec<Range<usize>>,
 }
 
 impl Domains {
     /// Returns the domains by the rank of each cell; all ranks hold the cells `everywhere`.
     pub(super) fn new<const D: usize>(
         grid: &CellGrid<D>,
-        owner: &[u16],
+        owner: Vec<u16>,
         (rank, ranks): (usize, usize),
         everywhere: &[Range<usize>],
     ) -> Self {
         let cells = grid.len();
-        let of = |rank: usize| move |cell: usize| usize::from(owner[cell]) == rank;
-        let owned: Vec<_> = (0..ranks).map(|rank| runs_of(0..cells, of(rank))).collect();
-        let mut runs: Vec<_> = (0..)
-            .zip(&owned)
-            .flat_map(|(rank, own)| own.iter().map(move |run| (run.clone(), rank)))
-            .collect();
+        let mut owned = vec![Vec::new(); ranks];
+        (0..cells).for_each(|cell| append(&mut owned[usize::from(owner[cell])], cell));
+        let of_rank = |rank: usize| owned[rank].iter().map(move |run: &Range<usize>| (run.clone(), rank));
+        let mut runs: Vec<_> = (0..ranks).flat_map(of_rank).collect();
         runs.sort_unstable_by_key(|(run, _)| run.start);
-        let set = |runs: &[Range<usize>]| set_of(cells, runs);
-        let everywhere = set(everywhere);
-        let held: Vec<CellSet> = owned.iter().map(|own| held_with(grid, &set(own), &everywhere)).collect();
-        let others = |runs: &dyn Fn(usize) -> Vec<Range<usize>>| {
-            (0..ranks).map(|other| if other == rank { Vec::new() } else { runs(other) }).collect::<Vec<_>>()
-        };
-        let is_own = of(rank);
-        Self {
+        let own = set_of(cells, &owned[rank]);
+        let shared = grid.in_reach_of(&set_of(cells, everywhere));
+        let mut held = grid.in_reach_of(&own);
+        held.insert_all(&shared);
+        let mut domains = Self {
             rank,
-            sent: others(&|other| runs_of(0..cells, |cell| is_own(cell) && held[other].contains(cell))),
-            received: others(&|other| {
-                let is_theirs = of(other);
-                runs_of(0..cells, |cell| is_theirs(cell) && held[rank].contains(cell))
-            }),
-            bordering: others(&|other| {
-                let near = grid.in_reach_of(&held[other]);
-                let borders = |cell| is_own(cell) && !held[other].contains(cell) && near.contains(cell);
-                runs_of(0..cells, borders)
-            }),
-            own: Arc::new(set(&owned[rank])),
+            owner,
+            shared,
             runs,
             owned,
+            own: Arc::new(own),
             held,
+            sent: vec![Vec::new(); ranks],
+            received: vec![Vec::new(); ranks],
+            bordering: Vec::new(),
+        };
+        domains.find_neighbours(grid);
+        domains
+    }
+
+    /// Finds what the ranks send each other.
+    fn find_neighbours<const D: usize>(&mut self, grid: &CellGrid<D>) {
+        let own = Arc::clone(&self.own);
+        let near_shared = grid.in_reach_of(&self.shared);
+        // All else has only own cells within twice the reach.
+        let twice = |cells: &CellSet| grid.in_reach_of(&grid.in_reach_of(cells));
+        let mut others = CellSet::empty(grid.len());
+        twice(&own).iter().filter(|&cell| !own.contains(cell)).for_each(|cell| others.insert(cell));
+        let near_others = twice(&others);
+        let (mut holders, mut bordering) = (RankSet::new(self.owned.len()), RankSet::new(self.owned.len()));
+        for cell in own.iter().filter(|&cell| near_others.contains(cell) || near_shared.contains(cell)) {
+            self.find_holders(grid, cell, &mut holders);
+            holders.ranks().filter(|&other| other != self.rank).for_each(|other| {
+                append(&mut self.sent[other], cell);
+            });
+            bordering.clear();
+            if near_shared.contains(cell) {
+                bordering.insert_all();
+            } else {
+                // Who holds a cell in reach owns one within twice the reach.
+                grid.for_each_around(cell, 2, |near| bordering.insert(usize::from(self.owner[near])));
+            }
+            if bordering.ranks().any(|other| other != self.rank && !holders.has(other)) {
+                append(&mut self.bordering, cell);
+            }
+        }
+        for cell in self.held.iter().filter(|&cell| !own.contains(cell)) {
+            append(&mut self.received[usize::from(self.owner[cell])], cell);
+        }
+    }
+
+    /// Finds the ranks that hold a cell.
+    pub(super) fn find_holders<const D: usize>(
+        &self,
+        grid: &CellGrid<D>,
+        cell: usize,
+        holders: &mut RankSet,
+    ) {
+        holders.clear();
+        if self.shared.contains(cell) {
+            holders.insert_all();
+        } else {
+            grid.for_each_around(cell, 1, |near| holders.insert(usize::from(self.owner[near])));
         }
     }
 
@@ -89,7 +131,53 @@ impl Domains {
     }
 }
 
-/// Returns the cells that a rank holds that owns the cells `own`, where all ranks hold `everywhere`.
+/// Set of ranks that is filled often.
+#[derive(Debug)]
+pub(super) struct RankSet {
+    has: Vec<bool>,
+    ranks: Vec<usize>,
+}
+
+impl RankSet {
+    /// Returns the empty set of a number of ranks.
+    pub(super) fn new(ranks: usize) -> Self {
+        Self { has: vec![false; ranks], ranks: Vec::new() }
+    }
+
+    /// Returns true if a rank is in the set.
+    pub(super) fn has(&self, rank: usize) -> bool {
+        self.has[rank]
+    }
+
+    /// Returns the ranks of the set.
+    pub(super) fn ranks(&self) -> impl Iterator<Item = usize> + '_ {
+        self.ranks.iter().copied()
+    }
+
+    fn clear(&mut self) {
+        self.ranks.drain(..).for_each(|rank| self.has[rank] = false);
+    }
+
+    fn insert(&mut self, rank: usize) {
+        if !std::mem::replace(&mut self.has[rank], true) {
+            self.ranks.push(rank);
+        }
+    }
+
+    fn insert_all(&mut self) {
+        (0..self.has.len()).for_each(|rank| self.insert(rank));
+    }
+}
+
+/// Appends a cell behind all others to runs of consecutive cells.
+fn append(runs: &mut Vec<Range<usize>>, cell: usize) {
+    match runs.last_mut() {
+        Some(last) if last.end == cell => last.end += 1,
+        _ => runs.push(cell..cell + 1),
+    }
+}
+
+/// Returns the cells that the owner of the cells `own` holds, where all ranks hold `everywhere`.
 pub(super) fn held_with<const D: usize>(grid: &CellGrid<D>, own: &CellSet, everywhere: &CellSet) -> CellSet {
     let mut cells = own.clone();
     cells.insert_all(everywhere);
@@ -106,12 +194,13 @@ pub(super) fn set_of(cells: usize, runs: &[Range<usize>]) -> CellSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::grid::cell_set::runs_of;
 
     /// A row of 12 cells, of which three ranks own four each.
     fn of_rank(rank: usize, everywhere: &[usize]) -> Domains {
         let grid = CellGrid::<2>::new([0.0; 2], [12.0, 1.0], [false; 2], 1.0, 1.0);
         let owner: Vec<u16> = (0..12).map(|cell| cell / 4).collect();
-        Domains::new(&grid, &owner, (rank, 3), &runs_of(0..12, |cell| everywhere.contains(&cell)))
+        Domains::new(&grid, owner, (rank, 3), &runs_of(0..12, |cell| everywhere.contains(&cell)))
     }
 
     fn cells(runs: &[Range<usize>]) -> Vec<usize> {
@@ -125,7 +214,7 @@ mod tests {
         assert_eq!(cells(domains.sent_to(0, false)), [4]);
         assert_eq!(cells(domains.sent_to(2, false)), [7]);
         assert_eq!(cells(domains.received_from(0, false)), [3]);
-        assert_eq!(cells(&domains.bordering[0]), [5]);
+        assert_eq!(cells(&domains.bordering), [5, 6]);
         assert_eq!(cells(domains.sent_to(0, true)), [4, 5, 6, 7]);
         assert_eq!(cells(domains.sent_to(2, true)), [7]);
         assert_eq!(cells(of_rank(0, &[]).received_from(2, true)), [8, 9, 10, 11]);

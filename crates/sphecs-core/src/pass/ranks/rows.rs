@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use super::bisection::bisect;
-use super::domains::Domains;
+use super::domains::{Domains, RankSet};
 use super::{Group, Ranks, State};
 use crate::math::grid::CellGrid;
 use crate::math::real::Real;
@@ -65,7 +65,7 @@ impl Ranks {
         let rank = group.transport.rank();
         state.is_whole = state.is_observed;
         let holds_all = rank == 0 && state.is_observed;
-        grid.hold(state.domains.as_ref().filter(|_| !holds_all).map(|domains| domains.held[rank].clone()));
+        grid.hold(state.domains.as_ref().filter(|_| !holds_all).map(|domains| domains.held.clone()));
         true
     }
 
@@ -92,7 +92,7 @@ impl Group {
         let (rank, ranks) = (self.transport.rank(), self.transport.size());
         let owner = std::mem::take(&mut state.first_owners);
         assert_eq!(owner.len(), grid.len(), "a flow is divided before its first step");
-        state.domains = Some(Domains::new(grid, &owner, (rank, ranks), everywhere));
+        state.domains = Some(Domains::new(grid, owner, (rank, ranks), everywhere));
         state.changes += 1;
     }
 
@@ -126,7 +126,7 @@ impl Group {
         let cost_of_row = state.balance.take_costs(&rows);
         let costs: Vec<f64> = of_cell.into_iter().map(|(rows, rank)| rows * cost_of_row[rank]).collect();
         let owner = bisect(grid, &costs, ranks);
-        state.domains = Some(Domains::new(grid, &owner, (rank, ranks), everywhere));
+        state.domains = Some(Domains::new(grid, owner, (rank, ranks), everywhere));
         state.changes += 1;
         Some(domains)
     }
@@ -143,19 +143,24 @@ impl Group {
         arrays: &mut ParticleArrays<R, D>,
     ) -> bool {
         let (rank, ranks) = (self.transport.rank(), self.transport.size());
-        let Some(now) = &state.domains else { return true };
-        let old = before.unwrap_or(now);
-        for other in 0..ranks {
-            let message = &mut state.messages.outgoing[other];
-            message.clear();
-            if other == rank || other == 0 && state.is_whole {
-                continue;
-            }
-            let cells = if before.is_some() { &old.owned[rank] } else { &now.bordering[other] };
-            for cell in cells.iter().flat_map(Clone::clone).filter(|&cell| !old.held[other].contains(cell)) {
-                for row in grid.rows(cell).filter(|&row| arrays.zone[row] != Zone::Reservoir) {
-                    if cell_of(grid, arrays, row).is_some_and(|cell| now.held[other].contains(cell)) {
-                        record::write(&arrays.row(row), DVec3::ZERO, message);
+        let State { domains: Some(now), messages, is_whole, .. } = &mut *state else { return true };
+        messages.outgoing.iter_mut().for_each(Vec::clear);
+        let (mut holders, mut new_holders) = (RankSet::new(ranks), RankSet::new(ranks));
+        let (old, cells) = before.map_or((&*now, &now.bordering), |old| (old, &old.owned[rank]));
+        for cell in cells.iter().flat_map(Clone::clone) {
+            old.find_holders(grid, cell, &mut holders);
+            let mut last = None;
+            for row in grid.rows(cell).filter(|&row| arrays.zone[row] != Zone::Reservoir) {
+                let Some(now_in) = cell_of(grid, arrays, row) else { continue };
+                if before.is_none() && now_in == cell {
+                    continue;
+                }
+                if last.replace(now_in) != Some(now_in) {
+                    now.find_holders(grid, now_in, &mut new_holders);
+                }
+                for other in new_holders.ranks().filter(|&other| other != rank && !holders.has(other)) {
+                    if other != 0 || !*is_whole {
+                        record::write(&arrays.row(row), DVec3::ZERO, &mut messages.outgoing[other]);
                     }
                 }
             }

@@ -209,9 +209,8 @@ fn moving_particles_are_found_by_those_that_hold_their_cells() {
                     continue;
                 }
                 assert_eq!(ranks.changes() > 1, every.is_some());
-                let held = &ranks.0.as_ref().expect("ranks").state().domains.as_ref().expect("domains").held
-                    [rank]
-                    .clone();
+                let held =
+                    ranks.0.as_ref().expect("ranks").state().domains.as_ref().expect("domains").held.clone();
                 let cell = |particle: &ParticleRow| {
                     let place = [particle.position.x, particle.position.y];
                     grid.cell_of(place).expect("inside")
