@@ -191,15 +191,15 @@ def artery():
 
 
 def rushton():
-    """Returns a turbine of 60 mm with six blades of 15 by 20 by 8 mm, a disc of 45 by 8 mm, a shaft of 12 mm.
+    """Returns a turbine of 60 mm with six blades of 15 by 12 by 3 mm, a disc of 45 by 3 mm, a shaft of 12 mm.
 
     All parts are prisms along z, so the solid is the set of filled cells of one grid: rings of radii, angles and
     layers. Within a blade the angles follow its plane sides. The shaft reaches from the disc 80 mm upwards.
     """
     shaft, inner, disc, outer = 6.0, 15.0, 22.5, 30.0
-    thickness, blades, within, beyond = 8.0, 6, 4, 8
+    thickness, blades, within, beyond = 3.0, 6, 4, 8
     radii = [shaft, 10.5, inner, disc, outer]
-    heights = [-10.0, -4.0, 4.0, 10.0, 80.0]
+    heights = [-6.0, -1.5, 1.5, 6.0, 80.0]
     sector = within + beyond
     around = blades * sector
     vertices, plane = [], []

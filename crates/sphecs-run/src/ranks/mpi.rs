@@ -299,6 +299,13 @@ impl Transport for World {
         });
     }
 
+    fn exchange_numbers(&self, outgoing: &[u64]) -> Vec<u64> {
+        let mut incoming = vec![0; outgoing.len()];
+        SimpleCommunicator::world().all_to_all_into(outgoing, &mut incoming[..]);
+        incoming[self.rank] = 0;
+        incoming
+    }
+
     fn abandon(&self) {
         SimpleCommunicator::world().abort(1);
     }

@@ -21,6 +21,7 @@
 //! - `shared_points`: results at points that all ranks need
 //! - [`shares`]: particles that each of a number of ranks would own and hold
 //! - `traffic`: messages and times of a rank
+//! - `transport`: what sends the messages
 
 mod assembly;
 mod balance;
@@ -35,13 +36,14 @@ pub mod shares;
 #[cfg(test)]
 mod tests;
 mod traffic;
+mod transport;
 
 pub(super) use shared_blocks::Joined;
 pub(super) use shared_columns::{OutputNumber, SharedColumns};
 pub(super) use shared_points::PointResult;
 pub use traffic::Traffic;
+pub use transport::Transport;
 
-use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -52,36 +54,6 @@ use crate::math::grid::CellGrid;
 use crate::math::grid::cell_set::CellSet;
 use balance::Balance;
 use domains::Domains;
-
-/// Connection between the ranks of a flow.
-pub trait Transport: fmt::Debug + Send + Sync {
-    /// Returns the number of this rank, from 0.
-    fn rank(&self) -> usize;
-
-    /// Returns the number of ranks.
-    fn size(&self) -> usize;
-
-    /// Sends a message to all ranks, and puts the messages of all, this rank included, behind each
-    /// other in the order of the ranks.
-    ///
-    /// All ranks call it together. `lengths` are the bytes of each rank's message, the same on all
-    /// ranks.
-    ///
-    /// # Panics
-    /// If another rank has ended.
-    fn all_gather(&self, own: &[u8], lengths: &[usize], all: &mut Vec<u8>);
-
-    /// Sends a message to each other rank that gets one and receives one from each that sends one.
-    ///
-    /// `incoming` has the length of each message already; a message without bytes is not sent.
-    ///
-    /// # Panics
-    /// If another rank has ended.
-    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]);
-
-    /// Tells the other ranks that this one ends before its time, so that they do not wait for it.
-    fn abandon(&self);
-}
 
 /// Ranks that run a flow together; the default is one rank alone.
 #[derive(Clone, Debug, Default)]
@@ -286,20 +258,19 @@ impl Ranks {
     pub fn to_first(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
         let Some(group) = &self.0 else { return vec![own] };
         let state = &mut *group.state();
-        group.gather(state, &(own.len() as u64).to_ne_bytes());
-        let lengths = state.messages.gathered.chunks_exact(size_of::<u64>());
-        let lengths: Vec<u64> = lengths.map(bytemuck::pod_read_unaligned).collect();
         let is_first = group.transport.rank() == 0;
+        let mut length = vec![0; group.transport.size()];
+        length[0] = own.len() as u64;
+        let lengths = group.exchange_numbers(state, &length);
         state.messages.outgoing.iter_mut().for_each(Vec::clear);
         for (message, length) in state.messages.incoming.iter_mut().zip(lengths) {
-            message.resize(if is_first { length as usize } else { 0 }, 0);
+            message.resize(length as usize, 0);
         }
         if !is_first {
             state.messages.outgoing[0] = own;
             group.exchange(state);
             return Vec::new();
         }
-        state.messages.incoming[0].clear();
         group.exchange(state);
         let mut all: Vec<Vec<u8>> = state.messages.incoming.iter_mut().map(std::mem::take).collect();
         all[0] = own;
@@ -363,6 +334,16 @@ impl Group {
         self.gather(state, bytemuck::bytes_of(&own));
         let values = state.messages.gathered.chunks_exact(size_of::<T>().max(1));
         values.map(bytemuck::pod_read_unaligned).reduce(join).unwrap_or(own)
+    }
+
+    /// Sends a number to each other rank and returns that from each.
+    fn exchange_numbers(&self, state: &mut State, outgoing: &[u64]) -> Vec<u64> {
+        let started = Instant::now();
+        let incoming = self.transport.exchange_numbers(outgoing);
+        state.traffic.exchanging += started.elapsed().as_secs_f64();
+        let others = size_of_val(outgoing) - size_of::<u64>();
+        state.traffic.count(others, others);
+        incoming
     }
 
     /// Sends the outgoing messages and receives the incoming ones, whose lengths are set.

@@ -19,7 +19,7 @@ use crate::particles::record;
 use crate::particles::rows::ParticleRow;
 use crate::particles::zone::Zone;
 
-/// Message of a rank to all others before a sort, followed by the bytes that each gets from it.
+/// Message of a rank to all others before a sort.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct Header {
@@ -169,23 +169,21 @@ impl Group {
             busy: std::mem::take(&mut state.busy),
             is_outside: u64::from(!are_inside(grid, arrays)),
         };
-        let mut own = bytemuck::bytes_of(&header).to_vec();
-        let lengths = state.messages.outgoing.iter().map(|message| message.len() as u64);
-        own.extend(lengths.flat_map(u64::to_ne_bytes));
-        self.gather(state, &own);
+        self.gather(state, bytemuck::bytes_of(&header));
         let mut is_outside = false;
-        for (other, message) in state.messages.gathered.chunks_exact(own.len()).enumerate() {
-            let (header, lengths) = message.split_at(size_of::<Header>());
+        for (other, header) in state.messages.gathered.chunks_exact(size_of::<Header>()).enumerate() {
             let header: Header = bytemuck::pod_read_unaligned(header);
             state.balance.add(other, header.busy);
             is_outside |= header.is_outside != 0;
-            let length = &lengths[rank * size_of::<u64>()..(rank + 1) * size_of::<u64>()];
-            let length = bytemuck::pod_read_unaligned::<u64>(length) as usize;
-            state.messages.incoming[other].resize(length, 0);
         }
         if is_outside {
             self.assemble(state, grid, arrays);
             return false;
+        }
+        let lengths: Vec<u64> = state.messages.outgoing.iter().map(|message| message.len() as u64).collect();
+        let lengths = self.exchange_numbers(state, &lengths);
+        for (message, length) in state.messages.incoming.iter_mut().zip(lengths) {
+            message.resize(length as usize, 0);
         }
         self.exchange(state);
         for message in &state.messages.incoming {
