@@ -106,7 +106,8 @@ fn longest_axis<const D: usize>(grid: &CellGrid<D>, costs: &[f64], cells: &[u32]
     }
     let size = grid.cell_size();
     let extent = |axis: usize| high[axis].saturating_sub(low[axis]) as f64 * size[axis];
-    (0..D).fold(0, |longest, axis| if extent(axis) > extent(longest) { axis } else { longest })
+    // Of equal ones the last, which leaves the longest runs of consecutive cells.
+    (0..D).fold(0, |longest, axis| if extent(axis) >= extent(longest) { axis } else { longest })
 }
 
 #[cfg(test)]

@@ -91,3 +91,34 @@ impl Ranks {
         group.state().first_owners = division.owner;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::particles::rows::ParticleRow;
+
+    #[test]
+    fn ranks_begin_with_what_their_cells_reach() {
+        let grid = CellGrid::<2>::new([0.0; 2], [12.0, 1.0], [false; 2], 1.0, 1.0);
+        let mut particles = ParticleArrays::<f64, 2>::default();
+        // One in each cell, one in the reservoir and one outside the grid.
+        for id in 0..14 {
+            let position = DVec3::new(f64::from(id) + 0.5, 0.5, 0.0);
+            let zone = if id == 12 { Zone::Reservoir } else { Zone::Fluid };
+            particles.push(&ParticleRow { id, zone, position, ..ParticleRow::default() });
+        }
+        let division = Division::new(&grid, &particles, 3);
+        let rows =
+            |rank: usize, everywhere: &[Range<usize>]| division.rows_of(rank, &grid, &particles, everywhere);
+        assert_eq!(rows(0, &[]), [0, 1, 2, 3, 4, 13]);
+        assert_eq!(rows(1, &[]), [3, 4, 5, 6, 7, 8, 13]);
+        let everywhere = runs_of(0..12, |cell| cell == 1);
+        assert_eq!(rows(2, &everywhere), [0, 1, 2, 7, 8, 9, 10, 11, 13]);
+        let mut saved = Columns::default();
+        division.save(&mut saved);
+        assert_eq!(Division::restore(&mut saved).expect("a division"), division);
+        assert!(Division::restore(&mut saved).is_err(), "it has been taken");
+    }
+}

@@ -37,6 +37,10 @@ pub(super) struct Domains {
     /// Own cells that another rank does not hold, but some cell in reach of them: only their rows
     /// can enter what it holds in a step.
     pub bordering: Vec<Range<usize>>,
+    /// Cells in reach of those, in their order, each with the place of its holders in `holders`.
+    near: Vec<(usize, usize)>,
+    /// Sets of ranks that hold cells.
+    holders: Vec<Vec<usize>>,
 }
 
 impl Domains {
@@ -68,6 +72,8 @@ impl Domains {
             sent: vec![Vec::new(); ranks],
             received: vec![Vec::new(); ranks],
             bordering: Vec::new(),
+            near: Vec::new(),
+            holders: Vec::new(),
         };
         domains.find_neighbours(grid);
         domains
@@ -102,6 +108,27 @@ impl Domains {
         for cell in self.held.iter().filter(|&cell| !own.contains(cell)) {
             append(&mut self.received[usize::from(self.owner[cell])], cell);
         }
+        for cell in grid.in_reach_of(&set_of(grid.len(), &self.bordering)).iter() {
+            self.find_holders(grid, cell, &mut holders);
+            let mut ranks: Vec<usize> = holders.ranks().collect();
+            ranks.sort_unstable();
+            let known = self.holders.iter().rposition(|known| *known == ranks);
+            self.near.push((cell, known.unwrap_or(self.holders.len())));
+            if known.is_none() {
+                self.holders.push(ranks);
+            }
+        }
+    }
+
+    /// Returns the ranks that hold a cell that a particle enters from a bordering one, and not that
+    /// cell; None if it is not in reach of it.
+    pub(super) fn new_holders(&self, from: usize, to: usize) -> Option<impl Iterator<Item = usize>> {
+        let place = |cell: usize| {
+            let found = self.near.binary_search_by_key(&cell, |(cell, _)| *cell).ok()?;
+            Some(self.near[found].1)
+        };
+        let (from, to) = (&self.holders[place(from)?], &self.holders[place(to)?]);
+        Some(to.iter().copied().filter(|rank| from.binary_search(rank).is_err()))
     }
 
     /// Finds the ranks that hold a cell.

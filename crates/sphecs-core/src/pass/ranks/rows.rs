@@ -145,22 +145,42 @@ impl Group {
         let (rank, ranks) = (self.transport.rank(), self.transport.size());
         let State { domains: Some(now), messages, is_whole, .. } = &mut *state else { return true };
         messages.outgoing.iter_mut().for_each(Vec::clear);
+        let mut send = |row: usize, other: usize| {
+            if other != rank && (other != 0 || !*is_whole) {
+                record::write(&arrays.row(row), DVec3::ZERO, &mut messages.outgoing[other]);
+            }
+        };
+        let rows = |cell: usize| {
+            let moving = grid.rows(cell).filter(|&row| arrays.zone[row] != Zone::Reservoir);
+            moving.filter_map(|row| Some((row, cell_of(grid, arrays, row)?)))
+        };
         let (mut holders, mut new_holders) = (RankSet::new(ranks), RankSet::new(ranks));
-        let (old, cells) = before.map_or((&*now, &now.bordering), |old| (old, &old.owned[rank]));
-        for cell in cells.iter().flat_map(Clone::clone) {
-            old.find_holders(grid, cell, &mut holders);
-            let mut last = None;
-            for row in grid.rows(cell).filter(|&row| arrays.zone[row] != Zone::Reservoir) {
-                let Some(now_in) = cell_of(grid, arrays, row) else { continue };
-                if before.is_none() && now_in == cell {
-                    continue;
+        match before {
+            None => {
+                for cell in now.bordering.iter().flat_map(Clone::clone) {
+                    for (row, entered) in rows(cell).filter(|(_, entered)| *entered != cell) {
+                        if let Some(others) = now.new_holders(cell, entered) {
+                            others.for_each(|other| send(row, other));
+                            continue;
+                        }
+                        // It moved farther than the support.
+                        now.find_holders(grid, cell, &mut holders);
+                        now.find_holders(grid, entered, &mut new_holders);
+                        let others = new_holders.ranks().filter(|&other| !holders.has(other));
+                        others.for_each(|other| send(row, other));
+                    }
                 }
-                if last.replace(now_in) != Some(now_in) {
-                    now.find_holders(grid, now_in, &mut new_holders);
-                }
-                for other in new_holders.ranks().filter(|&other| other != rank && !holders.has(other)) {
-                    if other != 0 || !*is_whole {
-                        record::write(&arrays.row(row), DVec3::ZERO, &mut messages.outgoing[other]);
+            }
+            Some(old) => {
+                for cell in old.owned[rank].iter().flat_map(Clone::clone) {
+                    old.find_holders(grid, cell, &mut holders);
+                    let mut last = None;
+                    for (row, entered) in rows(cell) {
+                        if last.replace(entered) != Some(entered) {
+                            now.find_holders(grid, entered, &mut new_holders);
+                        }
+                        let others = new_holders.ranks().filter(|&other| !holders.has(other));
+                        others.for_each(|other| send(row, other));
                     }
                 }
             }

@@ -264,3 +264,10 @@ fn first_rank_is_heard_by_all() {
     assert!(on_ranks(4, heard).into_iter().all(|bytes| bytes == [7; 3]));
     assert_eq!(Ranks::default().from_first(&[1], 1), [1]);
 }
+
+#[test]
+fn messages_of_all_ranks_reach_the_first() {
+    let send = |ranks: Ranks| ranks.to_first(vec![ranks.rank() as u8; ranks.rank()]);
+    assert_eq!(on_ranks(3, send), [vec![vec![], vec![1], vec![2, 2]], vec![], vec![]]);
+    assert_eq!(Ranks::default().to_first(vec![5]), [[5]]);
+}
