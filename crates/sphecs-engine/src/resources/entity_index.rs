@@ -12,7 +12,7 @@ pub struct EntityIndex {
     /// Entity of each number; `Entity::PLACEHOLDER` for a number that is free. Empty without
     /// entities.
     entities: Vec<Entity>,
-    /// Number of numbers given out, those that are free again included.
+    /// Count of the numbers given out, those that are free again included.
     numbers: u32,
     has_entities: bool,
 }
@@ -41,7 +41,7 @@ impl EntityIndex {
         self.has_entities
     }
 
-    /// Returns the number of numbers given out, those that are free again included.
+    /// Returns the count of the numbers given out, those that are free again included.
     pub fn len(&self) -> usize {
         self.numbers as usize
     }

@@ -2,7 +2,7 @@
 //! particles.
 //!
 //! With several ranks, each sums and fits for its own particles, and rank 0 gets the results.
-//! What names single particles is read after rank 0 has got all of them.
+//! All particles, as frames and checkpoints need them, are collected on rank 0 first.
 
 use bevy_ecs::world::World;
 use glam::{DMat3, DVec3};

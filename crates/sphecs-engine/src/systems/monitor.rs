@@ -84,7 +84,10 @@ pub struct ClosestPair {
 impl ClosestPair {
     /// Returns the closer of two pairs; of two as close, the one at the lower place, by x first.
     fn closer(first: Option<Self>, second: Option<Self>) -> Option<Self> {
-        let numbers = |pair: &Self| [&[pair.distance], &pair.position.to_array()[..]].concat();
+        let numbers = |pair: &Self| {
+            let [x, y, z] = pair.position.to_array();
+            [pair.distance, x, y, z]
+        };
         match (first, second) {
             (Some(a), Some(b)) if numbers(&b) < numbers(&a) => Some(b),
             (a, b) => a.or(b),
@@ -218,9 +221,7 @@ impl FluidSums {
         self.closest_pair = ClosestPair::closer(self.closest_pair, other.closest_pair);
         self
     }
-}
 
-impl FluidSums {
     /// Returns what is no exact sum as numbers, for a message to the other ranks: counts, extremes,
     /// distance and position of the closest pair, which are NaN without any.
     fn numbers(&self) -> [f64; NUMBERS] {

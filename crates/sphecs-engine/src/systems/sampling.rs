@@ -99,8 +99,9 @@ pub(crate) fn pressure<R: PairReal<D>, const D: usize>(
     )
 }
 
-/// Returns results at points, each from the rank that owns the cell of the point; only rank 0 has
-/// those of the others. A result has `N` numbers, which `write` and `read` name.
+/// Returns results at points, each from the rank that owns the cell of the point. Rank 0 gets all,
+/// and any other rank has its own. `write` turns a result into `N` numbers, and `read` turns them
+/// back.
 fn by_owner<const D: usize, P: Copy, T: Clone, const N: usize>(
     world: &World,
     points: &[P],

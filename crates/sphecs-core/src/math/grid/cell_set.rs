@@ -57,14 +57,17 @@ fn place(cell: usize) -> (usize, u64) {
 
 /// Returns the runs of consecutive cells of a range for which `is_wanted` is true.
 pub fn runs_of(cells: Range<usize>, is_wanted: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for cell in cells.filter(|&cell| is_wanted(cell)) {
-        match runs.last_mut() {
-            Some(last) if last.end == cell => last.end += 1,
-            _ => runs.push(cell..cell + 1),
-        }
-    }
+    let mut runs = Vec::new();
+    cells.filter(|&cell| is_wanted(cell)).for_each(|cell| append(&mut runs, cell));
     runs
+}
+
+/// Appends a cell behind all others to runs of consecutive cells.
+pub fn append(runs: &mut Vec<Range<usize>>, cell: usize) {
+    match runs.last_mut() {
+        Some(last) if last.end == cell => last.end += 1,
+        _ => runs.push(cell..cell + 1),
+    }
 }
 
 impl<const D: usize> CellGrid<D> {
@@ -88,8 +91,8 @@ impl<const D: usize> CellGrid<D> {
         reached
     }
 
-    /// Calls `visit` with a cell and all cells within `reaches` times the reach of it, some
-    /// of them twice in a short period.
+    /// Calls `visit` with a cell and all cells around it, up to `reaches` times the reach; in a
+    /// short period some are visited twice.
     pub fn for_each_around(&self, cell: usize, reaches: i64, mut visit: impl FnMut(usize)) {
         let index = self.index_of(cell);
         let layers = self.reach.map(|reach| reaches * reach);

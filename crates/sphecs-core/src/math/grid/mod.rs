@@ -149,6 +149,12 @@ impl<const D: usize> CellGrid<D> {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
+    /// Returns the rows of consecutive cells.
+    #[inline]
+    pub fn rows_of_run(&self, cells: &Range<usize>) -> Range<usize> {
+        self.starts[cells.start] as usize..self.starts[cells.end] as usize
+    }
+
     /// Moves a point, m, by whole periods into the box, in the periodic directions.
     pub fn wrap(&self, mut point: [f64; D]) -> [f64; D] {
         for d in 0..D {
@@ -192,10 +198,10 @@ impl<const D: usize> CellGrid<D> {
         Some(cell)
     }
 
-    /// Returns the cell of a point, m, or the nearest one to a point outside the box; some cell for
-    /// a point that is not finite.
+    /// Returns the cell of a point, m, or the cell nearest to a point outside the box.
     ///
-    /// All cells in reach of the point are in reach of that cell.
+    /// All cells in reach of the point are in reach of that cell. A point that is not finite
+    /// belongs to some cell, too.
     pub fn nearest_cell(&self, point: [f64; D]) -> usize {
         let inside = self.wrap(point);
         let nearest = std::array::from_fn(|d| inside[d].max(self.lower[d]).min(self.upper[d]));

@@ -1,7 +1,8 @@
 //! All particles together on rank 0, for frames and checkpoints.
 //!
-//! The numbers of particles in the cells come first and state the row of every particle that
-//! follows. So rank 0 needs memory for the columns and for a few particles at a time.
+//! The other ranks first send how many particles each of their cells has, from which rank 0 finds
+//! the row of every particle. The particles follow in batches, so that rank 0 needs little memory
+//! besides the columns.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -155,8 +156,8 @@ impl Group {
         }
         state.messages.incoming[0].clear();
         self.exchange(state);
-        // The number of each cell stands behind its place, so that their running sum is the start
-        // of the next one.
+        // Entry `cell + 1` gets the number of particles in the cell, and then the running sum of
+        // the numbers, which is where the next cell starts.
         let mut starts = vec![0; grid.len() + 1];
         for cell in domains.owned[0].iter().flat_map(Clone::clone) {
             starts[cell + 1] = grid.rows(cell).len() as u32;
@@ -186,16 +187,11 @@ fn rows_of<const D: usize>(
     grid: &CellGrid<D>,
     cells: &[Range<usize>],
 ) -> impl Iterator<Item = usize> + use<D> {
-    let runs: Vec<Range<usize>> = cells.iter().map(|run| rows_of_run(grid, run)).collect();
+    let runs: Vec<Range<usize>> = cells.iter().map(|run| grid.rows_of_run(run)).collect();
     runs.into_iter().flatten()
 }
 
 /// Returns the number of particles in cells.
 fn rows_in<const D: usize>(grid: &CellGrid<D>, cells: &[Range<usize>]) -> usize {
-    cells.iter().map(|run| rows_of_run(grid, run).len()).sum()
-}
-
-/// Returns the rows of consecutive cells.
-fn rows_of_run<const D: usize>(grid: &CellGrid<D>, cells: &Range<usize>) -> Range<usize> {
-    grid.starts()[cells.start] as usize..grid.starts()[cells.end] as usize
+    cells.iter().map(|run| grid.rows_of_run(run).len()).sum()
 }

@@ -16,7 +16,7 @@ use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
 
-/// Cells that each rank owns at first, and what holds for the flow as a whole.
+/// Cells that each rank owns at first, and facts of the whole flow that a part may not show.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Division {
     /// Rank of each cell.
@@ -26,7 +26,7 @@ pub struct Division {
 }
 
 impl Division {
-    /// Divides the cells so that each rank owns as many of the particles.
+    /// Divides the cells so that all ranks own equally many particles.
     pub fn new<R: Real, const D: usize>(
         grid: &CellGrid<D>,
         arrays: &ParticleArrays<R, D>,
@@ -56,7 +56,7 @@ impl Division {
         let cells = grid.len();
         let own = runs_of(0..cells, |cell| usize::from(self.owner[cell]) == rank);
         let held: CellSet = held_with(grid, &set_of(cells, &own), &set_of(cells, everywhere));
-        // One outside the grid stops all ranks.
+        // All ranks get a particle outside the grid, since it stops all of them.
         let is_held = |row: usize| cell_of(grid, arrays, row).is_none_or(|cell| held.contains(cell));
         let exists = |row: usize| arrays.zone[row] != Zone::Reservoir;
         (0..arrays.len()).filter(|&row| exists(row) && is_held(row)).map(|row| row as u32).collect()

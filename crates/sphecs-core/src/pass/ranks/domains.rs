@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::math::grid::CellGrid;
-use crate::math::grid::cell_set::CellSet;
+use crate::math::grid::cell_set::{CellSet, append};
 
 /// Domains of all ranks, as one of them sees them.
 #[derive(Debug)]
@@ -37,9 +37,9 @@ pub(super) struct Domains {
     /// Own cells that another rank does not hold, but some cell in reach of them: only their rows
     /// can enter what it holds in a step.
     pub bordering: Vec<Range<usize>>,
-    /// Cells in reach of those, in their order, each with the place of its holders in `holders`.
+    /// Cells in reach of the bordering ones, in their order, each with its place in `holders`.
     near: Vec<(usize, usize)>,
-    /// Sets of ranks that hold cells.
+    /// Sets of ranks that hold a cell together.
     holders: Vec<Vec<usize>>,
 }
 
@@ -83,7 +83,7 @@ impl Domains {
     fn find_neighbours<const D: usize>(&mut self, grid: &CellGrid<D>) {
         let own = Arc::clone(&self.own);
         let near_shared = grid.in_reach_of(&self.shared);
-        // All else has only own cells within twice the reach.
+        // Cells that are not near others have only own cells within twice the reach.
         let twice = |cells: &CellSet| grid.in_reach_of(&grid.in_reach_of(cells));
         let mut others = CellSet::empty(grid.len());
         twice(&own).iter().filter(|&cell| !own.contains(cell)).for_each(|cell| others.insert(cell));
@@ -120,8 +120,8 @@ impl Domains {
         }
     }
 
-    /// Returns the ranks that hold a cell that a particle enters from a bordering one, and not that
-    /// cell; None if it is not in reach of it.
+    /// Returns the ranks that hold the cell `to` but not the bordering cell `from`; None if `to` is
+    /// out of reach of all bordering cells.
     pub(super) fn new_holders(&self, from: usize, to: usize) -> Option<impl Iterator<Item = usize>> {
         let place = |cell: usize| {
             let found = self.near.binary_search_by_key(&cell, |(cell, _)| *cell).ok()?;
@@ -193,14 +193,6 @@ impl RankSet {
 
     fn insert_all(&mut self) {
         (0..self.has.len()).for_each(|rank| self.insert(rank));
-    }
-}
-
-/// Appends a cell behind all others to runs of consecutive cells.
-fn append(runs: &mut Vec<Range<usize>>, cell: usize) {
-    match runs.last_mut() {
-        Some(last) if last.end == cell => last.end += 1,
-        _ => runs.push(cell..cell + 1),
     }
 }
 

@@ -234,7 +234,7 @@ impl Ranks {
     /// # Panics
     /// If another rank has ended.
     pub fn sum_exactly(&self, sums: &mut [ExactSum]) {
-        let Some(group) = &self.0 else { return };
+        let Some(group) = self.0.as_ref().filter(|_| !sums.is_empty()) else { return };
         let state = &mut *group.state();
         let mut own = vec![0; sums.len() * ExactSum::BYTES];
         for (sum, message) in sums.iter().zip(own.chunks_exact_mut(ExactSum::BYTES)) {
@@ -280,14 +280,12 @@ impl Ranks {
     /// Returns the rows of this rank in arrays that are sorted by a grid: those of its cells; all
     /// for one rank alone.
     pub fn own_rows<const D: usize>(&self, grid: &CellGrid<D>) -> Vec<Range<usize>> {
-        let rows =
-            |cells: &Range<usize>| grid.starts()[cells.start] as usize..grid.starts()[cells.end] as usize;
-        let Some(group) = &self.0 else { return vec![rows(&(0..grid.len()))] };
-        let state = &*group.state();
-        state.domains.as_ref().map_or_else(
-            || vec![rows(&(0..grid.len()))],
-            |domains| domains.owned[group.transport.rank()].iter().map(rows).collect(),
-        )
+        let rows = |cells: &Range<usize>| grid.rows_of_run(cells);
+        let own = self.0.as_ref().and_then(|group| {
+            let state = group.state();
+            Some(state.domains.as_ref()?.owned[group.transport.rank()].iter().map(rows).collect())
+        });
+        own.unwrap_or_else(|| vec![rows(&(0..grid.len()))])
     }
 
     /// Tells the other ranks that this one ends before its time.

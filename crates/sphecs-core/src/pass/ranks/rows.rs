@@ -75,7 +75,7 @@ impl Ranks {
         let state = &mut *group.state();
         // Rank 0 holds more than its domain needs when it reads the flow.
         let Some(domains) = state.domains.as_ref().filter(|_| !state.is_whole) else { return };
-        let rows = |cells: &Range<usize>| u64::from(grid.starts()[cells.end] - grid.starts()[cells.start]);
+        let rows = |cells: &Range<usize>| grid.rows_of_run(cells).len() as u64;
         state.traffic.own_rows = domains.owned[group.transport.rank()].iter().map(rows).sum();
         state.traffic.held_rows = rows(&(0..grid.len()));
     }
