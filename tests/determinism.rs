@@ -12,6 +12,7 @@ use sphecs::Simulation;
 use sphecs::glam::{DMat3, DVec3};
 use sphecs_core::pass::section::Section;
 use sphecs_core::pass::surface_flow::{Friction, SurfacePoint};
+use sphecs_output::frame::Frame;
 use sphecs_run::ranks::in_process::Followers;
 use sphecs_scene::model::ProbeSight;
 use sphecs_scene::seeds;
@@ -65,6 +66,18 @@ fn difference(one: &mut Simulation, other: &mut Simulation) -> Option<String> {
     a.iter().zip(&b).find(|(a, b)| bits(a) != bits(b)).map(|(a, b)| format!("{a:?}\nother {b:?}"))
 }
 
+/// Returns every bit of the frame that is written of a simulation.
+fn frame_bits(run: &mut Simulation) -> Vec<u64> {
+    let frame = Frame::of(run);
+    let wide = frame.position.into_iter().flatten().map(f64::to_bits);
+    let narrow = frame.velocity.into_iter().chain([frame.density, frame.pressure, frame.tag]).flatten();
+    let zones = frame.zone.into_iter().map(u64::from).chain(frame.patch.into_iter().map(u64::from));
+    let counts = frame.passage.into_iter().chain([frame.moving_walls.start, frame.moving_walls.end]);
+    let head = [frame.time.to_bits(), frame.step, frame.time_step.to_bits()];
+    let all = head.into_iter().chain(wide).chain(narrow.map(|x| u64::from(x.to_bits())));
+    all.chain(zones).chain(counts.map(u64::from)).collect()
+}
+
 /// Ranks of 2 threads each that share the steps of a scene, by its place in the list: each number
 /// of ranks has scenes of its own, so that the test stays short.
 const RANKS: [usize; 4] = [3, 2, 5, 4];
@@ -88,8 +101,10 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_ranks_and_threads() {
             for step in 0..steps {
                 led.0.step().expect("a step");
                 match step % 13 {
-                    // Rank 0 gets the particles of all for this.
                     2 => drop(led.0.state()),
+                    // Rank 0 gets the particles of all for this.
+                    4 => drop(led.0.particles()),
+                    9 => drop(frame_bits(&mut led.0)),
                     5 => drop(led.0.sample(&[DVec3::ZERO])),
                     _ => {}
                 }
@@ -101,14 +116,16 @@ fn shipped_scenes_are_bitwise_identical_for_any_number_of_ranks_and_threads() {
         }
         // What is written, before and after rank 0 gets the particles of all, and all that a
         // checkpoint has, in its order.
+        assert!(one.state() == led.0.state(), "{}: the states differ on {ranks} ranks", path.display());
+        assert!(frame_bits(&mut one) == frame_bits(&mut led.0), "{}: frames differ", path.display());
         let places = places_of(&mut one);
         let expected = readings(&mut one, &places);
         assert_eq!(readings(&mut led.0, &places), expected, "{}: 1 rank and {ranks} differ", path.display());
         assert!(one.state() == led.0.state(), "{}: the states differ on {ranks} ranks", path.display());
         let rows = [readings(&mut one, &places), readings(&mut led.0, &places)];
         assert_eq!(rows[0], rows[1], "{}: 1 rank and {ranks} differ", path.display());
-        let found = difference(&mut one, &mut led.0);
-        assert_eq!(found, None, "{}: 1 rank and {ranks} differ", path.display());
+        assert!(one.particles() == led.0.particles(), "{}: 1 rank and {ranks} differ", path.display());
+        assert!(frame_bits(&mut one) == frame_bits(&mut led.0), "{}: frames differ", path.display());
     });
 }
 
@@ -194,7 +211,40 @@ fn check_many_rows(sets: &[(&str, &str)]) {
         assert_eq!(largest, ids.len(), "a column has more particles than rank {rank} holds");
     }
     assert_eq!(difference(&mut one.0, &mut threads.0), None, "threads");
-    assert_eq!(difference(&mut one.0, &mut ranks.0), None, "ranks");
+    assert!(frame_bits(&mut one.0) == frame_bits(&mut ranks.0), "ranks: the frames differ");
+    assert!(one.0.state() == ranks.0.state(), "ranks: the states differ");
+}
+
+/// A simulation that is built without components, to lead several ranks, begins and goes on as any
+/// other, also from a checkpoint.
+#[test]
+fn particles_without_components_have_the_same_bits() {
+    let faults: Vec<String> = in_parallel(&shipped_scenes(), |path| {
+        let scene = smoke_scene(path, &[]);
+        let particles = seeds(&scene);
+        let build = || Simulation::builder(scene.clone()).particles(particles.clone());
+        let [mut with, mut without] = [build(), build().without_components()]
+            .map(|builder| builder.build().expect("a scene without plugins can be built"));
+        let is_equal = |one: &mut Simulation, other: &mut Simulation| {
+            frame_bits(one) == frame_bits(other) && one.state() == other.state()
+        };
+        assert!(with.has_components() && !without.has_components());
+        let begins = is_equal(&mut with, &mut without);
+        for _ in 0..STEPS_WITH_READS {
+            with.step().expect("a step");
+            without.step().expect("a step");
+        }
+        let goes_on = is_equal(&mut with, &mut without);
+        let restored = Simulation::builder(scene.clone()).state(with.state()).without_components();
+        let mut restored = restored.build().expect("a state of the scene");
+        let returns = is_equal(&mut with, &mut restored);
+        (!begins || !goes_on || !returns)
+            .then(|| format!("{}: at first {begins}, later {goes_on}, restored {returns}", path.display()))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 /// Reads between the steps, and a borrowed world, leave each shipped scene as it is without them.

@@ -15,7 +15,8 @@ fn simulation(scene: &str, precision: &str) -> Simulation {
 
 /// Returns all bits of the state in a frame.
 fn bits(simulation: &mut Simulation) -> Vec<u64> {
-    let frame = Frame::from_world(simulation.world_mut());
+    simulation.world_mut();
+    let frame = Frame::of(simulation);
     let wide = frame.position.iter().flatten().map(|x| x.to_bits());
     let narrow = frame.velocity.iter().chain([&frame.density, &frame.pressure]).flatten();
     let counts =

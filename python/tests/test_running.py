@@ -36,6 +36,17 @@ def test_options_reach_the_run(tmp_path):
     assert run.particles.attrs["spacing"] == 0.1
 
 
+
+def test_the_results_do_not_depend_on_the_ranks(tmp_path):
+    one, two = (
+        sphecs.run(channel(), steps=30, ranks=ranks, threads=1, out=tmp_path / str(ranks), name="shared")
+        for ranks in (1, 2)
+    )
+    assert one.particles.drop_attrs().equals(two.particles.drop_attrs())
+    with pytest.raises(sphecs.RunError, match="one rank"):
+        sphecs.run(channel(), forces=lambda t, x, v: [0.0, 0.0], ranks=2, out=tmp_path / "forced")
+
+
 def test_forces_act_in_a_run_which_is_not_resumed_without_them(tmp_path):
     run = sphecs.run(box(), forces=lambda t, x, v: [0.03, -0.01], until=0.2, out=tmp_path / "run")
     last = run.particles.isel(time=-1)
@@ -124,6 +135,7 @@ def test_a_file_that_cannot_be_written_is_a_run_error(tmp_path):
     [
         ({"until": -1}, "until: is -1"),
         ({"threads": 0}, "threads: is 0"),
+        ({"ranks": -1}, "ranks: is -1"),
         ({"steps": 1.5}, "steps: is 1.5"),
         ({"verbosity": "loud"}, "`loud`"),
     ],

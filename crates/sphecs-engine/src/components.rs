@@ -10,6 +10,8 @@ use bevy_ecs::bundle::Bundle;
 use bevy_ecs::component::Component;
 use glam::DVec3;
 
+use sphecs_scene::model::ParticleSeed;
+
 /// Number of a particle: dense from 0, constant during a run, and the `particle` index of
 /// `particles.nc`.
 ///
@@ -55,7 +57,7 @@ pub struct Wall {
 }
 
 /// Position of a wall particle relative to the wall surface.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallSurface {
     /// Distance behind the surface, m.
     pub distance: f64,
@@ -63,6 +65,13 @@ pub struct WallSurface {
     pub normal: DVec3,
     /// Thickness of the solid, m, where it is thin and one-sided; else 0.
     pub thickness: f64,
+}
+
+impl WallSurface {
+    /// Returns the place of an initial wall particle.
+    pub(crate) fn of_seed(seed: &ParticleSeed) -> Self {
+        Self { distance: seed.wall_distance, normal: seed.wall_normal, thickness: seed.wall_thickness }
+    }
 }
 
 /// Role: inflow particle, upstream of the inlet `inlet`.

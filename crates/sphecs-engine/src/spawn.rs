@@ -1,9 +1,11 @@
-//! Particles of a scene or of a saved state, spawned as entities.
+//! Particles of a scene or of a saved state, spawned as entities or put into the arrays alone.
 
 use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
+use glam::DVec3;
 
+use crate::arrays::Arrays;
 use crate::components::{
     Fluid, Inflow, Outflow, ParticleBundle, ParticleId, Position, Reservoir, SpsStress, Thermodynamics,
     Tracer, Velocity, Wall, WallSurface,
@@ -11,16 +13,17 @@ use crate::components::{
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
 use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::{InflowCapacity, Ledger};
+use crate::resources::particle_details::ParticleDetails;
+use crate::resources::state_location::StateLocation;
 use crate::systems::transitions::refill::WaitingInjections;
+use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::physics::eos::Tait;
 use sphecs_scene::model::{ParticleSeed, Scene};
 
-/// Spawns the initial particles, and fills the entity index, the reservoir and the particle counts.
-pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
-    let turbulent = scene.scheme.has_stress();
-    let tait = scene.fluid.tait();
-    let mut entities = Vec::with_capacity(seeds.len());
+/// Fills the reservoir and the particle counts from initial particles.
+pub(crate) fn count_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
     let mut free = FreeParticles::default();
     let mut capacity = InflowCapacity(vec![0; scene.source_count()]);
     let mut inflow = InflowParticles::none(scene.source_count());
@@ -33,42 +36,94 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
         left_back: vec![0; scene.outlets.len()],
         ..Ledger::default()
     };
-    for group in seeds.chunk_by(|a, b| a.zone == b.zone) {
-        let first = entities.len() as u32;
-        let state = (first..).zip(group).map(|(id, seed)| (seed_bundle(tait, id, seed), seed));
-        let mut spawn = Spawn { world, turbulent, entities: &mut entities };
-        match group[0].zone {
-            Zone::Fluid => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
-            Zone::Wall => spawn.all(state.map(|(bundle, seed)| {
-                let surface = WallSurface {
-                    distance: seed.wall_distance,
-                    normal: seed.wall_normal,
-                    thickness: seed.wall_thickness,
-                };
-                (bundle, (Wall { part: seed.patch }, surface))
-            })),
-            Zone::Inflow => spawn.all(state.map(|(bundle, seed)| (bundle, Inflow { inlet: seed.patch }))),
-            Zone::Outflow => spawn.all(state.map(|(bundle, seed)| (bundle, Outflow { outlet: seed.patch }))),
-            Zone::Reservoir => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
-        }
-        match group[0].zone {
-            Zone::Reservoir => free.0.extend(first..entities.len() as u32),
-            Zone::Inflow => group.iter().for_each(|seed| {
+    for (id, seed) in (0..).zip(seeds) {
+        ledger.by_zone[seed.zone as usize] += 1;
+        match seed.zone {
+            Zone::Reservoir => free.0.push(id),
+            Zone::Inflow => {
                 capacity.0[usize::from(seed.patch)] += 1;
                 inflow.inject(seed.patch);
-            }),
-            Zone::Outflow => group.iter().for_each(|seed| outflow[usize::from(seed.patch)] += 1),
+            }
+            Zone::Outflow => outflow[usize::from(seed.patch)] += 1,
             Zone::Fluid | Zone::Wall => {}
         }
-        ledger.by_zone[group[0].zone as usize] += group.len() as u64;
     }
-    world.insert_resource(EntityIndex::new(entities));
     world.insert_resource(free);
     world.insert_resource(inflow);
     world.insert_resource(capacity);
     world.insert_resource(WaitingInjections { capacity: outflow, waiting: Vec::new() });
     world.insert_resource(ledger);
 }
+
+/// Spawns the initial particles and fills the entity index.
+pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[ParticleSeed]) {
+    let turbulent = scene.scheme.has_stress();
+    let tait = scene.fluid.tait();
+    let mut entities = Vec::with_capacity(seeds.len());
+    for group in seeds.chunk_by(|a, b| a.zone == b.zone) {
+        let first = entities.len() as u32;
+        let state = (first..).zip(group).map(|(id, seed)| (seed_bundle(tait, id, seed), seed));
+        let mut spawn = Spawn { world, turbulent, entities: &mut entities };
+        match group[0].zone {
+            Zone::Fluid => spawn.all(state.map(|(bundle, _)| (bundle, Fluid))),
+            Zone::Wall => spawn.all(
+                state.map(|(bundle, seed)| (bundle, (Wall { part: seed.patch }, WallSurface::of_seed(seed)))),
+            ),
+            Zone::Inflow => spawn.all(state.map(|(bundle, seed)| (bundle, Inflow { inlet: seed.patch }))),
+            Zone::Outflow => spawn.all(state.map(|(bundle, seed)| (bundle, Outflow { outlet: seed.patch }))),
+            Zone::Reservoir => spawn.all(state.map(|(bundle, _)| (bundle, Reservoir))),
+        }
+    }
+    world.insert_resource(EntityIndex::new(entities));
+}
+
+/// Fills the arrays with initial particles that get no components.
+pub(crate) fn fill_arrays<R: PairReal<D>, const D: usize>(
+    world: &mut World,
+    scene: &Scene,
+    seeds: &[ParticleSeed],
+) {
+    let tait = scene.fluid.tait();
+    let flows = |(_, seed): &(u32, &ParticleSeed)| seed.zone != Zone::Reservoir;
+    let row = |(id, seed): (u32, &ParticleSeed)| {
+        let is_wall = seed.zone == Zone::Wall;
+        let surface = if is_wall { WallSurface::of_seed(seed) } else { WallSurface::default() };
+        ParticleRow {
+            id,
+            zone: seed.zone,
+            patch: if seed.zone == Zone::Fluid { 0 } else { seed.patch },
+            needs_restart: true,
+            position: seed.position,
+            velocity: seed.velocity,
+            previous_velocity: seed.velocity,
+            density: tait.density(seed.pressure),
+            pressure: seed.pressure,
+            previous_pressure: seed.pressure,
+            drift: DVec3::ZERO,
+            wall_distance: surface.distance,
+            wall_normal: surface.normal,
+            wall_thickness: surface.thickness,
+        }
+    };
+    world.insert_resource(ParticleDetails::of_seeds(scene, seeds));
+    world.insert_resource(EntityIndex::without_entities(seeds.len() as u32));
+    let mut arrays = world.resource_mut::<Arrays<R, D>>();
+    arrays.reserve(seeds.len() - seeds.iter().filter(|seed| seed.zone == Zone::Reservoir).count());
+    let mut rows = (0..).zip(seeds).filter(flows).map(row);
+    let mut batch = Vec::new();
+    loop {
+        batch.clear();
+        batch.extend(rows.by_ref().take(BATCH));
+        if batch.is_empty() {
+            break;
+        }
+        arrays.extend(&batch);
+    }
+    world.insert_resource(StateLocation::Arrays);
+}
+
+/// Particles whose rows are made at once.
+const BATCH: usize = 65_536;
 
 fn seed_bundle(tait: Tait, id: u32, seed: &ParticleSeed) -> ParticleBundle {
     ParticleBundle {

@@ -13,8 +13,10 @@ use sphecs_core::particles::zone::Zone;
 use sphecs_engine::components::{
     Inflow, Outflow, ParticleId, Position, Reservoir, Thermodynamics, Tracer, Velocity, Wall,
 };
+use sphecs_engine::particle_state::ParticleState;
 use sphecs_engine::resources::clock::Clock;
 use sphecs_engine::resources::entity_index::EntityIndex;
+use sphecs_engine::simulation::Simulation;
 use sphecs_engine::systems::boundaries::movers::MoverParticles;
 
 /// Value of `zone` for a slot without a particle: the reservoir may grow during a run, and
@@ -128,14 +130,35 @@ impl Frame {
         corners.as_flattened().iter().all(|x| x.is_finite()).then_some(corners)
     }
 
-    /// Returns the state of a world of a simulation at the time of its [`Clock`].
-    pub fn from_world(world: &World) -> Self {
+    /// Returns the present state of a simulation.
+    pub fn of(simulation: &mut Simulation) -> Self {
+        if simulation.has_components() {
+            return Self::from_world(simulation.world());
+        }
+        let mut frame = Self::begin(simulation.world());
+        frame.resize(simulation.world().resource::<EntityIndex>().len());
+        simulation.for_each_particle(&mut |particle| {
+            if let Some(mut chunk) = frame.chunk_of(particle.id as usize) {
+                chunk.put(0, particle);
+            }
+        });
+        frame
+    }
+
+    /// Returns a frame of no particles at the time of a world.
+    fn begin(world: &World) -> Self {
         let clock = world.resource::<Clock>();
         let mut frame =
             Frame { time: clock.time, step: clock.step, time_step: clock.time_step, ..Frame::default() };
         if let Some(moving) = world.get_resource::<MoverParticles>() {
             frame.moving_walls = moving.numbers();
         }
+        frame
+    }
+
+    /// Returns the state of a world whose particles have components.
+    fn from_world(world: &World) -> Self {
+        let mut frame = Self::begin(world);
         let (particles, roles) = (world.try_query::<Particle>(), world.try_query::<Roles>());
         let (Some(mut particles), Some(mut roles)) = (particles, roles) else {
             unreachable!("a simulation registers the components of its particles")
@@ -161,10 +184,29 @@ impl Frame {
                 else {
                     unreachable!("the particle has just been listed")
                 };
-                chunk.put(at, particle, role);
+                chunk.put(at, &state_of(particle, role));
             }
         });
         frame
+    }
+
+    /// Returns a slot.
+    fn chunk_of(&mut self, slot: usize) -> Option<FrameChunk<'_>> {
+        fn cut<T>(column: &mut [T], slot: usize) -> Option<&mut [T]> {
+            column.get_mut(slot..=slot)
+        }
+        let [x, y, z] = &mut self.position;
+        let [u, v, w] = &mut self.velocity;
+        Some(FrameChunk {
+            position: [cut(x, slot)?, cut(y, slot)?, cut(z, slot)?],
+            velocity: [cut(u, slot)?, cut(v, slot)?, cut(w, slot)?],
+            density: cut(&mut self.density, slot)?,
+            pressure: cut(&mut self.pressure, slot)?,
+            zone: cut(&mut self.zone, slot)?,
+            patch: cut(&mut self.patch, slot)?,
+            passage: cut(&mut self.passage, slot)?,
+            tag: cut(&mut self.tag, slot)?,
+        })
     }
 
     /// Returns all columns in chunks of slots.
@@ -232,39 +274,51 @@ struct FrameChunk<'a> {
 
 impl FrameChunk<'_> {
     /// Writes the state of a particle into the slot `at` of the chunk.
-    fn put(
-        &mut self,
-        at: usize,
-        (_, _, position, velocity, thermodynamics, tracer): (
-            Entity,
-            &ParticleId,
-            &Position,
-            &Velocity,
-            &Thermodynamics,
-            &Tracer,
-        ),
-        roles: (Option<&Wall>, Option<&Inflow>, Option<&Outflow>, bool),
-    ) {
-        let (zone, patch) = match roles {
-            (Some(wall), ..) => (Zone::Wall, wall.part),
-            (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
-            (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
-            (_, _, _, true) => (Zone::Reservoir, 0),
-            _ => (Zone::Fluid, 0),
-        };
-        self.zone[at] = zone as u8;
-        self.patch[at] = patch;
-        self.passage[at] = tracer.passages;
-        if zone == Zone::Reservoir {
+    fn put(&mut self, at: usize, particle: &ParticleState) {
+        self.zone[at] = particle.zone as u8;
+        self.patch[at] = particle.patch;
+        self.passage[at] = particle.tracer.passages;
+        if particle.zone == Zone::Reservoir {
             return;
         }
         for axis in 0..3 {
-            self.position[axis][at] = position.0[axis];
-            self.velocity[axis][at] = velocity.0[axis] as f32;
+            self.position[axis][at] = particle.position[axis];
+            self.velocity[axis][at] = particle.velocity[axis] as f32;
         }
-        self.density[at] = thermodynamics.density as f32;
-        self.pressure[at] = thermodynamics.pressure as f32;
-        self.tag[at] = tracer.tag;
+        self.density[at] = particle.density as f32;
+        self.pressure[at] = particle.pressure as f32;
+        self.tag[at] = particle.tracer.tag;
+    }
+}
+
+/// Returns the state that the components of a particle give.
+fn state_of(
+    (_, id, position, velocity, thermodynamics, tracer): (
+        Entity,
+        &ParticleId,
+        &Position,
+        &Velocity,
+        &Thermodynamics,
+        &Tracer,
+    ),
+    roles: (Option<&Wall>, Option<&Inflow>, Option<&Outflow>, bool),
+) -> ParticleState {
+    let (zone, patch) = match roles {
+        (Some(wall), ..) => (Zone::Wall, wall.part),
+        (_, Some(inflow), ..) => (Zone::Inflow, inflow.inlet),
+        (_, _, Some(outflow), _) => (Zone::Outflow, outflow.outlet),
+        (_, _, _, true) => (Zone::Reservoir, 0),
+        _ => (Zone::Fluid, 0),
+    };
+    ParticleState {
+        id: id.0,
+        zone,
+        patch,
+        position: position.0,
+        velocity: velocity.0,
+        density: thermodynamics.density,
+        pressure: thermodynamics.pressure,
+        tracer: *tracer,
     }
 }
 

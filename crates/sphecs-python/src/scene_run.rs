@@ -37,6 +37,8 @@ pub(crate) struct Options {
     #[pyo3(item)]
     threads: Option<usize>,
     #[pyo3(item)]
+    ranks: Option<usize>,
+    #[pyo3(item)]
     until: Option<f64>,
     #[pyo3(item)]
     steps: Option<u64>,
@@ -80,7 +82,7 @@ pub(crate) fn run(
         folder: folder.clone(),
         force: options.force,
         threads: options.threads,
-        ranks: RankSource::default(),
+        ranks: RankSource::InProcess(options.ranks.unwrap_or(1)),
         until: options.until,
         max_steps: options.steps,
         checkpoint_every: options.checkpoint_every,
@@ -115,7 +117,9 @@ fn run_watched(
     let work = move || {
         // Dropped when the run ends, also by a panic.
         let _ended = ended;
-        on_threads(options.threads, || run_with_plugins(scene, plugins, &options, obeyed))?
+        on_threads(options.ranks.threads(options.threads), || {
+            run_with_plugins(scene, plugins, &options, obeyed)
+        })?
     };
     let run = thread::Builder::new()
         .name("run".to_owned())

@@ -86,12 +86,12 @@ fn prepare(options: &ResumeOptions, signals: Signals) -> Result<Option<RunLoop>,
     let (scene, changes) = changed_scene(options, &header)?;
     let (last, facts, simulation, (state, sampled)) = match latest(options, &header)? {
         Some((last, checkpoint)) => {
-            let (facts, simulation, state) = restored(scene, checkpoint)?;
+            let (facts, simulation, state) = restored(scene, checkpoint, &options.run)?;
             (Some(last), facts, simulation, state)
         }
         None => {
             let state = (RunState::new(&scene), (GriddedFields::new(&scene), WallQuantities::new(&scene)));
-            (None, Facts::default(), Simulation::builder(scene).build()?, state)
+            (None, Facts::default(), options.run.ranks.begin(Simulation::builder(scene)).build()?, state)
         }
     };
     let (scene, clock) = (simulation.scene(), simulation.clock());
@@ -209,6 +209,7 @@ fn latest(options: &ResumeOptions, header: &Header) -> Result<Option<(PathBuf, C
 fn restored(
     scene: Scene,
     checkpoint: Checkpoint,
+    options: &RunOptions,
 ) -> Result<(Facts, Simulation, (RunState, (GriddedFields, WallQuantities))), RunError> {
     let Checkpoint { facts, mut state } = checkpoint;
     let mismatch = |what: String| {
@@ -218,7 +219,7 @@ fn restored(
     let run_state = decode_record(&run_state).map_err(mismatch)?;
     let fields = GriddedFields::restore(&scene, &mut state).map_err(|error| mismatch(error.to_string()))?;
     let walls = WallQuantities::restore(&scene, &mut state).map_err(|error| mismatch(error.to_string()))?;
-    let simulation = Simulation::builder(scene).state(state).build();
+    let simulation = options.ranks.begin(Simulation::builder(scene)).state(state).build();
     let simulation = simulation.map_err(|error| mismatch(error.to_string()))?;
     Ok((facts, simulation, (run_state, (fields, walls))))
 }

@@ -25,6 +25,7 @@ def run(
     out: str | os.PathLike[str] | None = None,
     force: bool = False,
     threads: int | None = None,
+    ranks: int | None = None,
     checkpoint_every: float | None = None,
     max_walltime: float | None = None,
     allow_oversize: bool = False,
@@ -48,7 +49,10 @@ def run(
     steps: largest number of steps.
     out: folder of the results; None: `runs/` and the name of the scene.
     force: replace an earlier run in the folder.
-    threads: number of threads; None: one for each core. The results do not depend on it.
+    threads: number of threads of each rank; None: one for each core, shared among the ranks. The results do not depend
+        on it.
+    ranks: number of groups of threads that share the flow, each with a domain of its own; None: one. The results do not
+        depend on it. Forces need one rank.
     checkpoint_every: wall time between checkpoints, s.
     max_walltime: wall time after which the run stops, s; it returns with `status` "out of time".
     allow_oversize: start although memory or disk space look too small.
@@ -66,6 +70,7 @@ def run(
         "out": None if out is None else os.fspath(out),
         "force": force,
         "threads": count(threads, "threads"),
+        "ranks": count(ranks, "ranks"),
         "until": positive(until, "until"),
         "steps": count(steps, "steps"),
         "checkpoint_every": positive(checkpoint_every, "checkpoint_every"),

@@ -24,6 +24,12 @@ pub fn save<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, order: Order
     arrays.save_columns(&SavedRows::new(&arrays.id, &arrays.zone, order), to);
 }
 
+/// Adds the columns of [`save`] in their order, and frees each once it is added.
+pub fn save_owned<R: Real, const D: usize>(arrays: ParticleArrays<R, D>, to: &mut Columns) {
+    let rows = SavedRows::new(&arrays.id, &arrays.zone, Order::AsTheyStand);
+    arrays.give_columns(&rows, to);
+}
+
 /// Adds the columns of [`save`], of some rows alone.
 pub fn save_rows<R: Real, const D: usize>(arrays: &ParticleArrays<R, D>, rows: Vec<u32>, to: &mut Columns) {
     arrays.save_columns(&SavedRows(Some(rows)), to);
@@ -45,6 +51,11 @@ const CHUNK: usize = 8192;
 pub(super) struct SavedRows(Option<Vec<u32>>);
 
 impl SavedRows {
+    /// Returns some rows in this order.
+    pub(super) fn of(rows: &[u32]) -> Self {
+        Self(Some(rows.to_vec()))
+    }
+
     fn new(id: &[u32], zone: &[Zone], order: Order) -> Self {
         if order == Order::AsTheyStand && zone.iter().all(|zone| *zone != Zone::Reservoir) {
             return Self(None);
@@ -110,6 +121,10 @@ mod tests {
         let mut by_number = Columns::default();
         save(&arrays, Order::ByNumber, &mut by_number);
         assert_eq!(by_number, columns);
+        let (mut kept, mut given) = (Columns::default(), Columns::default());
+        save(&arrays, Order::AsTheyStand, &mut kept);
+        save_owned(arrays, &mut given);
+        assert_eq!(given, kept);
         columns.take::<f32>("arrays.pressure").expect("there");
         let misfit = restore::<f32, 3>(&mut columns).expect_err("incomplete").to_string();
         assert!(misfit.contains("arrays.pressure"), "{misfit}");

@@ -129,6 +129,37 @@ macro_rules! columns {
                 )*
             }
 
+            /// Returns arrays of a number of particles with the same columns in use, but without
+            /// accelerations; all values are the defaults.
+            pub(crate) fn of_same_columns(&self, rows: usize) -> Self {
+                let mut arrays = Self {
+                    evolves_pressure: self.evolves_pressure,
+                    drifts: self.drifts,
+                    ..Self::default()
+                };
+                $(
+                    if self.is_used(When::$when) {
+                        let columns = arrays.$name.columns_mut();
+                        columns.iter_mut().for_each(|column| *column = vec![Default::default(); rows]);
+                    }
+                )*
+                arrays
+            }
+
+            /// Returns some rows, without accelerations and without memory for more.
+            pub fn of_rows(&self, rows: &[u32]) -> Self {
+                let mut arrays = self.of_same_columns(0);
+                let picked = SavedRows::of(rows);
+                $(
+                    if self.is_used(When::$when) {
+                        let columns = self.$name.columns().iter().zip(arrays.$name.columns_mut());
+                        columns.for_each(|(from, to)| *to = picked.pick(from));
+                    }
+                )*
+                arrays.acceleration = std::array::from_fn(|_| vec![R::default(); rows.len()]);
+                arrays
+            }
+
             /// Changes the number of particles; new ones have the defaults of all columns in use.
             pub fn resize(&mut self, rows: usize) {
                 $(
@@ -181,6 +212,17 @@ macro_rules! columns {
             /// particles.
             pub(super) fn save_columns(&self, rows: &SavedRows, to: &mut Columns) {
                 $(self.$name.save(concat!("arrays.", $saved), &|column| rows.pick(column), to);)*
+                to.put("arrays.evolves_pressure", vec![u8::from(self.evolves_pressure)]);
+                to.put("arrays.drifts", vec![u8::from(self.drifts)]);
+            }
+
+            /// Adds the columns as [`Self::save_columns`] does, and frees each once it is added.
+            pub(super) fn give_columns(mut self, rows: &SavedRows, to: &mut Columns) {
+                $(
+                    let column = std::mem::replace(&mut self.$name, Quantity::empty());
+                    column.save(concat!("arrays.", $saved), &|column| rows.pick(column), to);
+                    drop(column);
+                )*
                 to.put("arrays.evolves_pressure", vec![u8::from(self.evolves_pressure)]);
                 to.put("arrays.drifts", vec![u8::from(self.drifts)]);
             }

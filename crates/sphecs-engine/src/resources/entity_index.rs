@@ -5,8 +5,7 @@ use bevy_ecs::resource::Resource;
 
 /// Entities of the particles by their numbers.
 ///
-/// Of several ranks only rank 0 has entities. The others have the particles that they hold in the
-/// arrays alone.
+/// Several ranks have no entities but the particles in the arrays alone.
 #[derive(Resource, Clone, Debug)]
 pub struct EntityIndex {
     /// Entity of each number; `Entity::PLACEHOLDER` for a number that is free. Empty without
@@ -56,12 +55,6 @@ impl EntityIndex {
         self.entities.get(id as usize).copied().filter(|&entity| entity != Entity::PLACEHOLDER)
     }
 
-    /// Returns the numbers that are free, in their order.
-    pub fn free(&self) -> impl Iterator<Item = u32> + '_ {
-        let is_free = |(_, entity): &(u32, &Entity)| **entity == Entity::PLACEHOLDER;
-        (0..).zip(&self.entities).filter(is_free).map(|(id, _)| id)
-    }
-
     /// Gives a number, the next one at most, to an entity; None frees it, and stands for a particle
     /// without entity.
     pub fn set(&mut self, id: u32, entity: Option<Entity>) {
@@ -87,11 +80,10 @@ mod tests {
         let mut index = EntityIndex::new(vec![Entity::PLACEHOLDER; 2]);
         index.set(2, entity);
         assert_eq!((index.len(), index.get(2), index.get(0), index.get(9)), (3, entity, None, None));
-        assert!(index.free().eq([0, 1]));
         index.set(2, None);
-        assert!(index.free().eq([0, 1, 2]) && index.len() == 3);
+        assert_eq!((index.len(), index.get(2)), (3, None));
         let mut without = EntityIndex::without_entities(3);
         without.set(3, None);
-        assert_eq!((without.len(), without.get(3), without.free().count()), (4, None, 0));
+        assert_eq!((without.len(), without.get(3)), (4, None));
     }
 }

@@ -7,6 +7,7 @@
 //! - [`ledger`]: particle counts by zone and through the openings
 //! - [`pair`]: the settings of the pair sums
 //! - [`pair_sums`]: the results of the pair passes
+//! - [`particle_details`]: what only components have, of particles without components
 //! - [`scene`]: the scene, its lengths and its mass
 //! - [`state_location`]: which copy of the particle state is current
 //! - [`stopwatch`]: wall-clock time by set
@@ -18,6 +19,7 @@ pub mod inflow_particles;
 pub mod ledger;
 pub mod pair;
 pub mod pair_sums;
+pub mod particle_details;
 pub mod scene;
 pub mod state_location;
 pub mod stopwatch;

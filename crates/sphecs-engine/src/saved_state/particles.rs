@@ -1,4 +1,5 @@
-//! Particles of a saved state: the arrays and the values that exist only in the components.
+//! Particles of a saved state: the arrays and the values that only components or
+//! [`ParticleDetails`] have.
 //!
 //! ```text
 //! arrays.*      rows in their order, or by number after a caller changed components:
@@ -29,11 +30,11 @@ use crate::resources::grid::Grid;
 use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::{InflowCapacity, Ledger};
 use crate::resources::pair::Pair;
+use crate::resources::particle_details::ParticleDetails;
 use crate::resources::scene::ActiveScene;
 use crate::resources::state_location::{self, StateLocation};
 use crate::spawn::{SavedParticle, spawn_saved};
 use crate::systems::transitions::reservoir::FreeNumbers;
-use crate::transfer::count_roles;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::particles::arrays::ParticleArrays;
@@ -55,8 +56,19 @@ pub(crate) fn save<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut C
     };
     save_grid::<D>(world, to);
     saved::save(world.resource::<Arrays<R, D>>(), order, to);
-    save_components(world, to);
-    save_stored(world, to);
+    save_rest(world, to);
+}
+
+/// Saves the particles of all ranks, in the order in which one rank alone would have them; all
+/// ranks call it together, and rank 0 gets the state.
+pub(crate) fn save_all<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut Columns) {
+    let ranks = &world.resource::<Pair>().0.ranks;
+    let all = ranks.all_rows(&world.resource::<Grid<D>>().0, &world.resource::<Arrays<R, D>>().0);
+    if let Some(all) = all {
+        save_grid::<D>(world, to);
+        saved::save_owned(all, to);
+        save_rest(world, to);
+    }
 }
 
 /// Saves the box of the cell grid.
@@ -66,63 +78,18 @@ pub(super) fn save_grid<const D: usize>(world: &World, to: &mut Columns) {
     to.put("grid.upper", grid.upper().to_vec());
 }
 
-fn save_components(world: &mut World, to: &mut Columns) {
-    let count = world.resource::<EntityIndex>().len();
-    let mut tag = vec![0.0_f32; count];
-    let mut passages = vec![0_u32; count];
-    let mut returned = vec![0_u8; count];
-    let mut walls: Vec<(u32, WallSurface)> = Vec::new();
+/// Saves what the arrays do not have.
+fn save_rest(world: &mut World, to: &mut Columns) {
+    let mut returned = vec![0_u8; world.resource::<EntityIndex>().len()];
     for id in world.resource::<InflowParticles>().returned() {
         returned[id as usize] = 1;
     }
-    let mut particles = world.query::<(&ParticleId, &Tracer, Option<&WallSurface>)>();
-    for (id, tracer, surface) in particles.iter(world) {
-        let slot = id.0 as usize;
-        tag[slot] = tracer.tag;
-        passages[slot] = tracer.passages;
-        walls.extend(surface.map(|surface| (id.0, *surface)));
-    }
-    walls.sort_unstable_by_key(|(id, _)| *id);
-    to.put("particle.tag", tag);
-    to.put("particle.passages", passages);
     to.put("particle.returned", returned);
-    to.put("wall.id", walls.iter().map(|(id, _)| *id).collect::<Vec<u32>>());
-    to.put("wall.distance", walls.iter().map(|(_, surface)| surface.distance).collect::<Vec<f64>>());
-    to.put("wall.thickness", walls.iter().map(|(_, surface)| surface.thickness).collect::<Vec<f64>>());
-    put_vectors("wall.normal", walls.iter().map(|(_, surface)| surface.normal), to);
-}
-
-fn save_stored(world: &World, to: &mut Columns) {
-    let stored = &world.resource::<FreeParticles>().0;
-    let index = world.resource::<EntityIndex>();
-    let state: Vec<(DVec3, DVec3, Thermodynamics)> = stored
-        .iter()
-        .map(|&id| {
-            let entity = world.entity(index.get(id).expect("a stored particle has an entity"));
-            let state = entity.components::<(&Position, &Velocity, &Thermodynamics)>();
-            (state.0.0, state.1.0, *state.2)
-        })
-        .collect();
-    to.put("stored.id", stored.clone());
-    put_vectors("stored.position", state.iter().map(|(position, ..)| *position), to);
-    put_vectors("stored.velocity", state.iter().map(|(_, velocity, _)| *velocity), to);
-    to.put("stored.density", state.iter().map(|(.., state)| state.density).collect::<Vec<f64>>());
-    to.put("stored.pressure", state.iter().map(|(.., state)| state.pressure).collect::<Vec<f64>>());
-}
-
-fn put_vectors(name: &str, vectors: impl Iterator<Item = DVec3> + Clone, to: &mut Columns) {
-    for axis in 0..3 {
-        to.put(format!("{name}.{axis}"), vectors.clone().map(|vector| vector[axis]).collect::<Vec<f64>>());
+    to.put("stored.id", world.resource::<FreeParticles>().0.clone());
+    match world.get_resource::<ParticleDetails>() {
+        Some(details) => details.save(to),
+        None => ParticleDetails::of_components(world).save(to),
     }
-}
-
-fn take_vectors(name: &str, count: usize, from: &mut Columns) -> Result<Vec<DVec3>, ColumnMismatch> {
-    let mut vectors = vec![DVec3::ZERO; count];
-    for axis in 0..3 {
-        let values = from.take_exactly::<f64>(&format!("{name}.{axis}"), count)?;
-        vectors.iter_mut().zip(values).for_each(|(vector, value)| vector[axis] = value);
-    }
-    Ok(vectors)
 }
 
 /// Restores the grid of a state over its saved box.
@@ -155,31 +122,34 @@ pub(crate) fn restore_grid<const D: usize>(
     ))
 }
 
-/// Spawns the particles of a state in a world without particles, and fills the arrays.
+/// Fills the arrays of a world without particles, and gives the particles components, or none.
 ///
 /// # Errors
 /// [`ColumnMismatch`] if the columns do not fit the scene.
 pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     world: &mut World,
+    has_components: bool,
     from: &mut Columns,
 ) -> Result<(), ColumnMismatch> {
     let scene = world.resource::<ActiveScene>().0.clone();
     let arrays = restore_arrays::<R, D>(world, from)?;
     let stored = from.take::<u32>("stored.id")?;
-    let tag = from.take::<f32>("particle.tag")?;
-    let mut particles = moving(&scene, &arrays, tag.len())?;
-    restore_stored(&stored, &mut particles, from)?;
-    // Every number must be in use, unless the scene deletes particles.
-    if scene.reservoir.recycle && particles.iter().any(Option::is_none) {
-        let (found, slots) = (arrays.len() + stored.len(), particles.len());
-        return Err(ColumnMismatch(format!("there are {found} particles for {slots} numbers")));
+    let details = ParticleDetails::restore(stored.len(), from)?;
+    let numbers = details.numbers();
+    let returned = from.take_exactly::<u8>("particle.returned", numbers)?;
+    let places = places(&scene, (&arrays, &stored), numbers)?;
+    check_walls(&arrays, &places, details.walls())?;
+    if has_components {
+        spawn_saved(world, &scene, &saved_particles(&arrays, &places, (&details, &stored)));
+        world.insert_resource(StateLocation::Both);
+    } else {
+        world.insert_resource(EntityIndex::without_entities(numbers as u32));
+        world.insert_resource(details);
+        world.insert_resource(StateLocation::Arrays);
     }
-    let returned = restore_components(&mut particles, tag, from)?;
-    spawn_saved(world, &scene, &particles);
     world.insert_resource(inflow_particles(&scene, &arrays, |id| returned[id as usize] != 0));
     world.insert_resource(FreeParticles(stored));
     world.insert_resource(Arrays(arrays));
-    world.insert_resource(StateLocation::Both);
     Ok(())
 }
 
@@ -222,42 +192,99 @@ pub(super) fn inflow_particles<R: PairReal<D>, const D: usize>(
     inflow
 }
 
-/// Returns the particles of the arrays by their numbers.
-fn moving<R: PairReal<D>, const D: usize>(
+/// Place of a particle in a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// The number is free.
+    None,
+    /// Row of the arrays.
+    Row(u32),
+    /// Reservoir.
+    Stored,
+}
+
+/// Returns the places of all particles by their numbers.
+fn places<R: PairReal<D>, const D: usize>(
     scene: &Scene,
-    arrays: &ParticleArrays<R, D>,
-    count: usize,
-) -> Result<Vec<Option<SavedParticle>>, ColumnMismatch> {
-    const NONE: u32 = u32::MAX;
-    let mut row_of = vec![NONE; count];
-    for (row, &id) in (0..).zip(&arrays.id) {
-        let slot = row_of.get_mut(id as usize).ok_or_else(|| beyond(id, count))?;
-        if std::mem::replace(slot, row) != NONE {
-            return Err(twice(id));
+    (arrays, stored): (&ParticleArrays<R, D>, &[u32]),
+    numbers: usize,
+) -> Result<Vec<Place>, ColumnMismatch> {
+    let mut places = vec![Place::None; numbers];
+    let rows = (0..).zip(&arrays.id).map(|(row, &id)| (id, Place::Row(row)));
+    for (id, place) in rows.chain(stored.iter().map(|&id| (id, Place::Stored))) {
+        let found = places
+            .get_mut(id as usize)
+            .ok_or_else(|| ColumnMismatch(format!("there is a particle {id}, but only {numbers} numbers")))?;
+        if std::mem::replace(found, place) != Place::None {
+            return Err(ColumnMismatch(format!("particle {id} exists twice")));
         }
     }
     for (&zone, &patch) in arrays.zone.iter().zip(&arrays.patch) {
         check_patch(scene, zone, patch)?;
     }
-    // In the order of the numbers, each thread writes one place of the memory.
-    let particle = |&row: &u32| {
-        (row != NONE).then(|| {
-            let state = arrays.row(row as usize);
-            let thermodynamics = Thermodynamics { density: state.density, pressure: state.pressure };
-            let particle =
-                saved_particle(state.id, state.zone, state.position, state.velocity, thermodynamics);
-            SavedParticle { patch: state.patch, ..particle }
-        })
+    // Every number must be in use, unless the scene deletes particles.
+    if scene.reservoir.recycle && places.contains(&Place::None) {
+        let found = arrays.len() + stored.len();
+        return Err(ColumnMismatch(format!("there are {found} particles for {numbers} numbers")));
+    }
+    Ok(places)
+}
+
+/// Checks that the wall particles are those with a wall surface.
+fn check_walls<R: PairReal<D>, const D: usize>(
+    arrays: &ParticleArrays<R, D>,
+    places: &[Place],
+    walls: &[(u32, WallSurface)],
+) -> Result<(), ColumnMismatch> {
+    let count = arrays.zone.iter().filter(|zone| **zone == Zone::Wall).count();
+    if count != walls.len() {
+        return Err(ColumnMismatch(format!(
+            "there are {count} wall particles, but {} wall surfaces",
+            walls.len()
+        )));
+    }
+    let is_wall = |id: u32| match places.get(id as usize) {
+        Some(Place::Row(row)) => arrays.zone[*row as usize] == Zone::Wall,
+        _ => false,
     };
-    Ok(row_of.par_iter().map(particle).collect())
+    match walls.iter().find(|(id, _)| !is_wall(*id)) {
+        Some((id, _)) => {
+            Err(ColumnMismatch(format!("particle {id} has a wall surface but is not a wall particle")))
+        }
+        None => Ok(()),
+    }
 }
 
-fn twice(id: u32) -> ColumnMismatch {
-    ColumnMismatch(format!("particle {id} exists twice"))
-}
-
-fn beyond(id: u32, numbers: usize) -> ColumnMismatch {
-    ColumnMismatch(format!("there is a particle {id}, but only {numbers} numbers"))
+/// Returns the particles by their numbers.
+fn saved_particles<R: PairReal<D>, const D: usize>(
+    arrays: &ParticleArrays<R, D>,
+    places: &[Place],
+    (details, stored): (&ParticleDetails, &[u32]),
+) -> Vec<Option<SavedParticle>> {
+    // In the order of the numbers, each thread writes one place of the memory.
+    let particle = |place: &Place| {
+        let Place::Row(row) = place else { return None };
+        let state = arrays.row(*row as usize);
+        let thermodynamics = Thermodynamics { density: state.density, pressure: state.pressure };
+        let particle = saved_particle(state.id, state.zone, state.position, state.velocity, thermodynamics);
+        Some(SavedParticle { patch: state.patch, ..particle })
+    };
+    let mut particles: Vec<Option<SavedParticle>> = places.par_iter().map(particle).collect();
+    for (&id, stored) in stored.iter().zip(details.stored()) {
+        let particle = saved_particle(id, Zone::Reservoir, stored.position, stored.velocity, stored.state);
+        particles[id as usize] = Some(particle);
+    }
+    particles.par_iter_mut().enumerate().for_each(|(id, particle)| {
+        if let Some(particle) = particle {
+            particle.bundle.tracer = details.tracer(id as u32);
+        }
+    });
+    for &(id, surface) in details.walls() {
+        if let Some(particle) = &mut particles[id as usize] {
+            particle.surface = surface;
+        }
+    }
+    particles
 }
 
 fn saved_particle(
@@ -297,76 +324,15 @@ fn check_patch(scene: &Scene, zone: Zone, patch: u16) -> Result<(), ColumnMismat
     )))
 }
 
-/// Inserts a particle at its number.
-fn insert(particles: &mut [Option<SavedParticle>], particle: SavedParticle) -> Result<(), ColumnMismatch> {
-    let id = particle.bundle.id.0;
-    let count = particles.len();
-    match particles.get_mut(id as usize) {
-        Some(slot @ None) => *slot = Some(particle),
-        Some(Some(_)) => return Err(twice(id)),
-        None => return Err(beyond(id, count)),
-    }
-    Ok(())
-}
-
-fn restore_stored(
-    stored: &[u32],
-    particles: &mut [Option<SavedParticle>],
-    from: &mut Columns,
-) -> Result<(), ColumnMismatch> {
-    let position = take_vectors("stored.position", stored.len(), from)?;
-    let velocity = take_vectors("stored.velocity", stored.len(), from)?;
-    let density = from.take_exactly::<f64>("stored.density", stored.len())?;
-    let pressure = from.take_exactly::<f64>("stored.pressure", stored.len())?;
-    for (at, &id) in stored.iter().enumerate() {
-        let thermodynamics = Thermodynamics { density: density[at], pressure: pressure[at] };
-        let particle = saved_particle(id, Zone::Reservoir, position[at], velocity[at], thermodynamics);
-        insert(particles, particle)?;
-    }
-    Ok(())
-}
-
-/// Restores the values that only components have, and returns which particles returned from the
-/// fluid.
-fn restore_components(
-    particles: &mut [Option<SavedParticle>],
-    tag: Vec<f32>,
-    from: &mut Columns,
-) -> Result<Vec<u8>, ColumnMismatch> {
-    let passages = from.take_exactly::<u32>("particle.passages", particles.len())?;
-    let returned = from.take_exactly::<u8>("particle.returned", particles.len())?;
-    particles.par_iter_mut().enumerate().for_each(|(slot, particle)| {
-        let Some(particle) = particle else { return };
-        particle.bundle.tracer = Tracer { tag: tag[slot], passages: passages[slot] };
-    });
-    let walls = from.take::<u32>("wall.id")?;
-    let distance = from.take_exactly::<f64>("wall.distance", walls.len())?;
-    let thickness = from.take_exactly::<f64>("wall.thickness", walls.len())?;
-    let normal = take_vectors("wall.normal", walls.len(), from)?;
-    let count = particles.iter().flatten().filter(|particle| particle.zone == Zone::Wall).count();
-    if count != walls.len() {
-        return Err(ColumnMismatch(format!(
-            "there are {count} wall particles, but {} wall surfaces",
-            walls.len()
-        )));
-    }
-    for (at, id) in walls.into_iter().enumerate() {
-        let wall = particles.get_mut(id as usize).and_then(Option::as_mut);
-        let wall = wall.filter(|particle| particle.zone == Zone::Wall);
-        let wall = wall.ok_or_else(|| {
-            ColumnMismatch(format!("particle {id} has a wall surface but is not a wall particle"))
-        })?;
-        wall.surface = WallSurface { distance: distance[at], normal: normal[at], thickness: thickness[at] };
-    }
-    Ok(returned)
-}
-
 /// Checks that the particle counts agree with the particles of the world.
 ///
 /// # Errors
 /// [`ColumnMismatch`] with both counts.
-pub(crate) fn check_ledger(world: &mut World) -> Result<(), ColumnMismatch> {
-    let counted = count_roles(world);
+pub(crate) fn check_ledger<R: PairReal<D>, const D: usize>(world: &World) -> Result<(), ColumnMismatch> {
+    let (arrays, stored) = (world.resource::<Arrays<R, D>>(), &world.resource::<FreeParticles>().0);
+    let mut counted = [0; Zone::ALL.len()];
+    arrays.zone.iter().for_each(|&zone| counted[zone as usize] += 1);
+    counted[Zone::Reservoir as usize] += stored.len() as u64;
     let (ledger, scene) = (world.resource::<Ledger>(), &world.resource::<ActiveScene>().0);
     let through = [&ledger.entered, &ledger.entered_back, &ledger.left, &ledger.left_back].map(Vec::len);
     let (inlets, outlets) = (scene.source_count(), scene.outlets.len());
@@ -378,7 +344,9 @@ pub(crate) fn check_ledger(world: &mut World) -> Result<(), ColumnMismatch> {
     }
     let mut free: Vec<u32> = world.resource::<FreeNumbers>().0.iter().map(|free| free.id).collect();
     free.sort_unstable();
-    if !free.iter().copied().eq(world.resource::<EntityIndex>().free()) {
+    let mut is_free = vec![true; world.resource::<EntityIndex>().len()];
+    arrays.id.iter().chain(stored).for_each(|&id| is_free[id as usize] = false);
+    if !free.iter().copied().eq((0..).zip(is_free).filter(|(_, is_free)| *is_free).map(|(id, _)| id)) {
         return Err(ColumnMismatch(format!("the free numbers {free:?} are not those without a particle")));
     }
     if ledger.by_zone == counted {

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use bevy_ecs::change_detection::Mut;
 use bevy_ecs::schedule::{Schedule, Schedules};
 use bevy_ecs::world::World;
 
 use super::ranks::{Connection, FirstDivision};
 use super::readings::Readiness;
 use super::{Simulation, TypedFunctions};
+use crate::arrays::Arrays;
 use crate::plugins::builtin::add_builtin;
 use crate::plugins::{Plugin, PluginContext};
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
@@ -18,9 +20,9 @@ use crate::resources::pair::{Pair, pair_settings};
 use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, part, particles};
 use crate::schedule::{stage_schedule, step_schedule};
-use crate::spawn::spawn_particles;
+use crate::spawn::{count_particles, fill_arrays, spawn_particles};
 use crate::systems::boundaries::emitter_states::EmitterStates;
-use crate::systems::boundaries::movers::{MoverParticles, find_poses};
+use crate::systems::boundaries::movers::{MoverParticles, find_poses, orient};
 use crate::systems::boundaries::outlet_registry::OutletFaults;
 use crate::systems::boundaries::outlets::insert_outlets;
 use crate::systems::transitions::refill::WaitingInjections;
@@ -36,6 +38,7 @@ pub struct SimulationBuilder {
     scene: Scene,
     start: Start,
     plugins: Vec<Box<dyn Plugin>>,
+    has_components: bool,
 }
 
 /// Initial state of a simulation.
@@ -77,7 +80,7 @@ pub enum BuildError {
 
 impl SimulationBuilder {
     pub(super) fn new(scene: Scene) -> Self {
-        Self { scene, start: Start::Scene, plugins: Vec::new() }
+        Self { scene, start: Start::Scene, plugins: Vec::new(), has_components: true }
     }
 
     /// Adds a plugin, which is built after those of the engine and those added before.
@@ -114,6 +117,15 @@ impl SimulationBuilder {
         self
     }
 
+    /// Gives the particles no components, for a simulation that [leads](Simulation::lead) several
+    /// ranks: there they have none, and would take memory until then.
+    ///
+    /// Its particles are read by [`Simulation::for_each_particle`] and [`Simulation::particles`].
+    pub fn without_components(mut self) -> Self {
+        self.has_components = false;
+        self
+    }
+
     /// Builds the simulation, ready for its first step.
     ///
     /// # Errors
@@ -129,7 +141,7 @@ impl SimulationBuilder {
     }
 
     fn build_typed<R: PairReal<D>, const D: usize>(self) -> Result<Simulation, BuildError> {
-        let Self { scene, start, plugins } = self;
+        let Self { scene, start, plugins, has_components } = self;
         let mut contents = match start {
             Start::Scene => Contents::Particles(sphecs_scene::spawn::seeds(&scene)),
             Start::Particles(particles) => Contents::Particles(particles),
@@ -154,12 +166,17 @@ impl SimulationBuilder {
                 if !scene.emitters.is_empty() {
                     world.insert_resource(EmitterStates::new(&scene, &particles));
                 }
-                spawn_particles(&mut world, &scene, &particles);
+                count_particles(&mut world, &scene, &particles);
+                if has_components {
+                    spawn_particles(&mut world, &scene, &particles);
+                } else {
+                    fill_arrays::<R, D>(&mut world, &scene, &particles);
+                }
             }
             Contents::State(mut state) => {
-                particles::restore::<R, D>(&mut world, &mut state)?;
+                particles::restore::<R, D>(&mut world, has_components, &mut state)?;
                 SavedResources::restore(&mut world, &mut state)?;
-                particles::check_ledger(&mut world)?;
+                particles::check_ledger::<R, D>(&world)?;
             }
             Contents::Part(mut part) => {
                 world.insert_resource(FirstDivision(Division::restore(&mut part)?));
@@ -168,6 +185,9 @@ impl SimulationBuilder {
             }
         }
         find_poses(&mut world);
+        if !has_components {
+            world.resource_scope(|world, mut arrays: Mut<Arrays<R, D>>| orient(world, &mut arrays));
+        }
         let functions = TypedFunctions::new::<R, D>(&scene);
         Ok(Simulation {
             world,

@@ -21,6 +21,7 @@ pub use stop::{Stop, StopRequest};
 use self::ranks::{Command, Connection};
 use self::readings::Readiness;
 use crate::arrays::Arrays;
+use crate::particle_state::{self, ParticleState};
 use crate::particle_table::ParticleTable;
 use crate::resources::clock::Clock;
 use crate::resources::ledger::Ledger;
@@ -59,6 +60,8 @@ pub struct Simulation {
 struct TypedFunctions {
     scatter: fn(&mut World),
     save: fn(&mut World, &mut Columns),
+    save_all: fn(&mut World, &mut Columns),
+    visit: fn(&mut World, &mut dyn FnMut(&ParticleState)),
     refresh: fn(&mut World),
     collect: fn(&mut World),
     table: fn(&World) -> ParticleTable,
@@ -72,6 +75,7 @@ struct TypedFunctions {
     shares: fn(&mut World, usize) -> Vec<Share>,
     divide: fn(&World, usize) -> Division,
     part: fn(&mut World, &Division, usize, &mut Columns),
+    keep_part: fn(&mut World, &Division),
 }
 
 impl TypedFunctions {
@@ -79,6 +83,8 @@ impl TypedFunctions {
         Self {
             scatter: state_location::scatter::<R, D>,
             save: particles::save::<R, D>,
+            save_all: particles::save_all::<R, D>,
+            visit: particle_state::visit::<R, D>,
             refresh: match scene.scheme {
                 Scheme::Wcsph(_) => sampling::refresh::<R, D>,
                 Scheme::EdacTvf(_) => sampling::refresh_volumes::<R, D>,
@@ -95,6 +101,7 @@ impl TypedFunctions {
             shares: ranks::shares_of::<R, D>,
             divide: ranks::divide::<R, D>,
             part: ranks::save_part::<R, D>,
+            keep_part: ranks::keep_part::<R, D>,
         }
     }
 }
@@ -118,9 +125,14 @@ impl Simulation {
     ///
     /// Later steps are bitwise identical whether it is called or not.
     pub fn state(&mut self) -> Columns {
-        self.collect();
         let mut state = Columns::default();
-        (self.functions.save)(&mut self.world, &mut state);
+        if self.connection.is_shared() {
+            self.begin_reading();
+            self.connection.announce(Command::State);
+            (self.functions.save_all)(&mut self.world, &mut state);
+        } else {
+            (self.functions.save)(&mut self.world, &mut state);
+        }
         SavedResources::save(&self.world, &mut state);
         state
     }

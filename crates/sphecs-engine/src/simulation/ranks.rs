@@ -1,19 +1,26 @@
 //! Ranks of a simulation: rank 0 leads, and the others follow it step by step.
 //!
-//! Each rank holds the particles of its domain (`sphecs_core::pass::ranks`). Rank 0 announces what
-//! all do together: a step, and before it reads fields or saves the state, that it gets the
-//! particles of all. The reading itself changes nothing that later steps depend on.
+//! Each rank holds the particles of its domain (`sphecs_core::pass::ranks`), without components.
+//! Rank 0 announces what all do together: a step, or that it reads fields or particles or saves the
+//! state. The reading itself changes nothing that later steps depend on.
 
 use std::ops::Range;
 
 use bevy_ecs::change_detection::Mut;
+use bevy_ecs::entity::Entity;
+use bevy_ecs::query::With;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 
 use super::Simulation;
+use super::readings::Readiness;
 use crate::arrays::Arrays;
-use crate::resources::grid::Grid;
+use crate::components::ParticleId;
+use crate::resources::entity_index::EntityIndex;
+use crate::resources::grid::{Grid, SortBuffers};
 use crate::resources::pair::Pair;
+use crate::resources::pair_sums::Sums;
+use crate::resources::particle_details::ParticleDetails;
 use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, part};
 use crate::systems::body_forces::Bodies;
@@ -34,8 +41,12 @@ pub(super) enum Command {
     Step,
     /// All ranks tell what they have sent.
     Traffic,
-    /// Rank 0 gets the particles of all.
+    /// Rank 0 gets the particles of all and keeps them.
     Collect,
+    /// Rank 0 reads the particles of all, one after the other.
+    Particles,
+    /// Rank 0 saves the state.
+    State,
     /// All ranks sort their particles and sum the densities at the present positions.
     Sort,
     /// All ranks sum for a row of the monitor.
@@ -51,11 +62,13 @@ pub(super) enum Command {
 }
 
 impl Command {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 12] = [
         Self::End,
         Self::Step,
         Self::Traffic,
         Self::Collect,
+        Self::Particles,
+        Self::State,
         Self::Sort,
         Self::MonitorRow,
         Self::Sample,
@@ -135,6 +148,33 @@ pub(super) fn save_part<R: PairReal<D>, const D: usize>(
     part::save::<R, D>(world, division.rows_of(rank, grid, arrays, &everywhere), to);
 }
 
+/// Drops the particles that rank 0 does not hold, and the buffers that were made for all.
+pub(super) fn keep_part<R: PairReal<D>, const D: usize>(world: &mut World, division: &Division) {
+    let everywhere = everywhere::<R, D>(world);
+    let (grid, arrays) = (&world.resource::<Grid<D>>().0, &world.resource::<Arrays<R, D>>().0);
+    let kept = arrays.of_rows(&division.rows_of(0, grid, arrays, &everywhere));
+    let grid = grid.without_rows();
+    world.insert_resource(Arrays(kept));
+    world.insert_resource(Grid(grid));
+    world.insert_resource(SortBuffers::<R>::default());
+    world.insert_resource(Sums::<R, D>::default());
+}
+
+/// Takes the components from the particles of a world; what only they have is kept.
+fn drop_components(world: &mut World) {
+    if !world.resource::<EntityIndex>().has_entities() {
+        return;
+    }
+    let details = ParticleDetails::of_components(world);
+    let particles: Vec<Entity> = world.query_filtered::<Entity, With<ParticleId>>().iter(world).collect();
+    for particle in particles {
+        world.despawn(particle);
+    }
+    let numbers = world.resource::<EntityIndex>().len() as u32;
+    world.insert_resource(EntityIndex::without_entities(numbers));
+    world.insert_resource(details);
+}
+
 /// Returns the shares of a number of ranks in the particles of the arrays.
 pub(super) fn shares_of<R: PairReal<D>, const D: usize>(world: &mut World, ranks: usize) -> Vec<Share> {
     let everywhere = everywhere::<R, D>(world);
@@ -157,7 +197,6 @@ impl Simulation {
     /// Divides the particles among a number of ranks, which begin with [parts](Self::part) of the
     /// state.
     ///
-    /// The components that [`Self::world_mut`] returns must not be changed any more.
     pub fn divide(&mut self, ranks: usize) -> Division {
         (self.functions.gather)(&mut self.world);
         (self.functions.divide)(&self.world, ranks)
@@ -175,8 +214,12 @@ impl Simulation {
     /// Shares the pair passes with other ranks, which [follow](Self::follow) this one from their
     /// parts of its present state; for rank 0.
     ///
-    /// Results are bitwise those of one rank. The simulation must have no plugins.
+    /// Results are bitwise those of one rank. The particles have no components any more, and the
+    /// simulation must have no plugins.
     pub fn lead(&mut self, ranks: Ranks, division: Division) {
+        drop_components(&mut self.world);
+        (self.functions.keep_part)(&mut self.world, &division);
+        self.readiness = Readiness::default();
         self.connect(ranks, division);
     }
 
@@ -198,6 +241,8 @@ impl Simulation {
                 Command::Step => drop(self.own_step()),
                 Command::Traffic => drop(self.connection.0.traffic()),
                 Command::Collect => (self.functions.collect)(&mut self.world),
+                Command::Particles => (self.functions.visit)(&mut self.world, &mut |_| ()),
+                Command::State => (self.functions.save_all)(&mut self.world, &mut Columns::default()),
                 Command::Sort => self.own_sort(),
                 reading => self.answer(reading),
             }

@@ -1,15 +1,18 @@
 //! Readings of a simulation between two steps: fields at points, integral quantities, all
 //! particles.
 //!
-//! With several ranks, each sums and fits for its own particles, and rank 0 gets the results.
-//! All particles, as frames and checkpoints need them, are collected on rank 0 first.
+//! With several ranks, each sums and fits for its own particles, and rank 0 gets the results. Only
+//! gridded fields and tables of all particles need them all on rank 0, as one rank has them.
 
 use bevy_ecs::world::World;
 use glam::{DMat3, DVec3};
 
 use super::Simulation;
 use super::ranks::Command;
+use crate::particle_state::ParticleState;
 use crate::particle_table::ParticleTable;
+use crate::resources::entity_index::EntityIndex;
+use crate::resources::pair::Pair;
 use crate::resources::state_location::StateLocation;
 use crate::systems::monitor::MonitorRow;
 use sphecs_core::particles::sample::Sample;
@@ -31,7 +34,7 @@ pub(super) struct Readiness {
 
 impl Simulation {
     /// Returns the world with up-to-date components, density and pressure at the present positions
-    /// included.
+    /// included; of several ranks, particles have no components.
     pub fn world(&mut self) -> &World {
         self.update_components();
         &self.world
@@ -47,6 +50,9 @@ impl Simulation {
     }
 
     fn update_components(&mut self) {
+        if !self.world.resource::<EntityIndex>().has_entities() {
+            return;
+        }
         self.find_all_densities();
         if self.scene.scheme.has_stress() {
             // The stress is beside the arrays.
@@ -60,6 +66,20 @@ impl Simulation {
     pub fn particles(&mut self) -> ParticleTable {
         self.find_all_densities();
         (self.functions.table)(&self.world)
+    }
+
+    /// Passes the state of each particle to a function, with the density at the present positions,
+    /// in any order; for rank 0.
+    pub fn for_each_particle(&mut self, take: &mut dyn FnMut(&ParticleState)) {
+        self.sort();
+        self.connection.announce(Command::Particles);
+        (self.functions.visit)(&mut self.world, take);
+    }
+
+    /// Returns true if the particles have components: in a simulation on one rank that was not
+    /// built [without](super::SimulationBuilder::without_components) them.
+    pub fn has_components(&self) -> bool {
+        self.world.resource::<EntityIndex>().has_entities()
     }
 
     /// Gives rank 0 all particles with the densities at their present positions.
@@ -84,9 +104,17 @@ impl Simulation {
         (self.functions.refresh)(&mut self.world);
     }
 
+    /// Sorts the particles of the ranks unless they were ever sorted, which makes their domains.
+    pub(super) fn begin_reading(&mut self) {
+        if self.world.resource::<Pair>().0.ranks.changes() == 0 {
+            self.sort();
+        }
+    }
+
     /// Gives rank 0 the particles of all ranks, unless it has them already.
     pub(super) fn collect(&mut self) {
         if self.connection.is_shared() && !self.readiness.is_whole {
+            self.begin_reading();
             self.connection.announce(Command::Collect);
             (self.functions.collect)(&mut self.world);
             self.readiness = Readiness { is_sorted: false, is_whole: true, ..self.readiness };
@@ -192,7 +220,8 @@ impl Simulation {
                 let sections = Section::read_all(&self.connection.hear());
                 (self.functions.mass_flows)(&self.world, &sections.iter().collect::<Vec<_>>());
             }
-            Command::End | Command::Step | Command::Traffic | Command::Collect | Command::Sort => {}
+            Command::End | Command::Step | Command::Traffic | Command::Sort => {}
+            Command::Collect | Command::Particles | Command::State => {}
         }
     }
 }

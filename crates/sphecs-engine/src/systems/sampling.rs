@@ -12,6 +12,7 @@ use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::Sums;
+use crate::resources::particle_details::ParticleDetails;
 use crate::resources::state_location;
 use crate::systems::boundaries::walls::find_dummy_velocity;
 use crate::systems::edac::sum_volumes;
@@ -197,8 +198,11 @@ pub(crate) fn sample_surface<R: PairReal<D>, const D: usize>(
     by_owner::<D, _, _, 4>(world, points, |point| point.position, at, (&write, &read))
 }
 
-/// Returns the passive scalars of particles by their numbers, which only their components have.
+/// Returns the passive scalars of particles by their numbers, which the arrays do not have.
 fn tags(world: &World, ids: &[u32]) -> Vec<f32> {
+    if let Some(details) = world.get_resource::<ParticleDetails>() {
+        return ids.par_iter().with_min_len(CHUNK).map(|&id| details.tracer(id).tag).collect();
+    }
     let index = world.resource::<EntityIndex>();
     let tag = |&id: &u32| index.get(id).and_then(|entity| world.get::<Tracer>(entity));
     ids.par_iter().with_min_len(CHUNK).map(|id| tag(id).map_or(0.0, |tracer| tracer.tag)).collect()

@@ -16,7 +16,7 @@ pub mod mpi;
 use crate::error::RunError;
 #[cfg(feature = "mpi")]
 use mpi::of_job;
-use sphecs_engine::simulation::Simulation;
+use sphecs_engine::simulation::{Simulation, SimulationBuilder};
 
 /// Ranks of a run.
 #[derive(Clone, Debug)]
@@ -86,6 +86,11 @@ impl RankSource {
             #[cfg(feature = "mpi")]
             Self::Mpi(_) => given,
         }
+    }
+
+    /// Returns a builder of the simulation of rank 0: several ranks have no components.
+    pub(crate) fn begin(&self, builder: SimulationBuilder) -> SimulationBuilder {
+        if self.count() > 1 { builder.without_components() } else { builder }
     }
 
     /// Starts the other ranks, which follow a simulation from its present state on.

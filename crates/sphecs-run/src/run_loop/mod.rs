@@ -83,9 +83,10 @@ impl RunLoop {
             let what = "plugins act on one rank alone: run the scene with one rank".to_owned();
             return Err(OutputError::Request(what).into());
         }
-        let builder = plugins.into_iter().fold(Simulation::builder(scene), SimulationBuilder::plugin);
+        let builder = options.ranks.begin(Simulation::builder(scene));
+        let builder = plugins.into_iter().fold(builder, SimulationBuilder::plugin);
         let mut simulation = waiting::during("placing the particles", || builder.build())?;
-        let first = Frame::from_world(simulation.world());
+        let first = Frame::of(&mut simulation);
         let scene = simulation.scene();
         let mut header = Header::new(scene, &first);
         (header.until, header.max_steps) = (options.until, options.max_steps);

@@ -80,7 +80,7 @@ impl RunLoop {
     fn write_frame(&mut self) -> Result<(), OutputError> {
         let clock = self.simulation.clock();
         let first = self.first_frame.take().filter(|first| first.step == clock.step);
-        self.folder.submit(first.unwrap_or_else(|| Frame::from_world(self.simulation.world())))?;
+        self.folder.submit(first.unwrap_or_else(|| Frame::of(&mut self.simulation)))?;
         if self.console == Console::Verbose {
             let row = &self.state.last_row;
             self.display.print(&format!(

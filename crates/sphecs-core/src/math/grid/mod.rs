@@ -138,6 +138,17 @@ impl<const D: usize> CellGrid<D> {
         self.starts = starts;
     }
 
+    /// Returns a grid of the same cells without rows and without memory for them.
+    pub fn without_rows(&self) -> Self {
+        Self {
+            starts: vec![0; self.starts.len()],
+            held: self.held.clone(),
+            order: Vec::new(),
+            buffers: SortBuffers::default(),
+            ..*self
+        }
+    }
+
     /// Sets the cells whose rows the next sorts keep; None: all.
     pub fn hold(&mut self, cells: Option<CellSet>) {
         self.held = cells;

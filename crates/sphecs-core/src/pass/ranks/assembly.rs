@@ -1,11 +1,14 @@
-//! All particles together on rank 0, for frames and checkpoints.
+//! All particles together on rank 0: for checkpoints and gridded fields as columns, for frames one
+//! after the other.
 //!
 //! The other ranks first send how many particles each of their cells has, from which rank 0 finds
 //! the row of every particle. The particles follow in batches, so that rank 0 needs little memory
-//! besides the columns.
+//! besides what it makes of them.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
+
+use glam::DVec3;
 
 use super::domains::Domains;
 use super::{Group, Ranks, State};
@@ -13,10 +16,14 @@ use crate::math::grid::CellGrid;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::record;
-use crate::particles::rows::set_real_vector;
+use crate::particles::rows::{ParticleRow, set_real_vector};
 
 /// Particles that a rank sends at once: their records take 13 MB.
 const BATCH: usize = 65_536;
+
+/// Takes a particle with its acceleration (m/s²) and its row in the order in which one rank alone
+/// would have all particles.
+type Take<'a> = dyn FnMut(usize, &ParticleRow, DVec3) + 'a;
 
 impl Ranks {
     /// Gives rank 0 the particles of all, in the order in which one rank alone would have them;
@@ -35,6 +42,57 @@ impl Ranks {
             group.assemble(&mut group.state(), grid, arrays);
         }
     }
+
+    /// Passes the particles of all ranks to `take` on rank 0, in any order, a batch of each rank at
+    /// a time.
+    ///
+    /// All ranks call it together, after their first sort.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn for_each_row<R: Real, const D: usize>(
+        &self,
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<R, D>,
+        take: &mut dyn FnMut(&ParticleRow),
+    ) {
+        match &self.0 {
+            Some(group) => {
+                let state = &mut *group.state();
+                let starts = group.starts_of_all(state, grid);
+                group.visit(state, (grid, arrays), &starts, &mut |_, particle, _| take(particle));
+            }
+            None => (0..arrays.len()).for_each(|row| take(&arrays.row(row))),
+        }
+    }
+
+    /// Returns the particles of all ranks on rank 0, in the order in which one rank alone would
+    /// have them, without accelerations; None on the others.
+    ///
+    /// All ranks call it together, after their first sort.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn all_rows<R: Real, const D: usize>(
+        &self,
+        grid: &CellGrid<D>,
+        arrays: &ParticleArrays<R, D>,
+    ) -> Option<ParticleArrays<R, D>> {
+        let Some(group) = &self.0 else { return Some(arrays.clone()) };
+        let state = &mut *group.state();
+        let starts = group.starts_of_all(state, grid);
+        let mut all = None;
+        if group.transport.rank() == 0 {
+            let all = all.insert(arrays.of_same_columns(number(&starts) + added(grid, arrays).len()));
+            group.use_wall_columns(all);
+        }
+        group.visit(state, (grid, arrays), &starts, &mut |row, particle, _| {
+            if let Some(all) = &mut all {
+                all.set(row, particle);
+            }
+        });
+        all
+    }
 }
 
 impl Group {
@@ -47,23 +105,69 @@ impl Group {
         arrays: &mut ParticleArrays<R, D>,
     ) {
         state.is_observed = true;
-        if state.is_whole {
+        if state.is_whole || state.domains.is_none() {
             return;
         }
-        let Some(domains) = state.domains.take() else { return };
+        let starts = self.starts_of_all(state, grid);
         if self.transport.rank() == 0 {
-            self.receive_rows(state, &domains, grid, arrays);
+            let total = number(&starts) + added(grid, arrays).len();
+            let all = arrays.of_same_columns(total);
+            let before = std::mem::replace(arrays, all);
+            arrays.resize(total);
+            self.use_wall_columns(arrays);
+            self.visit(state, (grid, &before), &starts, &mut |row, particle, acceleration| {
+                arrays.set(row, particle);
+                set_real_vector(&mut arrays.acceleration, row, acceleration);
+            });
+            grid.set_starts(starts);
+            grid.hold(None);
+        } else {
+            self.visit(state, (grid, arrays), &starts, &mut |_, _, _| {});
+        }
+        state.is_whole = true;
+    }
+
+    fn use_wall_columns<R: Real, const D: usize>(&self, arrays: &mut ParticleArrays<R, D>) {
+        arrays.use_wall_columns(
+            self.has_walls.load(Ordering::Relaxed),
+            self.has_thin_walls.load(Ordering::Relaxed),
+        );
+    }
+
+    /// Passes the particles of all ranks to `take` on rank 0, with the first row of each cell.
+    fn visit<R: Real, const D: usize>(
+        &self,
+        state: &mut State,
+        (grid, arrays): (&CellGrid<D>, &ParticleArrays<R, D>),
+        starts: &[u32],
+        take: &mut Take<'_>,
+    ) {
+        let rank = self.transport.rank();
+        let mut take_own = |row: usize, from: usize| {
+            if rank == 0 {
+                take(row, &arrays.row(from), arrays.acceleration_of(from));
+            }
+        };
+        let added = added(grid, arrays).enumerate();
+        added.for_each(|(at, from)| take_own(number(starts) + at, from));
+        let Some(domains) = state.domains.take_if(|_| !state.is_whole) else {
+            (0..number(starts)).for_each(|row| take_own(row, row));
+            return;
+        };
+        if rank == 0 {
+            let own = &domains.owned[0];
+            rows_of(starts, own).zip(rows_of(grid.starts(), own)).for_each(|(row, from)| take_own(row, from));
+            self.receive_rows(state, &domains, starts, take);
         } else {
             self.send_rows(state, &domains, grid, arrays);
         }
         state.domains = Some(domains);
-        state.is_whole = true;
         // The buffers for these messages are larger than those of any pass.
         state.messages.outgoing.iter_mut().for_each(|message| *message = Vec::new());
         state.messages.incoming.iter_mut().for_each(|message| *message = Vec::new());
     }
 
-    /// Sends the numbers of own particles in each cell, then the particles.
+    /// Sends the own particles.
     fn send_rows<R: Real, const D: usize>(
         &self,
         state: &mut State,
@@ -74,11 +178,8 @@ impl Group {
         let cells = &domains.owned[self.transport.rank()];
         state.messages.incoming.iter_mut().for_each(Vec::clear);
         state.messages.outgoing.iter_mut().for_each(Vec::clear);
-        let counts = cells.iter().flat_map(Clone::clone).map(|cell| grid.rows(cell).len() as u32);
-        state.messages.outgoing[0].extend(counts.flat_map(u32::to_ne_bytes));
-        self.exchange(state);
-        let mut rows = rows_of(grid, cells);
-        for _ in 0..self.batches(state, rows_in(grid, cells)) {
+        let mut rows = rows_of(grid.starts(), cells);
+        for _ in 0..self.batches(state, rows_in(grid.starts(), cells)) {
             let message = &mut state.messages.outgoing[0];
             message.clear();
             for row in rows.by_ref().take(BATCH) {
@@ -88,41 +189,11 @@ impl Group {
         }
     }
 
-    /// Puts the particles of all ranks into the arrays.
-    fn receive_rows<R: Real, const D: usize>(
-        &self,
-        state: &mut State,
-        domains: &Domains,
-        grid: &mut CellGrid<D>,
-        arrays: &mut ParticleArrays<R, D>,
-    ) {
-        let own: Vec<usize> = rows_of(grid, &domains.owned[0]).collect();
-        let sorted = grid.starts().last().map_or(0, |&end| end as usize);
-        grid.set_starts(self.receive_starts(state, domains, grid));
-        let total = grid.starts().last().map_or(0, |&end| end as usize);
-        let all = ParticleArrays {
-            evolves_pressure: arrays.evolves_pressure,
-            drifts: arrays.drifts,
-            ..ParticleArrays::default()
-        };
-        let before = std::mem::replace(arrays, all);
-        arrays.reserve(total + before.len() - sorted);
-        arrays.resize(total);
-        arrays.use_wall_columns(
-            self.has_walls.load(Ordering::Relaxed),
-            self.has_thin_walls.load(Ordering::Relaxed),
-        );
-        for (row, from) in rows_of(grid, &domains.owned[0]).zip(own) {
-            arrays.set(row, &before.row(from));
-            set_real_vector(&mut arrays.acceleration, row, before.acceleration_of(from));
-        }
-        for row in sorted..before.len() {
-            arrays.push(&before.row(row));
-        }
-        drop(before);
-        let mut rest: Vec<usize> = domains.owned.iter().map(|cells| rows_in(grid, cells)).collect();
+    /// Passes the particles of the other ranks to `take`.
+    fn receive_rows(&self, state: &mut State, domains: &Domains, starts: &[u32], take: &mut Take<'_>) {
+        let mut rest: Vec<usize> = domains.owned.iter().map(|cells| rows_in(starts, cells)).collect();
         rest[0] = 0;
-        let mut rows: Vec<_> = domains.owned.iter().map(|cells| rows_of(grid, cells)).collect();
+        let mut rows: Vec<_> = domains.owned.iter().map(|cells| rows_of(starts, cells)).collect();
         state.messages.outgoing.iter_mut().for_each(Vec::clear);
         for _ in 0..self.batches(state, 0) {
             for (message, rest) in state.messages.incoming.iter_mut().zip(&mut rest) {
@@ -134,45 +205,51 @@ impl Group {
             for (message, rows) in state.messages.incoming.iter().zip(&mut rows) {
                 for (record, row) in message.chunks_exact(record::BYTES).zip(rows) {
                     let (particle, acceleration) = record::read(record);
-                    arrays.set(row, &particle);
-                    set_real_vector(&mut arrays.acceleration, row, acceleration);
+                    take(row, &particle, acceleration);
                 }
             }
         }
-        grid.hold(None);
     }
 
-    /// Returns the first row of each cell once rank 0 has the particles of all.
-    fn receive_starts<const D: usize>(
-        &self,
-        state: &mut State,
-        domains: &Domains,
-        grid: &CellGrid<D>,
-    ) -> Vec<u32> {
+    /// Returns the first row of each cell on rank 0, once it has the particles of all; on the
+    /// others that of their own arrays.
+    fn starts_of_all<const D: usize>(&self, state: &mut State, grid: &CellGrid<D>) -> Vec<u32> {
+        let Some(domains) = state.domains.take_if(|_| !state.is_whole) else {
+            return grid.starts().to_vec();
+        };
+        let rank = self.transport.rank();
+        state.messages.incoming.iter_mut().for_each(Vec::clear);
         state.messages.outgoing.iter_mut().for_each(Vec::clear);
-        for (message, cells) in state.messages.incoming.iter_mut().zip(&domains.owned) {
-            let count: usize = cells.iter().map(ExactSizeIterator::len).sum();
-            message.resize(count * size_of::<u32>(), 0);
-        }
-        state.messages.incoming[0].clear();
-        self.exchange(state);
-        // Entry `cell + 1` gets the number of particles in the cell, and then the running sum of
-        // the numbers, which is where the next cell starts.
-        let mut starts = vec![0; grid.len() + 1];
-        for cell in domains.owned[0].iter().flat_map(Clone::clone) {
-            starts[cell + 1] = grid.rows(cell).len() as u32;
-        }
-        for (message, cells) in state.messages.incoming.iter().zip(&domains.owned) {
-            let counts = message.chunks_exact(size_of::<u32>());
-            for (cell, count) in cells.iter().flat_map(Clone::clone).zip(counts) {
-                starts[cell + 1] = bytemuck::pod_read_unaligned(count);
+        let own = domains.owned[rank].iter().flat_map(Clone::clone);
+        let starts = if rank == 0 {
+            for (message, cells) in state.messages.incoming.iter_mut().zip(&domains.owned).skip(1) {
+                let count: usize = cells.iter().map(ExactSizeIterator::len).sum();
+                message.resize(count * size_of::<u32>(), 0);
             }
-        }
-        let mut first = 0;
-        for start in &mut starts {
-            first += *start;
-            *start = first;
-        }
+            self.exchange(state);
+            // Entry `cell + 1` gets the number of particles in the cell, and then the running sum
+            // of the numbers, which is where the next cell starts.
+            let mut starts = vec![0; grid.len() + 1];
+            own.for_each(|cell| starts[cell + 1] = grid.rows(cell).len() as u32);
+            for (message, cells) in state.messages.incoming.iter().zip(&domains.owned) {
+                let counts = message.chunks_exact(size_of::<u32>());
+                for (cell, count) in cells.iter().flat_map(Clone::clone).zip(counts) {
+                    starts[cell + 1] = bytemuck::pod_read_unaligned(count);
+                }
+            }
+            let mut first = 0;
+            for start in &mut starts {
+                first += *start;
+                *start = first;
+            }
+            starts
+        } else {
+            let counts = own.map(|cell| grid.rows(cell).len() as u32);
+            state.messages.outgoing[0].extend(counts.flat_map(u32::to_ne_bytes));
+            self.exchange(state);
+            grid.starts().to_vec()
+        };
+        state.domains = Some(domains);
         starts
     }
 
@@ -182,16 +259,24 @@ impl Group {
     }
 }
 
-/// Returns the rows of cells.
-fn rows_of<const D: usize>(
-    grid: &CellGrid<D>,
-    cells: &[Range<usize>],
-) -> impl Iterator<Item = usize> + use<D> {
-    let runs: Vec<Range<usize>> = cells.iter().map(|run| grid.rows_of_run(run)).collect();
+/// Returns the number of rows of all cells, from the first row of each.
+fn number(starts: &[u32]) -> usize {
+    starts.last().map_or(0, |&end| end as usize)
+}
+
+/// Returns the rows that were added since the last sort.
+fn added<R: Real, const D: usize>(grid: &CellGrid<D>, arrays: &ParticleArrays<R, D>) -> Range<usize> {
+    number(grid.starts())..arrays.len()
+}
+
+/// Returns the rows of cells, from the first row of each.
+fn rows_of(starts: &[u32], cells: &[Range<usize>]) -> impl Iterator<Item = usize> + use<> {
+    let run = |run: &Range<usize>| starts[run.start] as usize..starts[run.end] as usize;
+    let runs: Vec<Range<usize>> = cells.iter().map(run).collect();
     runs.into_iter().flatten()
 }
 
-/// Returns the number of particles in cells.
-fn rows_in<const D: usize>(grid: &CellGrid<D>, cells: &[Range<usize>]) -> usize {
-    cells.iter().map(|run| grid.rows_of_run(run).len()).sum()
+/// Returns the number of particles in cells, from the first row of each.
+fn rows_in(starts: &[u32], cells: &[Range<usize>]) -> usize {
+    cells.iter().map(|run| (starts[run.end] - starts[run.start]) as usize).sum()
 }

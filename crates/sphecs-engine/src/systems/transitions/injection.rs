@@ -11,6 +11,7 @@ use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::Grid;
 use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::{InflowCapacity, Ledger};
+use crate::resources::particle_details::ParticleDetails;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::particles::zone::Zone;
@@ -91,11 +92,14 @@ pub(super) fn place<R: PairReal<D>, const D: usize>(
     if zone == Zone::Inflow {
         world.resource_mut::<InflowParticles>().inject(patch);
     }
+    let tag = scene.initial.tag.value(place.x, place.y, place.z, time) as f32;
+    if let Some(mut details) = world.get_resource_mut::<ParticleDetails>() {
+        details.inject(id, tag);
+    }
     let Some(entity) = world.resource::<EntityIndex>().get(id) else { return Some(id) };
-    let tag = scene.initial.tag.value(place.x, place.y, place.z, time);
     let mut entity = world.entity_mut(entity);
     if let Some(mut tracer) = entity.get_mut::<Tracer>() {
-        *tracer = Tracer { tag: tag as f32, passages: tracer.passages + 1 };
+        *tracer = Tracer { tag, passages: tracer.passages + 1 };
     }
     entity.remove::<Reservoir>();
     entity.insert((Position(place), Velocity(velocity)));

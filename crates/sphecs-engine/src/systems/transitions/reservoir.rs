@@ -15,9 +15,10 @@ use bevy_ecs::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::components::{ParticleId, Position, Reservoir, SpsStress, Thermodynamics, Tracer, Velocity};
+use crate::components::{ParticleId, Position, Reservoir, SpsStress, Tracer, Velocity};
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
 use crate::resources::ledger::Ledger;
+use crate::resources::particle_details::{ParticleDetails, StoredParticle};
 use crate::systems::divergence::Failure;
 use sphecs_core::particles::zone::Zone;
 use sphecs_scene::model::{Scene, WhenEmpty};
@@ -43,7 +44,7 @@ fn stored_bundle(scene: &Scene, id: u32, position: DVec3) -> impl Bundle {
         ParticleId(id),
         Position(position),
         Velocity(DVec3::ZERO),
-        Thermodynamics { density: scene.fluid.density, pressure: 0.0 },
+        StoredParticle::at_rest(scene, position).state,
     )
 }
 
@@ -52,9 +53,12 @@ pub(super) fn store(world: &mut World, scene: &Scene, id: u32, point: DVec3) {
     let entity = world.resource::<EntityIndex>().get(id);
     if !scene.reservoir.recycle {
         let tracer = entity.and_then(|entity| world.get::<Tracer>(entity));
-        let passages = tracer.map_or(0, |tracer| tracer.passages);
+        let mut passages = tracer.map_or(0, |tracer| tracer.passages);
         if let Some(entity) = entity {
             world.despawn(entity);
+        }
+        if let Some(mut details) = world.get_resource_mut::<ParticleDetails>() {
+            passages = details.delete(id);
         }
         world.resource_mut::<EntityIndex>().set(id, None);
         world.resource_mut::<FreeNumbers>().0.push(FreeNumber { id, passages });
@@ -64,6 +68,9 @@ pub(super) fn store(world: &mut World, scene: &Scene, id: u32, point: DVec3) {
         return;
     }
     world.resource_mut::<FreeParticles>().0.push(id);
+    if let Some(mut details) = world.get_resource_mut::<ParticleDetails>() {
+        details.store(StoredParticle::at_rest(scene, point));
+    }
     let Some(entity) = entity else { return };
     let mut entity = world.entity_mut(entity);
     // The next sort removes the row from the arrays. The components may be older than the arrays,
@@ -80,6 +87,9 @@ pub(super) fn store(world: &mut World, scene: &Scene, id: u32, point: DVec3) {
 /// A new particle counts as in the reservoir until it is injected.
 pub(super) fn take_particle(world: &mut World, scene: &Scene) -> Option<u32> {
     if let Some(id) = world.resource_mut::<FreeParticles>().0.pop() {
+        if let Some(mut details) = world.get_resource_mut::<ParticleDetails>() {
+            details.take_stored();
+        }
         return Some(id);
     }
     if scene.reservoir.recycle && scene.reservoir.when_empty == WhenEmpty::Stop {
@@ -97,6 +107,9 @@ pub(super) fn take_particle(world: &mut World, scene: &Scene) -> Option<u32> {
         entity.id()
     });
     world.resource_mut::<EntityIndex>().set(id, entity);
+    if let Some(mut details) = world.get_resource_mut::<ParticleDetails>() {
+        details.create(id, passages);
+    }
     let mut ledger = world.resource_mut::<Ledger>();
     if scene.reservoir.recycle {
         ledger.grown += 1;
