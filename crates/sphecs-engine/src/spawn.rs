@@ -2,6 +2,7 @@
 
 use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::entity::Entity;
+use bevy_ecs::query::With;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
@@ -120,6 +121,21 @@ pub(crate) fn fill_arrays<R: PairReal<D>, const D: usize>(
         arrays.extend(&batch);
     }
     world.insert_resource(StateLocation::Arrays);
+}
+
+/// Despawns the particles, which remain in the arrays; what only their components have is kept.
+pub(crate) fn despawn_particles(world: &mut World) {
+    if !world.resource::<EntityIndex>().has_entities() {
+        return;
+    }
+    let details = ParticleDetails::of_components(world);
+    let particles: Vec<Entity> = world.query_filtered::<Entity, With<ParticleId>>().iter(world).collect();
+    for particle in particles {
+        world.despawn(particle);
+    }
+    let numbers = world.resource::<EntityIndex>().len() as u32;
+    world.insert_resource(EntityIndex::without_entities(numbers));
+    world.insert_resource(details);
 }
 
 /// Particles whose rows are made at once.

@@ -7,22 +7,18 @@
 use std::ops::Range;
 
 use bevy_ecs::change_detection::Mut;
-use bevy_ecs::entity::Entity;
-use bevy_ecs::query::With;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
 
 use super::Simulation;
 use super::readings::Readiness;
 use crate::arrays::Arrays;
-use crate::components::ParticleId;
-use crate::resources::entity_index::EntityIndex;
 use crate::resources::grid::{Grid, SortBuffers};
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::Sums;
-use crate::resources::particle_details::ParticleDetails;
 use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, part};
+use crate::spawn::despawn_particles;
 use crate::systems::body_forces::Bodies;
 use crate::systems::boundaries::outlets::Outlets;
 use crate::systems::boundaries::patch_rows::PatchRows;
@@ -160,21 +156,6 @@ pub(super) fn keep_part<R: PairReal<D>, const D: usize>(world: &mut World, divis
     world.insert_resource(Sums::<R, D>::default());
 }
 
-/// Takes the components from the particles of a world; what only they have is kept.
-fn drop_components(world: &mut World) {
-    if !world.resource::<EntityIndex>().has_entities() {
-        return;
-    }
-    let details = ParticleDetails::of_components(world);
-    let particles: Vec<Entity> = world.query_filtered::<Entity, With<ParticleId>>().iter(world).collect();
-    for particle in particles {
-        world.despawn(particle);
-    }
-    let numbers = world.resource::<EntityIndex>().len() as u32;
-    world.insert_resource(EntityIndex::without_entities(numbers));
-    world.insert_resource(details);
-}
-
 /// Returns the shares of a number of ranks in the particles of the arrays.
 pub(super) fn shares_of<R: PairReal<D>, const D: usize>(world: &mut World, ranks: usize) -> Vec<Share> {
     let everywhere = everywhere::<R, D>(world);
@@ -217,7 +198,7 @@ impl Simulation {
     /// Results are bitwise those of one rank. The particles have no components any more, and the
     /// simulation must have no plugins.
     pub fn lead(&mut self, ranks: Ranks, division: Division) {
-        drop_components(&mut self.world);
+        despawn_particles(&mut self.world);
         (self.functions.keep_part)(&mut self.world, &division);
         self.readiness = Readiness::default();
         self.connect(ranks, division);
