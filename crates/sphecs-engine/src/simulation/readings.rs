@@ -41,11 +41,13 @@ impl Simulation {
     }
 
     /// Returns the world with up-to-date components; the next step starts from the components that
-    /// the caller leaves in it.
+    /// the caller leaves in it, if the particles have any.
     pub fn world_mut(&mut self) -> &mut World {
         self.update_components();
-        self.readiness = Readiness::default();
-        self.world.insert_resource(StateLocation::Components);
+        if self.has_components() {
+            self.readiness = Readiness::default();
+            self.world.insert_resource(StateLocation::Components);
+        }
         &mut self.world
     }
 
