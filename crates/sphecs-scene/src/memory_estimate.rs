@@ -12,7 +12,7 @@ use super::model::{Precision, Scene};
 use super::scheme::Scheme;
 
 /// Program, libraries and the buffers of two threads, B.
-const PROGRAM: f64 = 39e6;
+const PROGRAM: f64 = 42e6;
 
 /// A probe: mostly its group in `probes.nc` while the run is packed, B.
 const PROBE: f64 = 0.55e6;
