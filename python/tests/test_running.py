@@ -36,7 +36,6 @@ def test_options_reach_the_run(tmp_path):
     assert run.particles.attrs["spacing"] == 0.1
 
 
-
 def test_the_results_do_not_depend_on_the_ranks(tmp_path):
     one, two = (
         sphecs.run(channel(), steps=30, ranks=ranks, threads=1, out=tmp_path / str(ranks), name="shared")

@@ -11,8 +11,8 @@
 use super::model::{Precision, Scene};
 use super::scheme::Scheme;
 
-/// Program, libraries and the buffers of two threads, B.
-const PROGRAM: f64 = 42e6;
+/// Program, libraries and the buffers of two threads, B (docs/notebook/2026-11-29-ranks.md).
+const PROGRAM: f64 = 44e6;
 
 /// A probe: mostly its group in `probes.nc` while the run is packed, B.
 const PROBE: f64 = 0.55e6;
