@@ -14,6 +14,7 @@ use sphecs_engine::arrays::Arrays;
 use sphecs_engine::components::{Outflow, ParticleId, Velocity};
 use sphecs_engine::resources::grid::Grid;
 use sphecs_engine::resources::scene::ActiveScene;
+use sphecs_engine::systems::boundaries::opening_regions::OpeningRegions;
 use sphecs_engine::systems::boundaries::outlets::Outlets;
 use sphecs_engine::systems::boundaries::patch_rows::PatchRows;
 
@@ -341,14 +342,16 @@ where
         ("constants.L", "0.8"),
     ];
     let mut simulation = simulation(text, &sets);
-    let (mut rows, mut entered) = (PatchRows::default(), 0);
+    let (mut rows, mut openings, mut entered) = (PatchRows::default(), OpeningRegions::default(), 0);
     for _ in 0..150 {
         simulation.step().unwrap_or_else(|stop| panic!("{stop}"));
         let world = simulation.world();
         let scene = &*world.resource::<ActiveScene>().0;
         let arrays = world.resource::<Arrays<f64, D>>();
         let needs = world.resource::<Outlets<f64, D>>().needs();
-        rows.collect(scene, needs, &world.resource::<Grid<D>>().0, arrays);
+        let grid = &world.resource::<Grid<D>>().0;
+        openings.find(scene, needs, grid);
+        rows.collect(scene, needs, (grid, openings.near(true)), arrays);
         let all = |belongs: &dyn Fn(usize) -> bool| -> Vec<u32> {
             (0..arrays.len()).filter(|&row| belongs(row)).map(|row| row as u32).collect()
         };

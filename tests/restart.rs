@@ -31,6 +31,7 @@ use sphecs_engine::saved_state::SavedResources;
 use sphecs_engine::systems::body_forces::Bodies;
 use sphecs_engine::systems::boundaries::emitter_states::EmitterStates;
 use sphecs_engine::systems::boundaries::movers::{MoverParticles, PresentPoses};
+use sphecs_engine::systems::boundaries::opening_regions::OpeningRegions;
 use sphecs_engine::systems::boundaries::outlet_registry::AddedOutlets;
 use sphecs_engine::systems::boundaries::patch_rows::PatchRows;
 use sphecs_engine::systems::divergence::{Failure, check_state};
@@ -346,6 +347,7 @@ fn not_saved() -> Vec<(TypeId, &'static str)> {
         (TypeId::of::<StateLocation>(), "components and arrays agree in a restored world"),
         (TypeId::of::<Failure>(), "a diverged flow is not saved"),
         (TypeId::of::<PatchRows>(), "collected at each sort"),
+        (TypeId::of::<OpeningRegions>(), "follows from the scene and the domains"),
         (TypeId::of::<PresentPoses>(), "from the scene and the time"),
         (TypeId::of::<MoverParticles>(), "saved in scenes with walls that move"),
         (TypeId::of::<EmitterStates>(), "saved in scenes with emitters"),

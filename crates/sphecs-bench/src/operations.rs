@@ -325,7 +325,7 @@ mod tests {
         let sps = Viscosity::Sps(Sps::default());
         let stressed = PairSettings { viscous_term: sps, ..plain.clone() };
         let walled = |pair: &PairSettings| PairSettings {
-            wall_parts: vec![WallPartSettings::default()],
+            wall_parts: [WallPartSettings::default()].into(),
             ..pair.clone()
         };
         let rates_of = |pair: &PairSettings| {

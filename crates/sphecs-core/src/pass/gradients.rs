@@ -299,7 +299,7 @@ mod tests {
     /// A flow over a wall at rest whose velocity at height y above it is `velocity(y)`.
     fn over_a_wall(free_slip: bool, velocity: impl Fn(f64) -> [f64; 2]) -> Sample<f64, 2> {
         let part = WallPartSettings { free_slip, ..Default::default() };
-        let pair = PairSettings { wall_parts: vec![part], ..settings(Kernel::WendlandC2, 2, 1.3) };
+        let pair = PairSettings { wall_parts: [part].into(), ..settings(Kernel::WendlandC2, 2, 1.3) };
         let mut sample = Sample::<f64, 2>::lattice(pair, [12, 12], false);
         for row in 0..sample.particles.len() {
             let height = sample.particles.position[1][row] + 0.3 - 4.0 * SPACING;

@@ -1,5 +1,7 @@
 //! Settings of the pair passes: the properties of a scene that they need, as plain values.
 
+use std::sync::Arc;
+
 use super::ranks::Ranks;
 use crate::discretisation::Discretisation;
 use crate::math::lanes::InstructionSet;
@@ -39,7 +41,7 @@ pub struct PairSettings {
     /// pressure.
     pub body_force: [f64; 3],
     /// Wall parts, by the patch index of their rows.
-    pub wall_parts: Vec<WallPartSettings>,
+    pub wall_parts: Arc<[WallPartSettings]>,
     /// Instruction set of the passes.
     pub lanes: InstructionSet,
     /// Ranks that share the passes.
@@ -66,6 +68,13 @@ pub struct WallPartSettings {
 }
 
 impl PairSettings {
+    /// Returns the settings for work that the members of a region of the ranks share; None on one
+    /// rank alone.
+    #[must_use]
+    pub fn of_region(&self, region: Option<usize>) -> Self {
+        Self { ranks: self.ranks.of_region(region), ..self.clone() }
+    }
+
     /// Returns the settings of an inviscid fluid with Fickian shifting, tensile control, image
     /// walls without a cap and no body force.
     pub fn new(discretisation: &Discretisation, tait: Tait) -> Self {
@@ -82,7 +91,7 @@ impl PairSettings {
             tensile_control: true,
             wall_model: WallModel::default(),
             body_force: [0.0; 3],
-            wall_parts: Vec::new(),
+            wall_parts: Arc::default(),
             lanes: InstructionSet::best(),
             ranks: Ranks::default(),
         }

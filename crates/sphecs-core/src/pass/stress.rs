@@ -203,7 +203,7 @@ mod tests {
     fn sheared<const D: usize>(counts: [usize; D], part: WallPartSettings) -> Sample<f64, D> {
         let pair = PairSettings {
             viscous_term: Viscosity::Sps(Sps::default()),
-            wall_parts: vec![part],
+            wall_parts: [part].into(),
             ..settings(Kernel::WendlandC2, D, 1.3)
         };
         let mut sample = Sample::<f64, D>::lattice(pair, counts, false);

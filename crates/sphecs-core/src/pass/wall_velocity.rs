@@ -150,7 +150,7 @@ mod tests {
     fn check<R: Real, const D: usize>(kernel: Kernel, counts: [usize; D], tolerance: f64) {
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         let pair = PairSettings {
-            wall_parts: vec![WallPartSettings::default(), free_slip],
+            wall_parts: [WallPartSettings::default(), free_slip].into(),
             ..settings(kernel, D, 1.3)
         };
         let mut sample = Sample::<R, D>::lattice(pair, counts, false);

@@ -236,7 +236,7 @@ mod tests {
         ] {
             let part = WallPartSettings { free_slip: walls == Some(true), ..Default::default() };
             let pair = settings(Kernel::WendlandC2, D, 1.5);
-            let pair = PairSettings { lanes: set, wall_parts: vec![part], ..pair };
+            let pair = PairSettings { lanes: set, wall_parts: [part].into(), ..pair };
             let mut sample = Sample::<R, D>::lattice(pair, [8; D], false);
             sample.stir(0.2, 1.0);
             for row in 0..sample.particles.len() {

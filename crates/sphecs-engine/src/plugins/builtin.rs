@@ -18,6 +18,7 @@ use crate::systems::boundaries::emitters::apply_emitters;
 use crate::systems::boundaries::inflow_columns::InflowColumns;
 use crate::systems::boundaries::inlets::apply_inlets;
 use crate::systems::boundaries::movers::{MoverParticles, PresentPoses};
+use crate::systems::boundaries::opening_regions::OpeningRegions;
 use crate::systems::boundaries::outlet_diagnostics::{OutletDiagnostics, diagnose_outlets};
 use crate::systems::boundaries::outlet_registry::AddedOutlets;
 use crate::systems::boundaries::outlets::{apply_outlets, find_outlet_rates};
@@ -59,6 +60,7 @@ fn add_arrays<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_>) {
     context.world.init_resource::<StateLocation>();
     context.world.init_resource::<Stopwatch>();
     context.world.init_resource::<PatchRows>();
+    context.world.init_resource::<OpeningRegions>();
     context.world.insert_resource(SortBuffers::<R>(Default::default()));
     context.world.insert_resource(Arrays::<R, D>::default());
     context.step.add_systems(gather::<R, D>.in_set(StepSet::Gather));

@@ -20,6 +20,12 @@ impl InflowParticles {
         Self { returned: BTreeSet::new(), others: vec![0; sources] }
     }
 
+    /// Returns zones with particles that returned, by their numbers, and a number of others in the
+    /// zone of each inlet and emitter.
+    pub(crate) fn new(returned: Vec<u32>, others: Vec<u32>) -> Self {
+        Self { returned: returned.into_iter().collect(), others: others.into_iter().map(u64::from).collect() }
+    }
+
     /// Adds an injected particle to the zone of an inlet or emitter.
     pub(crate) fn inject(&mut self, source: u16) {
         self.others[usize::from(source)] += 1;

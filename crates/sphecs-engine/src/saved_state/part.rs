@@ -10,7 +10,7 @@
 
 use bevy_ecs::world::World;
 
-use super::particles::{inflow_particles, restore_arrays, save_grid};
+use super::particles::{restore_arrays, save_grid};
 use crate::arrays::Arrays;
 use crate::resources::entity_index::{EntityIndex, FreeParticles};
 use crate::resources::inflow_particles::InflowParticles;
@@ -26,7 +26,10 @@ pub(crate) fn save<R: PairReal<D>, const D: usize>(world: &World, rows: Vec<u32>
     saved::save_rows(world.resource::<Arrays<R, D>>(), rows, to);
     to.put("part.numbers", vec![world.resource::<EntityIndex>().len() as u32]);
     to.put("part.stored", world.resource::<FreeParticles>().0.clone());
-    to.put("part.returned", world.resource::<InflowParticles>().returned().collect::<Vec<u32>>());
+    let inflow = world.resource::<InflowParticles>();
+    to.put("part.returned", inflow.returned().collect::<Vec<u32>>());
+    let sources = world.resource::<ActiveScene>().0.source_count() as u16;
+    to.put("part.inflow", (0..sources).map(|source| inflow.others(source) as u32).collect::<Vec<u32>>());
 }
 
 /// Fills the arrays of a world without particles.
@@ -41,9 +44,8 @@ pub(crate) fn restore<R: PairReal<D>, const D: usize>(
     let numbers = from.take_exactly::<u32>("part.numbers", 1)?[0];
     let stored = from.take("part.stored")?;
     let returned = from.take::<u32>("part.returned")?;
-    let has_returned = |id| returned.binary_search(&id).is_ok();
-    let inflow = inflow_particles(&world.resource::<ActiveScene>().0, &arrays, has_returned);
-    world.insert_resource(inflow);
+    let others = from.take_exactly("part.inflow", world.resource::<ActiveScene>().0.source_count())?;
+    world.insert_resource(InflowParticles::new(returned, others));
     world.insert_resource(EntityIndex::without_entities(numbers));
     world.insert_resource(FreeParticles(stored));
     world.insert_resource(Arrays(arrays));

@@ -15,6 +15,7 @@
 //! All else follows from these columns. The other components repeat the row, the sub-particle
 //! stress is computed before it is read, and the entities are new.
 
+use bevy_ecs::change_detection::Mut;
 use bevy_ecs::world::World;
 use glam::DVec3;
 use rayon::iter::{
@@ -34,6 +35,9 @@ use crate::resources::particle_details::ParticleDetails;
 use crate::resources::scene::ActiveScene;
 use crate::resources::state_location::{self, StateLocation};
 use crate::spawn::{SavedParticle, spawn_saved};
+use crate::systems::boundaries::opening_regions::OpeningRegions;
+use crate::systems::boundaries::outlet_records::share_outlets;
+use crate::systems::boundaries::outlets::Outlets;
 use crate::systems::transitions::reservoir::FreeNumbers;
 use sphecs_core::math::column::{ColumnMismatch, Columns};
 use sphecs_core::math::grid::CellGrid;
@@ -62,7 +66,11 @@ pub(crate) fn save<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut C
 /// Saves the particles of all ranks, in the order in which one rank alone would have them; all
 /// ranks call it together, and rank 0 gets the state.
 pub(crate) fn save_all<R: PairReal<D>, const D: usize>(world: &mut World, to: &mut Columns) {
-    let ranks = &world.resource::<Pair>().0.ranks;
+    let ranks = world.resource::<Pair>().0.ranks.clone();
+    let scene = world.resource::<ActiveScene>().0.clone();
+    world.resource_scope(|world, mut outlets: Mut<Outlets<R, D>>| {
+        share_outlets(&scene, &mut outlets, world.resource::<OpeningRegions>(), &ranks);
+    });
     let all = ranks.all_rows(&world.resource::<Grid<D>>().0, &world.resource::<Arrays<R, D>>().0);
     if let Some(all) = all {
         save_grid::<D>(world, to);
@@ -176,7 +184,7 @@ pub(super) fn restore_arrays<R: PairReal<D>, const D: usize>(
 }
 
 /// Returns the particles of the inflow zones in the arrays.
-pub(super) fn inflow_particles<R: PairReal<D>, const D: usize>(
+fn inflow_particles<R: PairReal<D>, const D: usize>(
     scene: &Scene,
     arrays: &ParticleArrays<R, D>,
     has_returned: impl Fn(u32) -> bool,

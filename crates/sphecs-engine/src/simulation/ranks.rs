@@ -4,8 +4,6 @@
 //! Rank 0 announces what all do together: a step, or that it reads fields or particles or saves the
 //! state. The reading itself changes nothing that later steps depend on.
 
-use std::ops::Range;
-
 use bevy_ecs::change_detection::Mut;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
@@ -20,11 +18,12 @@ use crate::resources::scene::ActiveScene;
 use crate::saved_state::{SavedResources, part};
 use crate::spawn::despawn_particles;
 use crate::systems::body_forces::Bodies;
+use crate::systems::boundaries::opening_regions::OpeningRegions;
 use crate::systems::boundaries::outlets::Outlets;
-use crate::systems::boundaries::patch_rows::PatchRows;
 use sphecs_core::math::column::Columns;
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::ranks::division::Division;
+use sphecs_core::pass::ranks::regions::Region;
 use sphecs_core::pass::ranks::shares::{Share, shares};
 use sphecs_core::pass::ranks::{Ranks, Traffic};
 
@@ -118,12 +117,12 @@ impl Connection {
 #[derive(Resource, Debug)]
 pub(super) struct FirstDivision(pub Division);
 
-/// Returns the cells that all ranks hold.
-fn everywhere<R: PairReal<D>, const D: usize>(world: &mut World) -> Vec<Range<usize>> {
+/// Returns the regions around the openings.
+fn regions<R: PairReal<D>, const D: usize>(world: &mut World) -> Vec<Region> {
     let scene = world.resource::<ActiveScene>().0.clone();
-    world.resource_scope(|world, mut rows: Mut<PatchRows>| {
+    world.resource_scope(|world, mut openings: Mut<OpeningRegions>| {
         let needs = world.resource::<Outlets<R, D>>().needs();
-        rows.everywhere(&scene, needs, &world.resource::<Grid<D>>().0).to_vec()
+        openings.regions(&scene, needs, &world.resource::<Grid<D>>().0).to_vec()
     })
 }
 
@@ -139,16 +138,16 @@ pub(super) fn save_part<R: PairReal<D>, const D: usize>(
     rank: usize,
     to: &mut Columns,
 ) {
-    let everywhere = everywhere::<R, D>(world);
+    let regions = regions::<R, D>(world);
     let (grid, arrays) = (&world.resource::<Grid<D>>().0, &world.resource::<Arrays<R, D>>().0);
-    part::save::<R, D>(world, division.rows_of(rank, grid, arrays, &everywhere), to);
+    part::save::<R, D>(world, division.rows_of(rank, grid, arrays, &regions), to);
 }
 
 /// Drops the particles that rank 0 does not hold, and the buffers that were made for all.
 pub(super) fn keep_part<R: PairReal<D>, const D: usize>(world: &mut World, division: &Division) {
-    let everywhere = everywhere::<R, D>(world);
+    let regions = regions::<R, D>(world);
     let (grid, arrays) = (&world.resource::<Grid<D>>().0, &world.resource::<Arrays<R, D>>().0);
-    let kept = arrays.of_rows(&division.rows_of(0, grid, arrays, &everywhere));
+    let kept = arrays.of_rows(&division.rows_of(0, grid, arrays, &regions));
     let grid = grid.without_rows();
     world.insert_resource(Arrays(kept));
     world.insert_resource(Grid(grid));
@@ -158,10 +157,10 @@ pub(super) fn keep_part<R: PairReal<D>, const D: usize>(world: &mut World, divis
 
 /// Returns the shares of a number of ranks in the particles of the arrays.
 pub(super) fn shares_of<R: PairReal<D>, const D: usize>(world: &mut World, ranks: usize) -> Vec<Share> {
-    let everywhere = everywhere::<R, D>(world);
+    let regions = regions::<R, D>(world);
     let arrays = world.resource::<Arrays<R, D>>();
     let place = |row: usize| std::array::from_fn(|axis| arrays.position[axis][row]);
-    shares(&world.resource::<Grid<D>>().0, (0..arrays.len()).map(place), &everywhere, ranks)
+    shares(&world.resource::<Grid<D>>().0, (0..arrays.len()).map(place), &regions, ranks)
 }
 
 impl Drop for Connection {

@@ -2,6 +2,8 @@
 
 use bevy_ecs::system::{Res, ResMut};
 
+use super::boundaries::opening_regions::OpeningRegions;
+use super::boundaries::outlet_records::share_outlets;
 use super::boundaries::outlets::Outlets;
 use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
@@ -21,16 +23,22 @@ pub(crate) fn sort_particles<R: PairReal<D>, const D: usize>(
     (mut grid, mut buffers): (ResMut<Grid<D>>, ResMut<SortBuffers<R>>),
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
-    (mut rows, outlets): (ResMut<PatchRows>, Res<Outlets<R, D>>),
+    (mut rows, mut openings, mut outlets): (ResMut<PatchRows>, ResMut<OpeningRegions>, ResMut<Outlets<R, D>>),
     mut failure: ResMut<Failure>,
 ) {
     let arrays = &mut arrays.0;
     sums.0.forget_order();
-    if pair.0.ranks.size() > 1 {
-        let everywhere = rows.everywhere(&scene.0, outlets.needs(), &grid.0);
-        if !pair.0.ranks.move_rows(&mut grid.0, arrays, everywhere) && pair.0.ranks.rank() > 0 {
+    let ranks = &pair.0.ranks;
+    openings.find(&scene.0, outlets.needs(), &grid.0);
+    if ranks.size() > 1 {
+        let regions = openings.regions(&scene.0, outlets.needs(), &grid.0);
+        if !ranks.move_rows(&mut grid.0, arrays, regions) && ranks.rank() > 0 {
             failure.is_elsewhere = true;
             return;
+        }
+        if openings.are_outdated(ranks) {
+            share_outlets(&scene.0, &mut outlets, &openings, ranks);
+            openings.follow(ranks);
         }
     }
     let zone = std::mem::take(&mut arrays.zone);
@@ -43,7 +51,8 @@ pub(crate) fn sort_particles<R: PairReal<D>, const D: usize>(
             return;
         }
     }
-    pair.0.ranks.count_rows(&grid.0);
+    ranks.count_rows(&grid.0);
     R::find_wall_distance(&pair.0, &grid.0, arrays, &mut sums.0);
-    rows.collect(&scene.0, outlets.needs(), &grid.0, arrays);
+    let near = openings.near(ranks.has_all());
+    rows.collect(&scene.0, outlets.needs(), (&grid.0, near), arrays);
 }

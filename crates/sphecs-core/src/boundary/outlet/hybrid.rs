@@ -89,7 +89,12 @@ impl OutletParameters for Hybrid {
     }
 
     fn needs(&self) -> Needs {
-        Needs { upstream_layers: Some(AVERAGED_LAYERS), is_one_way: true, ..Needs::default() }
+        Needs {
+            upstream_layers: Some(AVERAGED_LAYERS),
+            is_one_way: true,
+            uses_inflow_speed: true,
+            ..Needs::default()
+        }
     }
 
     fn references(&self) -> References {
@@ -187,12 +192,7 @@ fn inflow_speed<R: PairReal<D>, const D: usize>(
     share: f64,
     memory: &mut HybridMemory,
 ) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for &row in zone.inflow.iter().flatten() {
-        sum += zone.arrays.velocity_of(row as usize).length();
-        count += 1.0;
-    }
-    let present = if count > 0.0 { sum / count } else { zone.flow.reference_velocity };
+    let present = zone.inflow_speed.unwrap_or(zone.flow.reference_velocity);
     let before = memory.inflow_speed.unwrap_or(present);
     let followed = before + share * (present - before);
     memory.inflow_speed = Some(followed);

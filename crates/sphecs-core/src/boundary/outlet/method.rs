@@ -94,6 +94,8 @@ pub struct Needs {
     pub is_bidirectional: bool,
     /// True if the condition uses the flow rate that the whole domain has, without sound.
     pub uses_through_flow: bool,
+    /// True if the condition uses the mean speed of the inflow particles.
+    pub uses_inflow_speed: bool,
 }
 
 /// Velocity and pressure of the surroundings.

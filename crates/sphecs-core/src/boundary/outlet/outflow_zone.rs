@@ -53,8 +53,9 @@ pub struct OutflowZone<'a, R: PairReal<D>, const D: usize> {
     /// Rows of the fluid upstream that the condition requested in its
     /// [`Needs`](super::method::Needs), else empty.
     pub upstream: &'a [u32],
-    /// Rows of the inflow particles of each inlet.
-    pub inflow: &'a [Vec<u32>],
+    /// Mean speed of the inflow particles, m/s; None without any, or if the condition does not use
+    /// it.
+    pub inflow_speed: Option<f64>,
     /// Mean normal velocity and pressure of the fluid in the last layers upstream of the plane.
     pub adjacent: PointFlow,
     /// Size of the last time step, s.

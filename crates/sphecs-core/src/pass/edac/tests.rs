@@ -207,7 +207,7 @@ fn rates_are_the_published_sums() {
         let edac = Edac { lattice_normalised: false, relaxation: 0.3, ..usual };
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         let walled = PairSettings {
-            wall_parts: vec![WallPartSettings::default(), free_slip],
+            wall_parts: [WallPartSettings::default(), free_slip].into(),
             wall_model: WallModel::Image { velocity_cap: None, pressure: WallPressure::Mirrored },
             body_force: [0.5, -9.81, 0.0],
             ..evolved(kernel, 2, 1.3, edac)
@@ -216,7 +216,7 @@ fn rates_are_the_published_sums() {
         check(in_space(&walled), [6, 9, 5]);
         for wall_model in [WallModel::Dummy, WallModel::Ghost] {
             let walled = PairSettings { wall_model, ..walled.clone() };
-            check(PairSettings { wall_parts: Vec::new(), ..walled.clone() }, [13, 9]);
+            check(PairSettings { wall_parts: [].into(), ..walled.clone() }, [13, 9]);
             check(walled.clone(), [12, 9]);
             check(in_space(&walled), [6, 9, 5]);
         }

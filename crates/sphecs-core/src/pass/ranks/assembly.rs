@@ -38,7 +38,7 @@ impl Ranks {
         grid: &mut CellGrid<D>,
         arrays: &mut ParticleArrays<R, D>,
     ) {
-        if let Some(group) = &self.0 {
+        if let Some(group) = &self.group {
             group.assemble(&mut group.state(), grid, arrays);
         }
     }
@@ -56,7 +56,7 @@ impl Ranks {
         arrays: &ParticleArrays<R, D>,
         take: &mut dyn FnMut(&ParticleRow),
     ) {
-        match &self.0 {
+        match &self.group {
             Some(group) => {
                 let state = &mut *group.state();
                 let starts = group.starts_of_all(state, grid);
@@ -78,7 +78,7 @@ impl Ranks {
         grid: &CellGrid<D>,
         arrays: &ParticleArrays<R, D>,
     ) -> Option<ParticleArrays<R, D>> {
-        let Some(group) = &self.0 else { return Some(arrays.clone()) };
+        let Some(group) = &self.group else { return Some(arrays.clone()) };
         let state = &mut *group.state();
         let starts = group.starts_of_all(state, grid);
         let mut all = None;

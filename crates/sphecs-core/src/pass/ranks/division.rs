@@ -2,16 +2,16 @@
 //!
 //! Rank 0 has all particles and gives each other rank those that it holds.
 
-use std::ops::Range;
 use std::sync::atomic::Ordering;
 
 use super::Ranks;
 use super::bisection::bisect;
-use super::domains::{held_with, set_of};
+use super::domains::set_of;
+use super::regions::{Region, held};
 use super::rows::cell_of;
 use crate::math::column::{ColumnMismatch, Columns};
 use crate::math::grid::CellGrid;
-use crate::math::grid::cell_set::{CellSet, runs_of};
+use crate::math::grid::cell_set::runs_of;
 use crate::math::real::Real;
 use crate::particles::arrays::ParticleArrays;
 use crate::particles::zone::Zone;
@@ -19,6 +19,8 @@ use crate::particles::zone::Zone;
 /// Cells that each rank owns at first, and facts of the whole flow that a part may not show.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Division {
+    /// Number of ranks.
+    ranks: usize,
     /// Rank of each cell.
     owner: Vec<u16>,
     has_walls: bool,
@@ -39,23 +41,24 @@ impl Division {
             }
         }
         Self {
+            ranks,
             owner: bisect(grid, &counts, ranks),
             has_walls: arrays.zone.contains(&Zone::Wall),
             has_thin_walls: !arrays.wall_thickness.is_empty(),
         }
     }
 
-    /// Returns the rows that a rank holds; all ranks hold the cells `everywhere`.
+    /// Returns the rows that a rank holds.
     pub fn rows_of<R: Real, const D: usize>(
         &self,
         rank: usize,
         grid: &CellGrid<D>,
         arrays: &ParticleArrays<R, D>,
-        everywhere: &[Range<usize>],
+        regions: &[Region],
     ) -> Vec<u32> {
         let cells = grid.len();
         let own = runs_of(0..cells, |cell| usize::from(self.owner[cell]) == rank);
-        let held: CellSet = held_with(grid, &set_of(cells, &own), &set_of(cells, everywhere));
+        let held = held(grid, &set_of(cells, &own), (rank, &self.owner, self.ranks), regions);
         // All ranks get a particle outside the grid, since it stops all of them.
         let is_held = |row: usize| cell_of(grid, arrays, row).is_none_or(|cell| held.contains(cell));
         let exists = |row: usize| arrays.zone[row] != Zone::Reservoir;
@@ -64,6 +67,7 @@ impl Division {
 
     /// Adds the division to the state with which another rank begins.
     pub fn save(&self, to: &mut Columns) {
+        to.put("division.ranks", vec![self.ranks as u32]);
         to.put("division.owner", self.owner.clone());
         to.put("division.walls", vec![u8::from(self.has_walls), u8::from(self.has_thin_walls)]);
     }
@@ -75,6 +79,7 @@ impl Division {
     pub fn restore(from: &mut Columns) -> Result<Self, ColumnMismatch> {
         let walls = from.take_exactly::<u8>("division.walls", 2)?;
         Ok(Self {
+            ranks: from.take_exactly::<u32>("division.ranks", 1)?[0] as usize,
             owner: from.take("division.owner")?,
             has_walls: walls[0] != 0,
             has_thin_walls: walls[1] != 0,
@@ -85,7 +90,7 @@ impl Division {
 impl Ranks {
     /// Takes the division with which all ranks begin, before their first step.
     pub fn divide(&self, division: Division) {
-        let Some(group) = &self.0 else { return };
+        let Some(group) = &self.group else { return };
         group.has_walls.store(division.has_walls, Ordering::Relaxed);
         group.has_thin_walls.store(division.has_thin_walls, Ordering::Relaxed);
         group.state().first_owners = division.owner;
@@ -110,12 +115,12 @@ mod tests {
             particles.push(&ParticleRow { id, zone, position, ..ParticleRow::default() });
         }
         let division = Division::new(&grid, &particles, 3);
-        let rows =
-            |rank: usize, everywhere: &[Range<usize>]| division.rows_of(rank, &grid, &particles, everywhere);
+        let rows = |rank: usize, regions: &[Region]| division.rows_of(rank, &grid, &particles, regions);
         assert_eq!(rows(0, &[]), [0, 1, 2, 3, 4, 13]);
         assert_eq!(rows(1, &[]), [3, 4, 5, 6, 7, 8, 13]);
-        let everywhere = runs_of(0..12, |cell| cell == 1);
-        assert_eq!(rows(2, &everywhere), [0, 1, 2, 7, 8, 9, 10, 11, 13]);
+        let region = Region { core: vec![7..8], cells: vec![6..8] };
+        assert_eq!(rows(2, &[region.clone()]), [5, 6, 7, 8, 9, 10, 11, 13]);
+        assert_eq!(rows(0, &[region]), [0, 1, 2, 3, 4, 13]);
         let mut saved = Columns::default();
         division.save(&mut saved);
         assert_eq!(Division::restore(&mut saved).expect("a division"), division);

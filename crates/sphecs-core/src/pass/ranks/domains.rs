@@ -1,15 +1,12 @@
 //! Domains of the ranks: the cells that each owns and those whose rows it holds besides.
 //!
-//! ```text
-//! held(r) = R(own(r) ∪ S),   R(C): the cells of C and all in reach of them
-//! ```
-//!
-//! S are cells that all ranks hold, such as those near openings, so that everything there can be
-//! done by every rank alike.
+//! A rank holds what is in reach of its own cells and the [regions](super::regions) of which it is
+//! a member.
 
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::regions::Region;
 use crate::math::grid::CellGrid;
 use crate::math::grid::cell_set::{CellSet, append};
 
@@ -20,8 +17,12 @@ pub(super) struct Domains {
     rank: usize,
     /// Rank of each cell.
     owner: Vec<u16>,
-    /// Cells that all ranks hold.
+    /// Members of each region, by rising number.
+    pub members: Vec<Vec<usize>>,
+    /// Cells that the members of a region hold.
     shared: CellSet,
+    /// Those cells by region, in the order of the cells.
+    region_of: Vec<(Range<usize>, usize)>,
     /// Consecutive cells of one rank, in their order.
     pub runs: Vec<(Range<usize>, usize)>,
     /// Runs of the cells of each rank.
@@ -44,12 +45,12 @@ pub(super) struct Domains {
 }
 
 impl Domains {
-    /// Returns the domains by the rank of each cell; all ranks hold the cells `everywhere`.
+    /// Returns the domains by the rank of each cell.
     pub(super) fn new<const D: usize>(
         grid: &CellGrid<D>,
         owner: Vec<u16>,
         (rank, ranks): (usize, usize),
-        everywhere: &[Range<usize>],
+        regions: &[Region],
     ) -> Self {
         let cells = grid.len();
         let mut owned = vec![Vec::new(); ranks];
@@ -58,13 +59,25 @@ impl Domains {
         let mut runs: Vec<_> = (0..ranks).flat_map(of_rank).collect();
         runs.sort_unstable_by_key(|(run, _)| run.start);
         let own = set_of(cells, &owned[rank]);
-        let shared = grid.in_reach_of(&set_of(cells, everywhere));
+        let members: Vec<_> = regions.iter().map(|region| region.members(grid, &owner, ranks)).collect();
         let mut held = grid.in_reach_of(&own);
-        held.insert_all(&shared);
+        let mut shared = CellSet::empty(cells);
+        let mut region_of = Vec::new();
+        for (index, region) in regions.iter().enumerate() {
+            let reached = grid.in_reach_of(&set_of(cells, &region.cells));
+            shared.insert_all(&reached);
+            region_of.extend(runs_in(&reached).into_iter().map(|run| (run, index)));
+            if members[index].contains(&rank) {
+                held.insert_all(&reached);
+            }
+        }
+        region_of.sort_unstable_by_key(|(run, _)| run.start);
         let mut domains = Self {
             rank,
             owner,
+            members,
             shared,
+            region_of,
             runs,
             owned,
             own: Arc::new(own),
@@ -95,11 +108,10 @@ impl Domains {
                 append(&mut self.sent[other], cell);
             });
             bordering.clear();
+            // Who holds a cell in reach owns one within twice the reach or is a member of its region.
+            grid.for_each_around(cell, 2, |near| bordering.insert(usize::from(self.owner[near])));
             if near_shared.contains(cell) {
-                bordering.insert_all();
-            } else {
-                // Who holds a cell in reach owns one within twice the reach.
-                grid.for_each_around(cell, 2, |near| bordering.insert(usize::from(self.owner[near])));
+                grid.for_each_around(cell, 1, |near| self.insert_members(near, &mut bordering));
             }
             if bordering.ranks().any(|other| other != self.rank && !holders.has(other)) {
                 append(&mut self.bordering, cell);
@@ -139,10 +151,15 @@ impl Domains {
         holders: &mut RankSet,
     ) {
         holders.clear();
+        self.insert_members(cell, holders);
+        grid.for_each_around(cell, 1, |near| holders.insert(usize::from(self.owner[near])));
+    }
+
+    /// Adds the members of the region of a cell, if it is in one.
+    fn insert_members(&self, cell: usize, to: &mut RankSet) {
         if self.shared.contains(cell) {
-            holders.insert_all();
-        } else {
-            grid.for_each_around(cell, 1, |near| holders.insert(usize::from(self.owner[near])));
+            let run = self.region_of.partition_point(|(run, _)| run.end <= cell);
+            self.members[self.region_of[run].1].iter().for_each(|&member| to.insert(member));
         }
     }
 
@@ -185,22 +202,18 @@ impl RankSet {
         self.ranks.drain(..).for_each(|rank| self.has[rank] = false);
     }
 
-    fn insert(&mut self, rank: usize) {
+    pub(super) fn insert(&mut self, rank: usize) {
         if !std::mem::replace(&mut self.has[rank], true) {
             self.ranks.push(rank);
         }
     }
-
-    fn insert_all(&mut self) {
-        (0..self.has.len()).for_each(|rank| self.insert(rank));
-    }
 }
 
-/// Returns the cells that the owner of the cells `own` holds, where all ranks hold `everywhere`.
-pub(super) fn held_with<const D: usize>(grid: &CellGrid<D>, own: &CellSet, everywhere: &CellSet) -> CellSet {
-    let mut cells = own.clone();
-    cells.insert_all(everywhere);
-    grid.in_reach_of(&cells)
+/// Returns the runs of consecutive cells of a set.
+fn runs_in(cells: &CellSet) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    cells.iter().for_each(|cell| append(&mut runs, cell));
+    runs
 }
 
 /// Returns the cells of runs as a set of a grid of `cells` cells.
@@ -215,11 +228,12 @@ mod tests {
     use super::*;
     use crate::math::grid::cell_set::runs_of;
 
-    /// A row of 12 cells, of which three ranks own four each.
-    fn of_rank(rank: usize, everywhere: &[usize]) -> Domains {
+    /// A row of 12 cells, of which three ranks own four each, with regions around cells.
+    fn of_rank(rank: usize, around: &[usize]) -> Domains {
         let grid = CellGrid::<2>::new([0.0; 2], [12.0, 1.0], [false; 2], 1.0, 1.0);
         let owner: Vec<u16> = (0..12).map(|cell| cell / 4).collect();
-        Domains::new(&grid, owner, (rank, 3), &runs_of(0..12, |cell| everywhere.contains(&cell)))
+        let cells = runs_of(0..12, |cell| around.contains(&cell));
+        Domains::new(&grid, owner, (rank, 3), &Region::divide(&grid, &cells, &cells))
     }
 
     fn cells(runs: &[Range<usize>]) -> Vec<usize> {
@@ -241,20 +255,27 @@ mod tests {
     }
 
     #[test]
-    fn cells_everywhere_are_held_with_their_neighbours() {
-        let domains = of_rank(1, &[10]);
-        assert_eq!(cells(domains.received_from(2, false)), [8, 9, 10, 11]);
+    fn members_of_a_region_hold_it_with_its_neighbours() {
+        let domains = of_rank(1, &[9]);
+        assert_eq!(domains.members, [[2]]);
+        assert_eq!(cells(domains.received_from(2, false)), [8]);
+        let domains = of_rank(1, &[8, 9]);
+        assert_eq!(domains.members, [[1, 2]]);
+        assert_eq!(cells(domains.received_from(2, false)), [8, 9, 10]);
         assert_eq!(cells(domains.sent_to(0, false)), [4]);
-        assert_eq!(cells(of_rank(0, &[10]).received_from(2, false)), [9, 10, 11]);
+        assert_eq!(cells(domains.sent_to(2, false)), [7]);
+        assert!(of_rank(0, &[8, 9]).received_from(2, false).is_empty());
+        // Those of the cells in reach of 5 that are not its own.
+        assert_eq!(cells(&domains.bordering), [5, 6]);
     }
 
     #[test]
     fn both_sides_name_the_same_cells() {
-        for everywhere in [vec![], vec![0, 6, 7]] {
+        for around in [vec![], vec![0, 6, 7], vec![1, 8]] {
             for from in 0..3 {
                 for to in (0..3).filter(|to| *to != from) {
                     for observed in [false, true] {
-                        let (sender, receiver) = (of_rank(from, &everywhere), of_rank(to, &everywhere));
+                        let (sender, receiver) = (of_rank(from, &around), of_rank(to, &around));
                         assert_eq!(sender.sent_to(to, observed), receiver.received_from(from, observed));
                     }
                 }

@@ -15,6 +15,7 @@
 //! - `bisection`: domains of equal cost
 //! - [`division`]: what each rank begins with
 //! - `domains`: the cells that each rank owns and holds
+//! - [`regions`]: regions that a rank holds whole or not at all
 //! - `rows`: the particles that enter and leave what a rank holds
 //! - `shared_blocks`: passes of which each rank runs the blocks of its cells
 //! - `shared_columns`: output columns in messages
@@ -28,6 +29,7 @@ mod balance;
 mod bisection;
 pub mod division;
 mod domains;
+pub mod regions;
 mod rows;
 mod shared_blocks;
 mod shared_columns;
@@ -57,7 +59,11 @@ use domains::Domains;
 
 /// Ranks that run a flow together; the default is one rank alone.
 #[derive(Clone, Debug, Default)]
-pub struct Ranks(Option<Arc<Group>>);
+pub struct Ranks {
+    group: Option<Arc<Group>>,
+    /// Region whose members share the work at points.
+    region: Option<usize>,
+}
 
 #[derive(Debug)]
 struct Group {
@@ -146,22 +152,23 @@ impl Ranks {
             messages: Messages { outgoing: buffers(), incoming: buffers(), ..Messages::default() },
             traffic: Traffic::default(),
         };
-        Self(Some(Arc::new(Group {
+        let group = Group {
             transport: Box::new(transport),
             has_walls: AtomicBool::new(false),
             has_thin_walls: AtomicBool::new(false),
             state: Mutex::new(state),
-        })))
+        };
+        Self { group: Some(Arc::new(group)), region: None }
     }
 
     /// Returns the number of this rank, from 0.
     pub fn rank(&self) -> usize {
-        self.0.as_ref().map_or(0, |group| group.transport.rank())
+        self.group.as_ref().map_or(0, |group| group.transport.rank())
     }
 
     /// Returns the number of ranks.
     pub fn size(&self) -> usize {
-        self.0.as_ref().map_or(1, |group| group.transport.size())
+        self.group.as_ref().map_or(1, |group| group.transport.size())
     }
 
     /// Returns what each rank has sent so far, in the order of the ranks; nothing for one rank
@@ -172,7 +179,7 @@ impl Ranks {
     /// # Panics
     /// If another rank has ended.
     pub fn traffic(&self) -> Vec<Traffic> {
-        let Some(group) = &self.0 else { return Vec::new() };
+        let Some(group) = &self.group else { return Vec::new() };
         let state = &mut *group.state();
         let own = state.traffic;
         group.gather(state, bytemuck::bytes_of(&own));
@@ -181,22 +188,22 @@ impl Ranks {
 
     /// Returns true if another rank has walls, whether this one has any or not.
     pub(super) fn have_walls(&self) -> bool {
-        self.0.as_ref().is_some_and(|group| group.has_walls.load(Ordering::Relaxed))
+        self.group.as_ref().is_some_and(|group| group.has_walls.load(Ordering::Relaxed))
     }
 
     /// Returns true if another rank has thin walls, whether this one has any or not.
     pub(super) fn have_thin_walls(&self) -> bool {
-        self.0.as_ref().is_some_and(|group| group.has_thin_walls.load(Ordering::Relaxed))
+        self.group.as_ref().is_some_and(|group| group.has_thin_walls.load(Ordering::Relaxed))
     }
 
     /// Returns the cells of this rank; all for one rank alone.
     pub fn own_cells(&self) -> OwnCells {
-        OwnCells(self.0.as_ref().and_then(|group| Some(Arc::clone(&group.state().domains.as_ref()?.own))))
+        OwnCells(self.group.as_ref().and_then(|group| Some(Arc::clone(&group.state().domains.as_ref()?.own))))
     }
 
     /// Returns the number of times that the cells of this rank changed.
     pub fn changes(&self) -> u64 {
-        self.0.as_ref().map_or(0, |group| group.state().changes)
+        self.group.as_ref().map_or(0, |group| group.state().changes)
     }
 
     /// Sends bytes of rank 0 to all ranks and returns them; `length` is their number on all ranks.
@@ -206,7 +213,7 @@ impl Ranks {
     /// # Panics
     /// If another rank has ended.
     pub fn from_first(&self, bytes: &[u8], length: usize) -> Vec<u8> {
-        let Some(group) = &self.0 else { return bytes.to_vec() };
+        let Some(group) = &self.group else { return bytes.to_vec() };
         let mut lengths = vec![0; group.transport.size()];
         lengths[0] = length;
         let own = if group.transport.rank() == 0 { bytes } else { &[] };
@@ -216,6 +223,41 @@ impl Ranks {
         all
     }
 
+    /// Returns the values of all ranks behind each other in their order; all ranks have as many.
+    ///
+    /// All ranks call it together.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn values_of_all<T: bytemuck::Pod>(&self, own: &[T]) -> Vec<T> {
+        let Some(group) = &self.group else { return own.to_vec() };
+        let state = &mut *group.state();
+        group.gather(state, bytemuck::cast_slice(own));
+        let values = state.messages.gathered.chunks_exact(size_of::<T>().max(1));
+        values.map(bytemuck::pod_read_unaligned).collect()
+    }
+
+    /// Returns the messages of all ranks behind each other in their order; `lengths` are the bytes of
+    /// each, the same on all ranks.
+    ///
+    /// All ranks call it together.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    pub fn messages_of_all(&self, own: &[u8], lengths: &[usize]) -> Vec<u8> {
+        let Some(group) = &self.group else { return own.to_vec() };
+        let state = &mut *group.state();
+        state.messages.lengths.clear();
+        state.messages.lengths.extend_from_slice(lengths);
+        group.gather_lengths(state, own);
+        state.messages.gathered.clone()
+    }
+
+    /// Returns true if this rank has the particles of all since the last sort.
+    pub fn has_all(&self) -> bool {
+        self.group.as_ref().is_none_or(|group| group.transport.rank() == 0 && group.state().is_whole)
+    }
+
     /// Joins a value of each rank in the order of the ranks; the result is that of all ranks.
     ///
     /// All ranks call it together.
@@ -223,7 +265,7 @@ impl Ranks {
     /// # Panics
     /// If another rank has ended.
     pub fn joined<T: bytemuck::Pod>(&self, own: T, join: impl Fn(T, T) -> T) -> T {
-        let Some(group) = &self.0 else { return own };
+        let Some(group) = &self.group else { return own };
         group.joined(&mut group.state(), own, join)
     }
 
@@ -234,7 +276,7 @@ impl Ranks {
     /// # Panics
     /// If another rank has ended.
     pub fn sum_exactly(&self, sums: &mut [ExactSum]) {
-        let Some(group) = self.0.as_ref().filter(|_| !sums.is_empty()) else { return };
+        let Some(group) = self.group.as_ref().filter(|_| !sums.is_empty()) else { return };
         let state = &mut *group.state();
         let mut own = vec![0; sums.len() * ExactSum::BYTES];
         for (sum, message) in sums.iter().zip(own.chunks_exact_mut(ExactSum::BYTES)) {
@@ -256,7 +298,7 @@ impl Ranks {
     /// # Panics
     /// If another rank has ended.
     pub fn to_first(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
-        let Some(group) = &self.0 else { return vec![own] };
+        let Some(group) = &self.group else { return vec![own] };
         let state = &mut *group.state();
         let is_first = group.transport.rank() == 0;
         let mut length = vec![0; group.transport.size()];
@@ -281,7 +323,7 @@ impl Ranks {
     /// for one rank alone.
     pub fn own_rows<const D: usize>(&self, grid: &CellGrid<D>) -> Vec<Range<usize>> {
         let rows = |cells: &Range<usize>| grid.rows_of_run(cells);
-        let own = self.0.as_ref().and_then(|group| {
+        let own = self.group.as_ref().and_then(|group| {
             let state = group.state();
             Some(state.domains.as_ref()?.owned[group.transport.rank()].iter().map(rows).collect())
         });
@@ -290,14 +332,14 @@ impl Ranks {
 
     /// Tells the other ranks that this one ends before its time.
     pub fn abandon(&self) {
-        if let Some(group) = &self.0 {
+        if let Some(group) = &self.group {
             group.transport.abandon();
         }
     }
 
     /// Begins a step: rank 0 need not keep the particles of all any more.
     pub fn begin_step(&self) {
-        if let Some(group) = &self.0 {
+        if let Some(group) = &self.group {
             let state = &mut *group.state();
             state.is_observed = false;
             state.is_change_due = state.balance.begin_step();

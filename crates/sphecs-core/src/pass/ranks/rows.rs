@@ -11,6 +11,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 
 use super::bisection::bisect;
 use super::domains::{Domains, RankSet};
+use super::regions::Region;
 use super::{Group, Ranks, State};
 use crate::math::grid::CellGrid;
 use crate::math::real::Real;
@@ -36,8 +37,7 @@ impl Ranks {
     /// Takes the particles that enter what this rank holds, so that the next sort by the grid
     /// finds all of them; the sort drops those that leave it.
     ///
-    /// All ranks hold the cells `everywhere` and what is in reach of them; these never change.
-    /// Returns false if a particle is outside the grid; then rank 0 has the particles of all.
+    /// The `regions` never change. Returns false if a particle is outside the grid; then rank 0 has the particles of all.
     ///
     /// All ranks call it together, with arrays in the order of the last sort.
     ///
@@ -47,14 +47,14 @@ impl Ranks {
         &self,
         grid: &mut CellGrid<D>,
         arrays: &mut ParticleArrays<R, D>,
-        everywhere: &[Range<usize>],
+        regions: &[Region],
     ) -> bool {
-        let Some(group) = &self.0 else { return true };
+        let Some(group) = &self.group else { return true };
         let state = &mut *group.state();
         if state.domains.is_none() {
-            group.make_domains(state, grid, everywhere);
+            group.make_domains(state, grid, regions);
         } else {
-            let before = state.is_change_due.then(|| group.change_domains(state, grid, everywhere));
+            let before = state.is_change_due.then(|| group.change_domains(state, grid, regions));
             state.is_change_due = false;
             if !group.send_newcomers(state, before.flatten().as_ref(), grid, arrays) {
                 return false;
@@ -71,7 +71,7 @@ impl Ranks {
 
     /// Counts the rows after the sort of a step.
     pub fn count_rows<const D: usize>(&self, grid: &CellGrid<D>) {
-        let Some(group) = &self.0 else { return };
+        let Some(group) = &self.group else { return };
         let state = &mut *group.state();
         // Rank 0 holds more than its domain needs when it reads the flow.
         let Some(domains) = state.domains.as_ref().filter(|_| !state.is_whole) else { return };
@@ -83,16 +83,11 @@ impl Ranks {
 
 impl Group {
     /// Makes the first domains from the division of the flow.
-    fn make_domains<const D: usize>(
-        &self,
-        state: &mut State,
-        grid: &CellGrid<D>,
-        everywhere: &[Range<usize>],
-    ) {
+    fn make_domains<const D: usize>(&self, state: &mut State, grid: &CellGrid<D>, regions: &[Region]) {
         let (rank, ranks) = (self.transport.rank(), self.transport.size());
         let owner = std::mem::take(&mut state.first_owners);
         assert_eq!(owner.len(), grid.len(), "a flow is divided before its first step");
-        state.domains = Some(Domains::new(grid, owner, (rank, ranks), everywhere));
+        state.domains = Some(Domains::new(grid, owner, (rank, ranks), regions));
         state.changes += 1;
     }
 
@@ -101,7 +96,7 @@ impl Group {
         &self,
         state: &mut State,
         grid: &CellGrid<D>,
-        everywhere: &[Range<usize>],
+        regions: &[Region],
     ) -> Option<Domains> {
         let domains = state.domains.take()?;
         let (rank, ranks) = (self.transport.rank(), self.transport.size());
@@ -126,7 +121,7 @@ impl Group {
         let cost_of_row = state.balance.take_costs(&rows);
         let costs: Vec<f64> = of_cell.into_iter().map(|(rows, rank)| rows * cost_of_row[rank]).collect();
         let owner = bisect(grid, &costs, ranks);
-        state.domains = Some(Domains::new(grid, owner, (rank, ranks), everywhere));
+        state.domains = Some(Domains::new(grid, owner, (rank, ranks), regions));
         state.changes += 1;
         Some(domains)
     }

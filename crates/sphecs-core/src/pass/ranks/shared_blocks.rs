@@ -27,7 +27,7 @@ impl Ranks {
         work: &(impl Fn(Range<usize>, &mut C) -> S + Sync),
         join: &(impl Fn(S, S) -> S + Sync),
     ) -> S {
-        let shared = self.0.as_ref().map(|group| (group, group.state()));
+        let shared = self.group.as_ref().map(|group| (group, group.state()));
         match shared.filter(|(_, state)| state.domains.is_some()) {
             None => {
                 let work = |cells: Range<usize>, mut columns: C| work(cells, &mut columns);

@@ -1,12 +1,12 @@
 //! Results at points that all ranks need, such as those of inlets and outlets.
 //!
-//! All ranks hold the particles around them. So each finds the results of a part of the points, and
-//! they send each other what they found.
+//! The members of a [region](super::regions) hold all particles around its points. So each finds
+//! the results of a part of the points, and they send each other what they found.
 
 use std::ops::Range;
 use std::time::Instant;
 
-use super::{Group, Ranks};
+use super::{Group, Messages, Ranks};
 
 /// Number of points below which a message takes longer than all of them.
 const LEAST: usize = 256;
@@ -24,46 +24,54 @@ pub(in crate::pass) trait PointResult: Send + Default {
 }
 
 impl Ranks {
-    /// Runs `work` over all points; each rank runs it over a part of them, and all have all results
-    /// in the end.
+    /// Runs `work` over all points; each member of the [region](Ranks::of_region) runs it over a
+    /// part of them, and all members have all results in the end.
     ///
-    /// All ranks call it together with the same points.
+    /// All members call it together with the same points.
     pub(in crate::pass) fn for_points<F: PointResult>(
         &self,
         found: &mut [F],
         work: &dyn Fn(Range<usize>, &mut [F]),
     ) {
-        let points = 0..found.len();
-        match &self.0 {
-            Some(group) if found.len() >= LEAST => group.for_points(found, work),
-            _ => work(points, found),
+        if let (Some(group), Some(region), true) = (&self.group, self.region, found.len() >= LEAST) {
+            group.for_points(region, found, work);
+        } else {
+            work(0..found.len(), found);
         }
     }
 }
 
 impl Group {
-    fn for_points<F: PointResult>(&self, found: &mut [F], work: &dyn Fn(Range<usize>, &mut [F])) {
+    fn for_points<F: PointResult>(
+        &self,
+        region: usize,
+        found: &mut [F],
+        work: &dyn Fn(Range<usize>, &mut [F]),
+    ) {
         let state = &mut *self.state();
-        let (rank, ranks, count) = (self.transport.rank(), self.transport.size(), found.len());
-        let part = |rank: usize| count * rank / ranks..count * (rank + 1) / ranks;
+        let count = found.len();
+        let members = state.domains.as_ref().map_or(Vec::new(), |domains| domains.members[region].clone());
+        let Some(place) = members.iter().position(|&member| member == self.transport.rank()) else { return };
+        let part = |place: usize| count * place / members.len()..count * (place + 1) / members.len();
         let started = Instant::now();
-        work(part(rank), &mut found[part(rank)]);
+        work(part(place), &mut found[part(place)]);
         let busy = started.elapsed().as_secs_f64();
         state.busy += busy;
         state.traffic.busy += busy;
-        let mut own = std::mem::take(&mut state.messages.outgoing[rank]);
-        own.clear();
-        let message = found[part(rank)].iter().map(F::to_message);
-        message.for_each(|message| own.extend_from_slice(bytemuck::bytes_of(&message)));
         let width = size_of::<F::Message>();
-        state.messages.lengths.clear();
-        state.messages.lengths.extend((0..ranks).map(|rank| part(rank).len() * width));
-        self.gather_lengths(state, &own);
-        for (found, message) in found.iter_mut().zip(state.messages.gathered.chunks_exact(width)) {
-            *found = F::from_message(bytemuck::pod_read_unaligned(message));
+        let Messages { outgoing, incoming, .. } = &mut state.messages;
+        outgoing.iter_mut().chain(incoming.iter_mut()).for_each(Vec::clear);
+        for (other, &member) in members.iter().enumerate().filter(|(other, _)| *other != place) {
+            let results = found[part(place)].iter().map(F::to_message);
+            results.for_each(|result| outgoing[member].extend_from_slice(bytemuck::bytes_of(&result)));
+            incoming[member].resize(part(other).len() * width, 0);
         }
-        // A rank sends nothing to itself.
-        own.clear();
-        state.messages.outgoing[rank] = own;
+        self.exchange(state);
+        for (other, &member) in members.iter().enumerate().filter(|(other, _)| *other != place) {
+            let results = state.messages.incoming[member].chunks_exact(width);
+            for (found, result) in found[part(other)].iter_mut().zip(results) {
+                *found = F::from_message(bytemuck::pod_read_unaligned(result));
+            }
+        }
     }
 }

@@ -1,9 +1,7 @@
 //! Particles that each of a number of ranks would own and hold.
 
-use std::ops::Range;
-
 use super::bisection::bisect;
-use super::domains::{held_with, set_of};
+use super::regions::{Region, held};
 use crate::math::grid::CellGrid;
 use crate::math::grid::cell_set::CellSet;
 
@@ -17,23 +15,22 @@ pub struct Share {
 }
 
 /// Returns the shares of ranks in particles at positions, m, of a number of ranks with domains of
-/// equal numbers of particles; all ranks hold the cells `everywhere` and what is in reach of them.
+/// equal numbers of particles.
 pub fn shares<const D: usize>(
     grid: &CellGrid<D>,
     positions: impl Iterator<Item = [f64; D]>,
-    everywhere: &[Range<usize>],
+    regions: &[Region],
     ranks: usize,
 ) -> Vec<Share> {
     let mut counts = vec![0_u32; grid.len()];
     positions.filter_map(|place| grid.cell_of(place)).for_each(|cell| counts[cell] += 1);
     let costs: Vec<f64> = counts.iter().map(|&count| f64::from(count)).collect();
     let owner = bisect(grid, &costs, ranks);
-    let everywhere = set_of(grid.len(), everywhere);
     let share = |rank: usize| {
         let is_own = |&cell: &usize| usize::from(owner[cell]) == rank;
         let mut own = CellSet::empty(grid.len());
         (0..grid.len()).filter(is_own).for_each(|cell| own.insert(cell));
-        let held = held_with(grid, &own, &everywhere);
+        let held = held(grid, &own, (rank, &owner, ranks), regions);
         let count = |set: &CellSet| {
             (0..grid.len()).filter(|&cell| set.contains(cell)).map(|cell| u64::from(counts[cell])).sum()
         };
@@ -45,7 +42,6 @@ pub fn shares<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::grid::cell_set::runs_of;
 
     #[test]
     fn shares_are_those_of_slices_with_their_neighbours() {
@@ -54,8 +50,8 @@ mod tests {
         let places = || (0..24).map(|at| [0.5 * f64::from(at) + 0.25, 0.5]);
         let share = |own: u64, held: u64| Share { own, held };
         assert_eq!(shares(&grid, places(), &[], 3), [share(8, 10), share(8, 12), share(8, 10)]);
-        let first = runs_of(0..12, |cell| cell == 0);
-        assert_eq!(shares(&grid, places(), &first, 3), [share(8, 10), share(8, 16), share(8, 14)]);
+        let region = Region { core: vec![4..5], cells: vec![3..6] };
+        assert_eq!(shares(&grid, places(), &[region], 3), [share(8, 14), share(8, 14), share(8, 10)]);
         assert_eq!(shares(&grid, places(), &[], 1), [share(24, 24)]);
     }
 }

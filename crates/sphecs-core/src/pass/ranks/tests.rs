@@ -1,11 +1,11 @@
 //! Every rank must have what one rank alone has, to the last bit.
 
-use std::ops::Range;
 use std::sync::{Arc, Barrier, Mutex};
 
 use glam::DVec3;
 
 use super::division::Division;
+use super::regions::Region;
 use super::*;
 use crate::math::kernel::Kernel;
 use crate::math::real::Real;
@@ -124,12 +124,12 @@ fn sort<R: Real, const D: usize>(
     ranks: &Ranks,
     grid: &mut CellGrid<D>,
     particles: &mut ParticleArrays<R, D>,
-    everywhere: &[Range<usize>],
+    regions: &[Region],
 ) {
     if ranks.changes() == 0 {
         ranks.divide(Division::new(grid, particles, ranks.size()));
     }
-    assert!(ranks.move_rows(grid, particles, everywhere));
+    assert!(ranks.move_rows(grid, particles, regions));
     let order = grid.build(&particles.position, &particles.id, |_| true).expect("all inside");
     particles.reorder(order, &mut SpareColumns::default());
     ranks.count_rows(grid);
@@ -160,7 +160,7 @@ fn held_particles_have_the_densities_of_one_rank() {
 
 /// Particles at random that move to and fro for some steps, with walls in a corner; returns the
 /// assembled ones of rank 0, or the numbers held by others.
-fn moved(ranks: &Ranks, everywhere: &[Range<usize>]) -> Vec<ParticleRow> {
+fn moved(ranks: &Ranks, regions: &[Region]) -> Vec<ParticleRow> {
     let mut grid = CellGrid::<2>::new([0.0; 2], [12.0, 8.0], [true, false], 1.0, 1.0);
     let mut particles = ParticleArrays::<f32, 2>::default();
     let mut random = 7_u64;
@@ -175,7 +175,7 @@ fn moved(ranks: &Ranks, everywhere: &[Range<usize>]) -> Vec<ParticleRow> {
         let velocity = DVec3::new(next() - 0.5, next() - 0.5, 0.0);
         particles.push(&ParticleRow { id, zone, position, velocity, wall_normal, ..ParticleRow::default() });
     }
-    sort(ranks, &mut grid, &mut particles, everywhere);
+    sort(ranks, &mut grid, &mut particles, regions);
     for step in 0..40 {
         for row in 0..particles.len() {
             let sign = if step % 9 < 5 { 1.0 } else { -1.0 };
@@ -187,7 +187,7 @@ fn moved(ranks: &Ranks, everywhere: &[Range<usize>]) -> Vec<ParticleRow> {
             particles.position[1][row] = y.clamp(0.0, 8.0);
         }
         ranks.begin_step();
-        sort(ranks, &mut grid, &mut particles, everywhere);
+        sort(ranks, &mut grid, &mut particles, regions);
         if step % 11 == 3 {
             ranks.assemble(&mut grid, &mut particles);
         }
@@ -200,17 +200,27 @@ fn moved(ranks: &Ranks, everywhere: &[Range<usize>]) -> Vec<ParticleRow> {
 fn moving_particles_are_found_by_those_that_hold_their_cells() {
     let grid = CellGrid::<2>::new([0.0; 2], [12.0, 8.0], [true, false], 1.0, 1.0);
     let of_one = moved(&Ranks::default(), &[]);
-    for everywhere in [vec![], vec![0..5, 90..96]] {
+    let around = Region::divide(&grid, &[1..2, 92..94], &[0..5, 90..96]);
+    assert_eq!(around.len(), 2);
+    for regions in [vec![], around] {
         for (size, every) in [(2, None), (3, Some(1)), (5, Some(7)), (8, Some(3))] {
-            let work = |ranks: Ranks| (moved(&ranks, &everywhere), ranks);
+            let work = |ranks: Ranks| (moved(&ranks, &regions), ranks);
             for (rank, (found, ranks)) in on_ranks_changing(size, every, work).into_iter().enumerate() {
                 if rank == 0 {
                     assert!(found == of_one, "{size} ranks, domains change every {every:?} steps");
                     continue;
                 }
                 assert_eq!(ranks.changes() > 1, every.is_some());
-                let held =
-                    ranks.0.as_ref().expect("ranks").state().domains.as_ref().expect("domains").held.clone();
+                let held = ranks
+                    .group
+                    .as_ref()
+                    .expect("ranks")
+                    .state()
+                    .domains
+                    .as_ref()
+                    .expect("domains")
+                    .held
+                    .clone();
                 let cell = |particle: &ParticleRow| {
                     let place = [particle.position.x, particle.position.y];
                     grid.cell_of(place).expect("inside")

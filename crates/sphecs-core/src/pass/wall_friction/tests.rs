@@ -103,7 +103,7 @@ fn expected<R: Real, const D: usize>(sample: &Sample<R, D>) -> Vec<[f64; D]> {
 fn check<R: Real, const D: usize>(kernel: Kernel, counts: [usize; D], tolerance: f64) {
     let pair = PairSettings {
         viscosity: VISCOSITY,
-        wall_parts: vec![wall_function(), WallPartSettings::default()],
+        wall_parts: [wall_function(), WallPartSettings::default()].into(),
         ..settings(kernel, D, 1.3)
     };
     let mut sample = over_a_wall::<R, D>(pair, counts, false, 0.3);
@@ -150,7 +150,7 @@ fn a_resolved_shear_has_its_own_stress_wherever_the_lattice_is_cut() {
     for offset in [0.5, 0.1, 0.93] {
         let pair = PairSettings {
             viscosity: VISCOSITY,
-            wall_parts: vec![wall_function()],
+            wall_parts: [wall_function()].into(),
             ..settings(Kernel::WendlandC2, 3, 1.5)
         };
         let counts = [12, 16, 12];
@@ -189,7 +189,7 @@ fn a_resolved_shear_has_its_own_stress_wherever_the_lattice_is_cut() {
 fn a_body_gains_the_momentum_that_the_fluid_loses() {
     let pair = PairSettings {
         viscosity: VISCOSITY,
-        wall_parts: vec![wall_function()],
+        wall_parts: [wall_function()].into(),
         ..settings(Kernel::WendlandC2, 3, 1.5)
     };
     let mut sample = over_a_wall::<f64, 3>(pair, [7, 12, 6], false, 0.5);

@@ -18,6 +18,7 @@ use glam::DVec3;
 use super::emitter_states::{Crossed, EmitterStates};
 use super::inflow_columns::InflowColumns;
 use super::movers::PresentPoses;
+use super::opening_regions::OpeningRegions;
 use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
@@ -118,7 +119,7 @@ fn pose_of<'a>(poses: &'a WallPoses, emitter: &Emitter) -> Option<&'a Pose> {
 pub(crate) fn apply_emitters<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
-    (rows, mut columns): (Res<PatchRows>, ResMut<InflowColumns>),
+    (openings, rows, mut columns): (Res<OpeningRegions>, Res<PatchRows>, ResMut<InflowColumns>),
     mut states: ResMut<EmitterStates>,
     mut buffers: Local<InflowBuffers<D>>,
     mut sums: ResMut<Sums<R, D>>,
@@ -128,7 +129,11 @@ pub(crate) fn apply_emitters<R: PairReal<D>, const D: usize>(
     states.find_places();
     for (index, emitter) in scene.emitters.iter().enumerate() {
         let source = scene.inlets.len() + index;
+        if !openings.has_source(source) {
+            continue;
+        }
         let rows = &rows.inflow[source];
+        let pair = pair.0.of_region(openings.of_source(source));
         let pose = pose_of(&poses.0, emitter);
         let motion = PresentEmitter { scene, emitter, pose, states: &states, time: clock.time };
         let mut zone = InflowZone {
@@ -139,7 +144,7 @@ pub(crate) fn apply_emitters<R: PairReal<D>, const D: usize>(
             sound_speed: scene.fluid.sound_speed,
             time_step: clock.time_step,
             is_first_step: clock.step == 0,
-            pair: &pair.0,
+            pair: &pair,
             grid: &grid.0,
             arrays: &mut arrays,
             sums: &mut sums.0,

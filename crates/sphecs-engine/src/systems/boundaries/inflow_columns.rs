@@ -53,6 +53,17 @@ impl InflowColumns {
         &mut self.0[inlet]
     }
 
+    /// Returns the numbers of a column, which other ranks need.
+    pub(crate) fn numbers(&self, inlet: usize) -> [f64; 2] {
+        let InflowColumn { stretch, next } = self.0.get(inlet).copied().unwrap_or_default();
+        [stretch, next]
+    }
+
+    /// Sets the numbers of a column to those of another rank.
+    pub(crate) fn set_numbers(&mut self, inlet: usize, [stretch, next]: [f64; 2]) {
+        *self.column(inlet) = InflowColumn { stretch, next };
+    }
+
     /// Returns the distance of two rows of the zone of an inlet, over that at the reference
     /// density.
     pub fn stretch(&self, inlet: usize) -> f64 {

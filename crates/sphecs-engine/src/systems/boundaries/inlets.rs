@@ -5,6 +5,7 @@ use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::inflow_columns::{InflowColumn, InflowColumns};
+use super::opening_regions::OpeningRegions;
 use super::patch_rows::PatchRows;
 use crate::arrays::Arrays;
 use crate::resources::clock::Clock;
@@ -73,13 +74,17 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
-    (rows, mut columns): (Res<PatchRows>, ResMut<InflowColumns>),
+    (openings, rows, mut columns): (Res<OpeningRegions>, Res<PatchRows>, ResMut<InflowColumns>),
     mut buffers: Local<InflowBuffers<D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let scene = &*scene.0;
     for (index, (inlet, rows)) in scene.inlets.iter().zip(&rows.inflow).enumerate() {
+        if !openings.has_source(index) {
+            continue;
+        }
+        let pair = pair.0.of_region(openings.of_source(index));
         let mut zone = InflowZone {
             rows,
             motion: &SceneMotion { scene, inlet, time: clock.time },
@@ -88,7 +93,7 @@ pub fn apply_inlets<R: PairReal<D>, const D: usize>(
             sound_speed: scene.fluid.sound_speed,
             time_step: clock.time_step,
             is_first_step: clock.step == 0,
-            pair: &pair.0,
+            pair: &pair,
             grid: &grid.0,
             arrays: &mut arrays,
             sums: &mut sums.0,

@@ -5,6 +5,8 @@
 //! - [`inflow_columns`]: compression of inflow zones
 //! - [`inlets`]: velocity, pressure and motion of inflow particles
 //! - [`movers`]: positions, velocities and normals of walls that move
+//! - [`opening_numbers`]: numbers of the openings that the conditions of others use
+//! - [`opening_regions`]: regions around the openings, of which a rank holds those that it touches
 //! - [`outlet_balance`]: balance of a body force at an outlet
 //! - [`outlet_diagnostics`]: signs that an outlet condition does not suit the flow
 //! - [`outlet_records`]: saved state of the outlets
@@ -25,6 +27,8 @@ pub mod emitters;
 pub mod inflow_columns;
 pub mod inlets;
 pub mod movers;
+pub mod opening_numbers;
+pub mod opening_regions;
 pub mod outlet_balance;
 pub mod outlet_diagnostics;
 pub mod outlet_records;

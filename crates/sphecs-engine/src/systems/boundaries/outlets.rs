@@ -11,6 +11,8 @@ use bevy_ecs::system::{Local, Res, ResMut};
 use bevy_ecs::world::World;
 use glam::DVec3;
 
+use super::opening_numbers::OpeningNumbers;
+use super::opening_regions::OpeningRegions;
 use super::outlet_balance::{OutletBalance, OutletForce, PlaneMotion, ReducedBuffers};
 use super::outlet_records::{restore_outlets, save_outlets};
 use super::outlet_registry::{AddedOutlets, OutletFaults};
@@ -32,6 +34,7 @@ use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{real_vector, set_real_vector};
 use sphecs_core::pass::fits::PointFlow;
 use sphecs_core::pass::pair_real::PairReal;
+use sphecs_core::pass::settings::PairSettings;
 use sphecs_scene::model::{Outlet, Scene};
 
 /// Outlets of a simulation.
@@ -41,6 +44,7 @@ pub struct Outlets<R: PairReal<D>, const D: usize> {
     pub all: Vec<RunningOutlet<R, D>>,
     needs: Vec<Needs>,
     inflow: PrescribedInflow,
+    numbers: OpeningNumbers,
     pub(super) through: ThroughFlow,
 }
 
@@ -185,7 +189,13 @@ pub fn insert_outlets<R: PairReal<D>, const D: usize>(
     let needs: Vec<Needs> = outlets.iter().map(|outlet| outlet.condition.needs()).collect();
     let inflow = PrescribedInflow::new(scene);
     let through = ThroughFlow::new(scene, &needs);
-    world.insert_resource(Outlets::<R, D> { all: outlets, needs, inflow, through });
+    world.insert_resource(Outlets::<R, D> {
+        all: outlets,
+        needs,
+        inflow,
+        numbers: OpeningNumbers::default(),
+        through,
+    });
     let mut saved = world.get_resource_or_init::<SavedResources>();
     saved.add_with::<Outlets<R, D>>("outlets", save_outlets::<R, D>, restore_outlets::<R, D>);
     Ok(())
@@ -242,10 +252,11 @@ struct OutletParts<'a, R: PairReal<D>, const D: usize> {
     acceleration: Option<f64>,
 }
 
-/// Calls a function with the parts and the zone of each outlet.
+/// Calls a function with the parts and the zone of each outlet of whose region this rank is a
+/// member.
 fn for_each_zone<R: PairReal<D>, const D: usize>(
-    (scene, clock, pair, grid): (&Scene, &Clock, &Pair, &Grid<D>),
-    rows: &PatchRows,
+    (scene, clock, pair, grid): (&Scene, &Clock, &PairSettings, &Grid<D>),
+    (openings, rows): (&OpeningRegions, &PatchRows),
     outlets: &mut Outlets<R, D>,
     (buffers, sums, arrays): (&mut ZoneBuffers<R, D>, &mut Sums<R, D>, &mut ParticleArrays<R, D>),
     mut work: impl FnMut(OutletParts<'_, R, D>, &mut OutflowZone<'_, R, D>),
@@ -254,6 +265,10 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
     let flow = flow_properties(scene, &is_in_domain);
     let area: f64 = scene.outlets.iter().map(|outlet| outlet.patch.area).sum();
     for (index, (outlet, running)) in scene.outlets.iter().zip(&mut outlets.all).enumerate() {
+        if !openings.has_outlet(index) {
+            continue;
+        }
+        let pair = pair.of_region(openings.of_outlet(index));
         let RunningOutlet { adjacent, speeds, balance, condition } = running;
         let mut zone = OutflowZone {
             flow,
@@ -267,11 +282,11 @@ fn for_each_zone<R: PairReal<D>, const D: usize>(
             given: outlet.given.as_ref().map_or(0.0, |given| given.at(clock.time)),
             rows: &rows.outflow[index],
             upstream: &rows.upstream[index],
-            inflow: &rows.inflow,
+            inflow_speed: outlets.numbers.inflow_speed(),
             adjacent: *adjacent,
             time_step: clock.time_step,
             is_first_step: clock.step == 0,
-            pair: &pair.0,
+            pair: &pair,
             grid: &grid.0,
             arrays: &mut *arrays,
             sums: &mut sums.0,
@@ -310,7 +325,7 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
-    rows: Res<PatchRows>,
+    (openings, rows): (Res<OpeningRegions>, Res<PatchRows>),
     (mut buffers, mut reduced): (Local<ZoneBuffers<R, D>>, Local<ReducedBuffers<R>>),
     mut outlets: ResMut<Outlets<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
@@ -318,11 +333,12 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
 ) {
     let scene = &*scene.0;
     outlets.inflow.find(scene, clock.time);
-    let Outlets { all, inflow, through, .. } = &mut *outlets;
+    let Outlets { all, needs, inflow, numbers, through } = &mut *outlets;
+    numbers.find((all, needs), (&openings, &rows), &arrays, &pair.0.ranks);
     through.find(
         (scene, clock.time, clock.time_step),
         inflow,
-        |outlet| all[outlet].condition.plane_pressure(),
+        |outlet| numbers.plane_pressure(outlet),
         (&grid.0, &arrays, &pair.0.ranks),
     );
     let work = |outlet: OutletParts<'_, R, D>, zone: &mut OutflowZone<'_, R, D>| {
@@ -340,7 +356,7 @@ pub fn apply_outlets<R: PairReal<D>, const D: usize>(
         }
     };
     let state = (&mut *buffers, &mut *sums, &mut **arrays);
-    for_each_zone((scene, &clock, &pair, &grid), &rows, &mut outlets, state, work);
+    for_each_zone((scene, &clock, &pair.0, &grid), (&openings, &rows), &mut outlets, state, work);
 }
 
 /// Finds rates and shifting vectors of outflow particles.
@@ -348,7 +364,7 @@ pub fn find_outlet_rates<R: PairReal<D>, const D: usize>(
     scene: Res<ActiveScene>,
     clock: Res<Clock>,
     (pair, grid): (Res<Pair>, Res<Grid<D>>),
-    rows: Res<PatchRows>,
+    (openings, rows): (Res<OpeningRegions>, Res<PatchRows>),
     mut buffers: Local<ZoneBuffers<R, D>>,
     mut outlets: ResMut<Outlets<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
@@ -370,5 +386,5 @@ pub fn find_outlet_rates<R: PairReal<D>, const D: usize>(
         }
     };
     let state = (&mut *buffers, &mut *sums, &mut **arrays);
-    for_each_zone((scene, &clock, &pair, &grid), &rows, &mut outlets, state, work);
+    for_each_zone((scene, &clock, &pair.0, &grid), (&openings, &rows), &mut outlets, state, work);
 }

@@ -16,8 +16,6 @@ use sphecs_scene::movers::Wall;
 /// Cells near a patch, with their rows, which are valid until the next sort.
 #[derive(Clone, Debug, Default)]
 pub struct PatchCells {
-    /// Runs of consecutive cells, found once: neither grid nor patches move.
-    cells: Option<Vec<Range<usize>>>,
     /// First row of each run.
     starts: Vec<usize>,
     /// Number of rows before each run, and of all rows at the end.
@@ -25,10 +23,8 @@ pub struct PatchCells {
 }
 
 impl PatchCells {
-    /// Finds the rows in arrays that are sorted by the grid. `needs` are the requirements of the
-    /// outlets' conditions.
-    pub fn find<const D: usize>(&mut self, scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) {
-        let cells = self.cells.get_or_insert_with(|| find_cells(scene, needs, grid));
+    /// Finds the rows of runs of cells in arrays that are sorted by the grid.
+    pub fn find<const D: usize>(&mut self, cells: &[Range<usize>], grid: &CellGrid<D>) {
         self.starts.clear();
         self.before.clear();
         self.before.push(0);
@@ -39,25 +35,6 @@ impl PatchCells {
             self.starts.push(start);
             self.before.push(total);
         }
-    }
-
-    /// Returns the cells of which every rank holds the rows: those near patches and those whose
-    /// rows a condition may read at the mirror images of its particles.
-    pub fn everywhere<const D: usize>(
-        scene: &Scene,
-        needs: &[Needs],
-        grid: &CellGrid<D>,
-    ) -> Vec<Range<usize>> {
-        let support = scene.discretisation.support;
-        let reach = |patch: &Patch, layers: f64| {
-            let reach = patch.depth + 2.0 * support + layers * scene.spacing;
-            (patch.clone(), -reach, reach)
-        };
-        let inlets = scene.inlets.iter().map(|inlet| reach(&inlet.patch, ADJACENT_LAYERS));
-        let outlets = scene.outlets.iter().zip(needs).map(|(outlet, needs)| {
-            reach(&outlet.patch, needs.upstream_layers.unwrap_or(0.0).max(ADJACENT_LAYERS))
-        });
-        cells_of(scene, &inlets.chain(outlets).collect::<Vec<_>>(), grid)
     }
 
     /// Returns the number of rows.
@@ -89,7 +66,11 @@ fn ball(emitter: &Emitter) -> (DVec3, f64) {
 /// Finds the runs of consecutive cells that may hold particles of a zone, particles that cross a
 /// plane before the next sort, or particles that an outlet follows. Each patch has a slab along its
 /// plane over the whole domain, since particles of a zone may drift sideways.
-fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>) -> Vec<Range<usize>> {
+pub(super) fn cells_near_openings<const D: usize>(
+    scene: &Scene,
+    needs: &[Needs],
+    grid: &CellGrid<D>,
+) -> Vec<Range<usize>> {
     let support = scene.discretisation.support;
     // No particle moves as far as the support in a step.
     let slab = |patch: &Patch, before: f64, behind: f64| (patch.clone(), -before - support, behind + support);
@@ -97,6 +78,25 @@ fn find_cells<const D: usize>(scene: &Scene, needs: &[Needs], grid: &CellGrid<D>
     let outlets = scene.outlets.iter().zip(needs).map(|(outlet, needs)| {
         let reach = support + needs.upstream_layers.unwrap_or(0.0).max(ADJACENT_LAYERS) * scene.spacing;
         slab(&outlet.patch, reach, outlet.patch.depth)
+    });
+    cells_of(scene, &inlets.chain(outlets).collect::<Vec<_>>(), grid)
+}
+
+/// Returns the cells of which the members of a region hold the rows: those near openings and those
+/// whose rows a condition may read at the mirror images of its particles.
+pub(super) fn cells_of_members<const D: usize>(
+    scene: &Scene,
+    needs: &[Needs],
+    grid: &CellGrid<D>,
+) -> Vec<Range<usize>> {
+    let support = scene.discretisation.support;
+    let reach = |patch: &Patch, layers: f64| {
+        let reach = patch.depth + 2.0 * support + layers * scene.spacing;
+        (patch.clone(), -reach, reach)
+    };
+    let inlets = scene.inlets.iter().map(|inlet| reach(&inlet.patch, ADJACENT_LAYERS));
+    let outlets = scene.outlets.iter().zip(needs).map(|(outlet, needs)| {
+        reach(&outlet.patch, needs.upstream_layers.unwrap_or(0.0).max(ADJACENT_LAYERS))
     });
     cells_of(scene, &inlets.chain(outlets).collect::<Vec<_>>(), grid)
 }
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn parts_together_are_all_rows_in_order() {
-        let near = PatchCells { cells: None, starts: vec![3, 10, 10, 20], before: vec![0, 4, 4, 7, 9] };
+        let near = PatchCells { starts: vec![3, 10, 10, 20], before: vec![0, 4, 4, 7, 9] };
         let all = [3, 4, 5, 6, 10, 11, 12, 20, 21];
         assert_eq!(near.count(), all.len());
         for cut in 0..=all.len() {

@@ -28,12 +28,9 @@ pub struct PatchRows {
     pub before_outlet: Vec<Vec<u32>>,
     /// Fluid rows upstream of each outlet that its condition uses; empty if it uses none.
     pub upstream: Vec<Vec<u32>>,
-    /// Rows of the cells near inlets and outlets. They contain the rows above and all rows that
-    /// cross a plane.
+    /// Rows of the cells near inlets and outlets, of which this rank has the particles. They contain
+    /// the rows above and all rows that cross a plane.
     pub near: PatchCells,
-    /// Cells of which every rank holds the rows, found once; None before that, and on one rank
-    /// alone.
-    everywhere: Option<Vec<Range<usize>>>,
     /// Lists of each part of the rows, kept so that collecting allocates nothing.
     parts: Vec<PatchRows>,
 }
@@ -47,16 +44,6 @@ impl PatchRows {
     ) -> impl Iterator<Item = DVec3> {
         let rows = self.inflow[usize::from(inlet)].iter().map(|&row| row as usize);
         rows.filter(|&row| arrays.zone[row] == Zone::Inflow).map(|row| arrays.position_of(row))
-    }
-
-    /// Returns the cells of which every rank holds the rows.
-    pub fn everywhere<const D: usize>(
-        &mut self,
-        scene: &Scene,
-        needs: &[Needs],
-        grid: &CellGrid<D>,
-    ) -> &[Range<usize>] {
-        self.everywhere.get_or_insert_with(|| PatchCells::everywhere(scene, needs, grid))
     }
 
     /// Empties the lists of every patch of a scene.
@@ -73,20 +60,20 @@ impl PatchRows {
         self.inflow.iter_mut().chain(outlets)
     }
 
-    /// Collects the rows, in their order, of arrays that are sorted by the grid. `needs` are the
-    /// requirements of the outlets' conditions.
+    /// Collects the rows, in their order, of arrays that are sorted by the grid, from the cells `near`
+    /// openings. `needs` are the requirements of the outlets' conditions.
     pub fn collect<R: PairReal<D>, const D: usize>(
         &mut self,
         scene: &Scene,
         needs: &[Needs],
-        grid: &CellGrid<D>,
+        (grid, near): (&CellGrid<D>, &[Range<usize>]),
         arrays: &ParticleArrays<R, D>,
     ) {
         self.clear(scene);
         if scene.source_count() == 0 && scene.outlets.is_empty() {
             return;
         }
-        self.near.find(scene, needs, grid);
+        self.near.find(near, grid);
         let (near, mut parts) = (&self.near, std::mem::take(&mut self.parts));
         // Parts are joined in their order, so that the lists do not depend on the number of
         // threads.

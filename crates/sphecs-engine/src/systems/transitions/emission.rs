@@ -6,10 +6,10 @@
 use bevy_ecs::change_detection::Mut;
 use bevy_ecs::world::World;
 
+use super::crossing::{Change, Crossing, set_zone};
 use super::injection::{Injection, place};
-use super::{Change, change_role, count_crossing, set_zone};
+use super::record;
 use crate::resources::clock::Clock;
-use crate::resources::ledger::Ledger;
 use crate::systems::boundaries::emitter_states::{Crossed, EmitterStates};
 use crate::systems::boundaries::emitters::place_in_column;
 use crate::systems::boundaries::inflow_columns::InflowColumns;
@@ -33,11 +33,12 @@ pub(super) fn emit<R: PairReal<D>, const D: usize>(
         let crossed = states.crossed(scene);
         for &crossed in &crossed {
             let patch = (scene.inlets.len() + crossed.emitter) as u16;
-            let Some(row) = row_of(world, arrays, crossed, patch) else { continue };
-            let change = Change { row, zone: Zone::Fluid, patch };
-            count_crossing(&mut world.resource_mut::<Ledger>(), Zone::Inflow, &change);
-            set_zone(arrays, &change);
-            change_role(world, crossed.id, (Zone::Inflow, patch), &change);
+            // Of several ranks, those that are not near the emitter have no row.
+            if let Some(row) = row_of(world, arrays, crossed, patch) {
+                set_zone(arrays, &Change { row, zone: Zone::Fluid, patch });
+            }
+            let zones = Crossing { from: Zone::Inflow, zone: Zone::Fluid, ..Crossing::default() };
+            record(world, scene, &Crossing { id: crossed.id, opening: patch, patch, ..zones });
             let stretch = world.resource::<InflowColumns>().stretch(usize::from(patch));
             let depth = states.advance(scene, crossed, stretch);
             let (poses, time) = (&world.resource::<PresentPoses>().0, world.resource::<Clock>().time);

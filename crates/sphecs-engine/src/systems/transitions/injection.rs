@@ -8,23 +8,17 @@ use super::reservoir::take_particle;
 use crate::components::{Inflow, Outflow, Position, Reservoir, Tracer, Velocity};
 use crate::resources::clock::Clock;
 use crate::resources::entity_index::EntityIndex;
-use crate::resources::grid::Grid;
 use crate::resources::inflow_particles::InflowParticles;
-use crate::resources::ledger::{InflowCapacity, Ledger};
+use crate::resources::ledger::Ledger;
 use crate::resources::particle_details::ParticleDetails;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::ParticleRow;
 use sphecs_core::particles::zone::Zone;
-use sphecs_core::pass::neighbours::Neighbours;
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_scene::model::Scene;
 
-/// Smallest distance, over the spacing, from an injected particle to the others: closer pairs would
-/// clump.
-const MIN_DISTANCE: f64 = 0.5;
-
 /// Injection of a particle.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Injection {
     /// Position, m.
@@ -40,21 +34,6 @@ pub(crate) struct Injection {
     /// True if the particle that crossed had returned from the fluid, so that one may have been
     /// injected here before.
     pub returned: bool,
-}
-
-/// Injects a particle if its position is free and the reservoir has a particle; returns false if
-/// the position is not free.
-pub(super) fn inject<R: PairReal<D>, const D: usize>(
-    world: &mut World,
-    scene: &Scene,
-    arrays: &mut ParticleArrays<R, D>,
-    injection: &Injection,
-) -> bool {
-    if injection.returned && !is_possible(world, scene, arrays, injection) {
-        return false;
-    }
-    place(world, scene, arrays, injection);
-    true
 }
 
 /// Injects a particle if the reservoir has one, and returns its number.
@@ -109,44 +88,4 @@ pub(super) fn place<R: PairReal<D>, const D: usize>(
         entity.insert(Outflow { outlet: patch });
     }
     Some(id)
-}
-
-/// Returns true if the position of an injection is free and, at an inlet, the zone has lost
-/// particles.
-fn is_possible<R: PairReal<D>, const D: usize>(
-    world: &World,
-    scene: &Scene,
-    arrays: &ParticleArrays<R, D>,
-    injection: &Injection,
-) -> bool {
-    if injection.zone == Zone::Inflow && is_full(world, injection.patch) {
-        return false;
-    }
-    is_free(world, arrays, injection.place, MIN_DISTANCE * scene.spacing)
-}
-
-/// Returns true if no particle is within `distance`, m, of a position.
-pub(super) fn is_free<R: PairReal<D>, const D: usize>(
-    world: &World,
-    arrays: &ParticleArrays<R, D>,
-    place: DVec3,
-    distance: f64,
-) -> bool {
-    // Rows from here on were added after the last sort.
-    let sorted = world.resource::<Grid<D>>().0.starts().last().map_or(0, |&end| end as usize);
-    let mut free = true;
-    // Since the sort, positions changed by less than the difference of the support and `distance`.
-    let neighbours = Neighbours::new(&world.resource::<Grid<D>>().0, arrays);
-    neighbours.for_each(std::array::from_fn(|axis| place[axis]), |row, _, r_squared| {
-        free &= arrays.zone[row] == Zone::Reservoir || r_squared > distance * distance;
-    });
-    free && (sorted..arrays.len())
-        .all(|row| arrays.position_of(row).distance_squared(place) > distance * distance)
-}
-
-/// Returns true if an inflow zone has all its particles, not counting those that returned from the
-/// fluid.
-fn is_full(world: &World, inlet: u16) -> bool {
-    world.resource::<InflowParticles>().others(inlet)
-        >= world.resource::<InflowCapacity>().0[usize::from(inlet)]
 }

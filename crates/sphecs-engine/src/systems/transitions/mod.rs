@@ -1,7 +1,10 @@
 //! Changes of zone; no other system changes the role of a particle.
 //!
+//! - `crossing`: particles that cross a plane
 //! - `emission`: particles that cross the surfaces of emitters
+//! - `exchange`: crossings and outcomes that several ranks tell each other
 //! - `injection`: injection of a particle into a zone
+//! - `outcome`: what becomes of the injections of a step
 //! - `refill`: injections that wait for a free position
 //! - `reservoir`: storage and creation of particles
 //!
@@ -23,19 +26,22 @@
 //! injection waits until its position is free. An oblique inlet keeps its lines of particles
 //! as long as its zone. An inlet that is filled once injects nothing, and the run stops when it is
 //! drained.
+//!
+//! Of several ranks, the members of a region find what happens at its openings. All ranks count it,
+//! in the order of one rank: numbers of particles and the reservoir are the same on all of them.
 
+mod crossing;
 mod emission;
+mod exchange;
 pub(crate) mod injection;
+mod outcome;
 pub(crate) mod refill;
 pub(crate) mod reservoir;
 
 use bevy_ecs::change_detection::Mut;
 use bevy_ecs::resource::Resource;
 use bevy_ecs::world::World;
-use glam::DVec3;
 
-use super::boundaries::inflow_columns::InflowColumns;
-use super::boundaries::patch_rows::PatchRows;
 use super::divergence::Failure;
 use crate::arrays::Arrays;
 use crate::components::{Fluid, Inflow, Outflow};
@@ -43,33 +49,25 @@ use crate::resources::entity_index::EntityIndex;
 use crate::resources::inflow_particles::InflowParticles;
 use crate::resources::ledger::Ledger;
 use crate::resources::scene::ActiveScene;
+use crossing::{Change, Crossing, find_crossings};
 use emission::emit;
-use injection::{Injection, inject};
-use refill::{defer, refill};
+use exchange::share_crossings;
+use injection::Injection;
+use outcome::{Outcomes, inject};
 use reservoir::store;
-use sphecs_core::boundary::inlet::Feed;
-use sphecs_core::boundary::inlet::injection::{InflowLine, is_drained};
-use sphecs_core::particles::arrays::ParticleArrays;
-use sphecs_core::particles::rows::set_real_vector;
 use sphecs_core::particles::zone::Zone;
-use sphecs_core::pass::blocks::{GROUP, for_each_part, with_lists};
+use sphecs_core::pass::blocks::{GROUP, for_each_part};
 use sphecs_core::pass::pair_real::PairReal;
-use sphecs_scene::model::{Inlet, Patch, Scene};
-
-/// Change of zone that a row has to make.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Change {
-    row: usize,
-    zone: Zone,
-    patch: u16,
-}
+use sphecs_scene::model::Scene;
 
 /// Lists of a transition, reused from step to step.
 #[derive(Resource, Debug, Default)]
 pub struct TransitionLists {
     /// Changes of each part of the rows.
     changes: Vec<Vec<Change>>,
+    crossings: Vec<Crossing>,
     injections: Vec<Injection>,
+    outcomes: Outcomes,
 }
 
 /// Finds the rows that crossed a plane, and changes their roles in components and arrays.
@@ -81,21 +79,13 @@ pub(crate) fn transition<R: PairReal<D>, const D: usize>(world: &mut World) {
     }
     world.resource_scope(|world, mut arrays: Mut<Arrays<R, D>>| {
         world.resource_scope(|world, mut lists: Mut<TransitionLists>| {
-            let TransitionLists { changes, injections } = &mut *lists;
-            let near = &world.resource::<PatchRows>().near;
-            let columns = world.resource::<InflowColumns>();
-            let changes = with_lists(near.count(), changes, &|among, due| {
-                find_due((&scene, columns), &arrays, near.rows(among), due);
-            });
-            for change in changes.iter().flatten() {
-                apply(world, &scene, &mut arrays, change, injections);
+            let TransitionLists { changes, crossings, injections, outcomes } = &mut *lists;
+            find_crossings(world, &scene, &mut arrays, changes, (crossings, injections));
+            share_crossings::<R, D>(world, &scene, (crossings, injections));
+            for crossing in &*crossings {
+                record(world, &scene, crossing);
             }
-            for injection in injections.drain(..) {
-                if !inject(world, &scene, &mut arrays, &injection) {
-                    defer::<R, D>(world, injection);
-                }
-            }
-            refill(world, &scene, &mut arrays);
+            inject(world, &scene, &mut arrays, injections, outcomes);
             emit(world, &scene, &mut arrays);
         });
     });
@@ -127,114 +117,25 @@ fn wrap_periodic<R: PairReal<D>, const D: usize>(world: &mut World, scene: &Scen
     }
 }
 
-/// Returns true if a point at the distance `beyond`, m, behind the plane of a patch is in its zone
-/// or in front of it.
-fn is_through(patch: &Patch, point: DVec3, spacing: f64, beyond: f64) -> bool {
-    beyond < patch.depth && patch.covers(point, spacing)
-}
-
-/// Lists the rows that have to change zone, in their order.
-fn find_due<R: PairReal<D>, const D: usize>(
-    (scene, columns): (&Scene, &InflowColumns),
-    arrays: &ParticleArrays<R, D>,
-    rows: impl Iterator<Item = usize>,
-    due: &mut Vec<Change>,
-) {
-    due.clear();
-    for row in rows {
-        if let Some((zone, patch)) = due_change((scene, columns), arrays, row) {
-            due.push(Change { row, zone, patch });
-        }
+/// Changes the zone of a particle in the particle counts and the components.
+fn record(world: &mut World, scene: &Scene, crossing: &Crossing) {
+    count_crossing(&mut world.resource_mut::<Ledger>(), crossing);
+    if crossing.drains {
+        world.resource_mut::<Failure>().drained = Some(crossing.patch);
     }
-}
-
-/// Returns the zone and the patch that a row has to change to.
-#[inline]
-fn due_change<R: PairReal<D>, const D: usize>(
-    (scene, columns): (&Scene, &InflowColumns),
-    arrays: &ParticleArrays<R, D>,
-    row: usize,
-) -> Option<(Zone, u16)> {
-    let patch = arrays.patch[row];
-    let point = arrays.position_of(row);
-    match arrays.zone[row] {
-        Zone::Wall | Zone::Reservoir => None,
-        Zone::Fluid => {
-            let back = scene.inlets.iter().position(|inlet| {
-                let along = inlet.patch.along(point);
-                along < 0.0 && is_through(&inlet.patch, point, scene.spacing, -along)
-            });
-            let out = scene.outlets.iter().position(|outlet| {
-                let along = outlet.patch.along(point);
-                along >= 0.0 && is_through(&outlet.patch, point, scene.spacing, along)
-            });
-            match (back, out) {
-                (Some(inlet), _) => Some((Zone::Inflow, inlet as u16)),
-                (_, Some(outlet)) => Some((Zone::Outflow, outlet as u16)),
-                _ => None,
-            }
-        }
-        Zone::Inflow => {
-            // Those of an emitter cross in the order of their columns: see `emission`.
-            let inlet = &scene.inlets.get(usize::from(patch))?.patch;
-            let along = inlet.along(point);
-            if along >= 0.0 {
-                Some((Zone::Fluid, patch))
-            } else if along < -columns.stretch(usize::from(patch)) * inlet.depth {
-                Some((Zone::Reservoir, patch))
-            } else {
-                None
-            }
-        }
-        Zone::Outflow => {
-            let outlet = &scene.outlets[usize::from(patch)].patch;
-            let along = outlet.along(point);
-            if along < 0.0 {
-                Some((Zone::Fluid, patch))
-            } else if along > outlet.depth {
-                Some((Zone::Reservoir, patch))
-            } else {
-                None
-            }
-        }
-    }
-}
-
-/// Changes the zone of a row in the particle counts, the arrays and the components.
-fn apply<R: PairReal<D>, const D: usize>(
-    world: &mut World,
-    scene: &Scene,
-    arrays: &mut ParticleArrays<R, D>,
-    change: &Change,
-    injections: &mut Vec<Injection>,
-) {
-    let row = change.row;
-    let (from, id) = (arrays.zone[row], arrays.id[row]);
-    let point = arrays.position_of(row);
-    count_crossing(&mut world.resource_mut::<Ledger>(), from, change);
-    match (from, change.zone) {
-        (Zone::Inflow, Zone::Fluid) => {
-            let returned = world.resource::<InflowParticles>().has_returned(id);
-            follow_inflow(world, scene, arrays, change, returned, injections);
-        }
-        (Zone::Outflow, Zone::Fluid) => injections.push(follow_backflow(scene, arrays, change)),
-        _ => {}
-    }
-    let patch = arrays.patch[row];
-    set_zone(arrays, change);
-    change_role(world, id, (from, patch), change);
-    if matches!(change.zone, Zone::Wall | Zone::Reservoir) {
-        set_real_vector(&mut arrays.velocity, row, DVec3::ZERO);
-        store(world, scene, id, point);
+    change_role(world, crossing);
+    if matches!(crossing.zone, Zone::Wall | Zone::Reservoir) {
+        store(world, scene, crossing.id, crossing.point);
     }
 }
 
 /// Counts a change of zone.
-fn count_crossing(ledger: &mut Ledger, from: Zone, change: &Change) {
+fn count_crossing(ledger: &mut Ledger, crossing: &Crossing) {
+    let Crossing { from, zone, .. } = *crossing;
     ledger.by_zone[from as usize] -= 1;
-    ledger.by_zone[change.zone as usize] += 1;
-    let patch = usize::from(change.patch);
-    match (from, change.zone) {
+    ledger.by_zone[zone as usize] += 1;
+    let patch = usize::from(crossing.patch);
+    match (from, zone) {
         (Zone::Inflow, Zone::Fluid) => ledger.entered[patch] += 1,
         (Zone::Outflow, Zone::Fluid) => ledger.left_back[patch] += 1,
         (_, Zone::Inflow) => ledger.entered_back[patch] += 1,
@@ -243,93 +144,14 @@ fn count_crossing(ledger: &mut Ledger, from: Zone, change: &Change) {
     }
 }
 
-/// Lists the injections upstream of an inlet after one of its particles entered the fluid.
-///
-/// At an inlet that is filled once, records instead whether it is drained.
-fn follow_inflow<R: PairReal<D>, const D: usize>(
-    world: &mut World,
-    scene: &Scene,
-    arrays: &mut ParticleArrays<R, D>,
-    change: &Change,
-    returned: bool,
-    injections: &mut Vec<Injection>,
-) {
-    let patch = change.patch;
-    let point = arrays.position_of(change.row);
-    let Inlet { patch: inlet, feed, .. } = &scene.inlets[usize::from(patch)];
-    if *feed == Feed::Once {
-        let places = world.resource::<PatchRows>().inflow_positions(arrays, patch);
-        let lengths = (scene.spacing, scene.discretisation.support);
-        if is_drained(inlet, lengths, point, places.filter(|at| *at != point)) {
-            world.resource_mut::<Failure>().drained = Some(patch);
-        }
-        return;
-    }
-    let velocity = arrays.velocity_of(change.row);
-    let stretch = world.resource::<InflowColumns>().stretch(usize::from(patch));
-    let injection = |place: DVec3, returned: bool| Injection {
-        place,
-        zone: Zone::Inflow,
-        patch,
-        velocity,
-        pressure: 0.0,
-        returned,
-    };
-    if scene.layout.fill.is_oblique(inlet.towards) {
-        // The particle that crossed no longer counts in its line.
-        arrays.zone[change.row] = Zone::Fluid;
-        let line = InflowLine::of(inlet, point, scene.spacing);
-        let last = last_upstream(world, arrays, injections, patch, |at| {
-            line.holds(inlet, at).then(|| inlet.along(at))
-        });
-        let last = last.unwrap_or(inlet.along(point));
-        injections.extend(line.vacancies(inlet, last, stretch).map(|place| injection(place, false)));
-    } else {
-        injections.push(injection(point - inlet.towards * (stretch * inlet.depth), returned));
-    }
-}
-
-/// Returns the injection at the downstream end of an outflow zone after one of its particles
-/// entered the fluid. Under `Wcsph` the length of the zone belongs to its density.
-fn follow_backflow<R: PairReal<D>, const D: usize>(
-    scene: &Scene,
-    arrays: &ParticleArrays<R, D>,
-    change: &Change,
-) -> Injection {
-    let outlet = &scene.outlets[usize::from(change.patch)].patch;
-    let stretch = match scene.scheme.wcsph() {
-        Some(_) => scene.fluid.density / arrays.density[change.row].to_f64(),
-        None => 1.0,
-    };
-    Injection {
-        place: arrays.position_of(change.row) + outlet.towards * (stretch * outlet.depth),
-        zone: Zone::Outflow,
-        patch: change.patch,
-        velocity: arrays.velocity_of(change.row),
-        pressure: arrays.pressure[change.row].to_f64(),
-        returned: true,
-    }
-}
-
-/// Changes the zone of a row in the arrays.
-fn set_zone<R: PairReal<D>, const D: usize>(arrays: &mut ParticleArrays<R, D>, change: &Change) {
-    let row = change.row;
-    arrays.zone[row] = change.zone;
-    arrays.patch[row] = if change.zone == Zone::Fluid { 0 } else { change.patch };
-    arrays.needs_restart[row] = true;
-    if change.zone == Zone::Fluid {
-        arrays.wall_distance[row] = R::from_f64(f64::INFINITY);
-    }
-}
-
-/// Changes the role of a particle, which it had with an opening, in its components, except for the
-/// role of a stored particle.
-fn change_role(world: &mut World, id: u32, (from, opening): (Zone, u16), change: &Change) {
+/// Changes the role of a particle in its components, except for the role of a stored particle.
+fn change_role(world: &mut World, crossing: &Crossing) {
+    let Crossing { id, from, opening, zone, patch, .. } = *crossing;
     let mut inflow = world.resource_mut::<InflowParticles>();
     if from == Zone::Inflow {
         inflow.remove(id, opening);
     }
-    if change.zone == Zone::Inflow {
+    if zone == Zone::Inflow {
         inflow.add_returned(id);
     }
     let Some(entity) = world.resource::<EntityIndex>().get(id) else { return };
@@ -340,24 +162,10 @@ fn change_role(world: &mut World, id: u32, (from, opening): (Zone, u16), change:
         Zone::Outflow => entity.remove::<Outflow>(),
         Zone::Wall | Zone::Reservoir => &mut entity,
     };
-    match change.zone {
+    match zone {
         Zone::Fluid => entity.insert(Fluid),
-        Zone::Inflow => entity.insert(Inflow { inlet: change.patch }),
-        Zone::Outflow => entity.insert(Outflow { outlet: change.patch }),
+        Zone::Inflow => entity.insert(Inflow { inlet: patch }),
+        Zone::Outflow => entity.insert(Outflow { outlet: patch }),
         Zone::Wall | Zone::Reservoir => &mut entity,
     };
-}
-
-/// Returns the smallest `along` of the inflow particles of an inlet, pending injections included.
-fn last_upstream<R: PairReal<D>, const D: usize>(
-    world: &World,
-    arrays: &ParticleArrays<R, D>,
-    injections: &[Injection],
-    inlet: u16,
-    along: impl Fn(DVec3) -> Option<f64>,
-) -> Option<f64> {
-    let pending = injections.iter().filter(|entry| entry.zone == Zone::Inflow && entry.patch == inlet);
-    let places =
-        world.resource::<PatchRows>().inflow_positions(arrays, inlet).chain(pending.map(|entry| entry.place));
-    places.filter_map(along).min_by(f64::total_cmp)
 }

@@ -1,5 +1,7 @@
 //! Rates by the formulas, neighbour by neighbour in plain scalars, and the pass compared with them.
 
+use std::sync::Arc;
+
 use super::super::RatesSummary;
 use super::viscous;
 use crate::math::kernel::Kernel;
@@ -252,7 +254,7 @@ fn rates_are_the_published_sums() {
         let free_slip = WallPartSettings { free_slip: true, ..Default::default() };
         check(
             PairSettings {
-                wall_parts: vec![WallPartSettings::default(), free_slip],
+                wall_parts: [WallPartSettings::default(), free_slip].into(),
                 wall_model: WallModel::Image { velocity_cap: None, pressure: WallPressure::Mirrored },
                 body_force: [0.5, -9.81, 0.0],
                 ..viscous(kernel, 2, 1.3)
@@ -262,7 +264,7 @@ fn rates_are_the_published_sums() {
         for wall_model in [WallModel::Dummy, WallModel::Ghost] {
             let body_force = [0.5, -9.81, 0.0];
             let plain = PairSettings { wall_model, body_force, ..viscous(kernel, 2, 1.3) };
-            let slippery = vec![WallPartSettings::default(), free_slip];
+            let slippery: Arc<[_]> = [WallPartSettings::default(), free_slip].into();
             check(plain.clone(), [13, 9]);
             check(PairSettings { wall_parts: slippery.clone(), ..plain.clone() }, [12, 9]);
             check(PairSettings { wall_parts: slippery, ..in_space(&plain) }, [7, 8, 5]);
