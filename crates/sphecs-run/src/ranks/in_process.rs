@@ -1,8 +1,9 @@
 //! Ranks that are threads of this process.
 
 use std::collections::VecDeque;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use rayon::ThreadPoolBuildError;
 
@@ -63,15 +64,37 @@ impl Followers {
     }
 }
 
+/// Time for which a rank looks for a message again and again before it sleeps: to be woken takes as
+/// long.
+const LOOKS_FOR: Duration = Duration::from_micros(100);
+
 /// Place where the ranks of a process leave their messages for each other.
 #[derive(Debug)]
 struct Table {
-    messages: Vec<Mutex<Vec<u8>>>,
+    /// Messages of each rank for all, of this meeting and the one before.
+    messages: Vec<[Mutex<Vec<u8>>; 2]>,
     meeting: Mutex<Meeting>,
     changed: Condvar,
+    /// Number of meetings that were complete.
+    round: AtomicU64,
     inboxes: Vec<Inbox>,
     /// True once a rank has ended before its time.
     is_abandoned: AtomicBool,
+}
+
+/// Returns true once something is the case, and false after some time in which it is not.
+fn look_for(is_there: impl Fn() -> bool) -> bool {
+    let started = Instant::now();
+    loop {
+        if is_there() {
+            return true;
+        }
+        if started.elapsed() > LOOKS_FOR {
+            return false;
+        }
+        // Other ranks may have to share the core.
+        std::thread::yield_now();
+    }
 }
 
 /// Messages for a rank.
@@ -86,16 +109,15 @@ struct Inbox {
 #[derive(Debug, Default)]
 struct Meeting {
     arrived: usize,
-    /// Number of meetings that were complete.
-    round: u64,
 }
 
 impl Table {
     fn new(ranks: usize) -> Self {
         Self {
-            messages: (0..ranks).map(|_| Mutex::default()).collect(),
+            messages: (0..ranks).map(|_| Default::default()).collect(),
             meeting: Mutex::default(),
             changed: Condvar::new(),
+            round: AtomicU64::new(0),
             inboxes: (0..ranks).map(|_| Inbox::new(ranks)).collect(),
             is_abandoned: AtomicBool::new(false),
         }
@@ -112,19 +134,27 @@ impl Table {
     /// If a rank has ended before its time.
     fn meet(&self) {
         let mut meeting = self.meeting();
+        let round = self.round();
         meeting.arrived += 1;
         if meeting.arrived == self.messages.len() {
             meeting.arrived = 0;
-            meeting.round += 1;
+            self.round.store(round + 1, Ordering::SeqCst);
             self.changed.notify_all();
         } else {
-            let round = meeting.round;
-            while meeting.round == round && !self.is_abandoned() {
-                meeting = self.changed.wait(meeting).unwrap_or_else(PoisonError::into_inner);
+            drop(meeting);
+            let is_over = || self.round() != round || self.is_abandoned();
+            if !look_for(is_over) {
+                meeting = self.meeting();
+                while !is_over() {
+                    meeting = self.changed.wait(meeting).unwrap_or_else(PoisonError::into_inner);
+                }
             }
         }
-        drop(meeting);
         self.check();
+    }
+
+    fn round(&self) -> u64 {
+        self.round.load(Ordering::SeqCst)
     }
 
     fn is_abandoned(&self) -> bool {
@@ -145,6 +175,7 @@ impl Table {
     /// If a rank has ended before its time.
     fn next_letter(&self, from: usize, to: usize) -> Vec<u8> {
         let inbox = &self.inboxes[to];
+        look_for(|| !inbox.letters()[from].is_empty() || self.is_abandoned());
         let mut letters = inbox.letters();
         loop {
             if let Some(letter) = letters[from].pop_front() {
@@ -188,7 +219,10 @@ impl Transport for InProcess {
     }
 
     fn all_gather(&self, own: &[u8], lengths: &[usize], all: &mut Vec<u8>) {
-        let message = |rank: usize| self.table.messages[rank].lock().unwrap_or_else(PoisonError::into_inner);
+        // Nobody writes the next but one before all have read this one: they have met in between.
+        let place = (self.table.round() % 2) as usize;
+        let message =
+            |rank: usize| self.table.messages[rank][place].lock().unwrap_or_else(PoisonError::into_inner);
         {
             let mut mine = message(self.rank);
             mine.clear();
@@ -201,8 +235,6 @@ impl Transport for InProcess {
             assert_eq!(theirs.len(), length, "rank {rank} is in another pass");
             all.extend_from_slice(&theirs);
         }
-        // Nobody writes the next message before all have read this one.
-        self.table.meet();
     }
 
     fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]) {

@@ -4,7 +4,6 @@
 //! the results of a part of the points, and they send each other what they found.
 
 use std::ops::Range;
-use std::time::Instant;
 
 use super::{Group, Messages, Ranks};
 
@@ -53,11 +52,7 @@ impl Group {
         let members = state.domains.as_ref().map_or(Vec::new(), |domains| domains.members[region].clone());
         let Some(place) = members.iter().position(|&member| member == self.transport.rank()) else { return };
         let part = |place: usize| count * place / members.len()..count * (place + 1) / members.len();
-        let started = Instant::now();
         work(part(place), &mut found[part(place)]);
-        let busy = started.elapsed().as_secs_f64();
-        state.busy += busy;
-        state.traffic.busy += busy;
         let width = size_of::<F::Message>();
         let Messages { outgoing, incoming, .. } = &mut state.messages;
         outgoing.iter_mut().chain(incoming.iter_mut()).for_each(Vec::clear);
