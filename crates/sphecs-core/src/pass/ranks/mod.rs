@@ -91,10 +91,8 @@ struct State {
     is_whole: bool,
     /// True if rank 0 keeps the particles of all in the next sort.
     is_observed: bool,
-    /// Time of own work in steps since the ranks told each other, s.
+    /// Time of own passes since the ranks told each other, s.
     busy: f64,
-    /// Beginning of the present step, and the time of messages before it, s.
-    step_began: Option<(Instant, f64)>,
     messages: Messages,
     traffic: Traffic,
 }
@@ -151,7 +149,6 @@ impl Ranks {
             is_whole: true,
             is_observed: false,
             busy: 0.0,
-            step_began: None,
             messages: Messages { outgoing: buffers(), incoming: buffers(), ..Messages::default() },
             traffic: Traffic::default(),
         };
@@ -346,19 +343,6 @@ impl Ranks {
             let state = &mut *group.state();
             state.is_observed = false;
             state.is_change_due = state.balance.begin_step();
-            state.step_began = Some((Instant::now(), state.traffic.exchanging));
-        }
-    }
-
-    /// Ends a step: what this rank did in it counts for the balance, but not what it waited.
-    pub fn end_step(&self) {
-        if let Some(group) = &self.group {
-            let state = &mut *group.state();
-            if let Some((began, exchanging)) = state.step_began.take() {
-                let busy = began.elapsed().as_secs_f64() - (state.traffic.exchanging - exchanging);
-                state.busy += busy;
-                state.traffic.busy += busy;
-            }
         }
     }
 }

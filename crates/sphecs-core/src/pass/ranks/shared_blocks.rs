@@ -1,6 +1,7 @@
 //! Passes of which each rank runs the blocks of its own cells.
 
 use std::ops::Range;
+use std::time::Instant;
 
 use super::domains::Domains;
 use super::shared_columns::SharedColumns;
@@ -135,9 +136,13 @@ impl Group {
         let (rank, ranks) = (self.transport.rank(), self.transport.size());
         let Some(domains) = state.domains.take() else { return S::default() };
         let width = columns.width();
+        let started = Instant::now();
         let pieces = pieces(&domains, rank, starts);
         let mut columns = cut(&pieces, starts, columns);
         let found = run(&pieces, &mut columns, work, join);
+        let busy = started.elapsed().as_secs_f64();
+        state.busy += busy;
+        state.traffic.busy += busy;
         if width > 0 {
             let is_whole = state.is_whole;
             let mut rows = Vec::new();
