@@ -22,7 +22,7 @@ pub(super) struct Domains {
     /// Cells that the members of a region hold.
     shared: CellSet,
     /// Those cells by region, in the order of the cells.
-    region_of: Vec<(Range<usize>, usize)>,
+    regions: Vec<(Range<usize>, usize)>,
     /// Consecutive cells of one rank, in their order.
     pub runs: Vec<(Range<usize>, usize)>,
     /// Runs of the cells of each rank.
@@ -77,7 +77,7 @@ impl Domains {
             owner,
             members,
             shared,
-            region_of,
+            regions: region_of,
             runs,
             owned,
             own: Arc::new(own),
@@ -101,8 +101,20 @@ impl Domains {
         let mut others = CellSet::empty(grid.len());
         twice(&own).iter().filter(|&cell| !own.contains(cell)).for_each(|cell| others.insert(cell));
         let near_others = twice(&others);
+        let mut around_shared = CellSet::empty(grid.len());
+        let is_around = |&cell: &usize| !self.shared.contains(cell);
+        near_shared.iter().filter(is_around).for_each(|cell| around_shared.insert(cell));
+        let near_edge = grid.in_reach_of(&around_shared);
         let (mut holders, mut bordering) = (RankSet::new(self.owned.len()), RankSet::new(self.owned.len()));
         for cell in own.iter().filter(|&cell| near_others.contains(cell) || near_shared.contains(cell)) {
+            if !near_others.contains(cell) && !near_edge.contains(cell) {
+                // All cells in reach are in the same region and of this rank.
+                let members = &self.members[self.region_of(cell)];
+                members.iter().filter(|&&member| member != self.rank).for_each(|&member| {
+                    append(&mut self.sent[member], cell);
+                });
+                continue;
+            }
             self.find_holders(grid, cell, &mut holders);
             holders.ranks().filter(|&other| other != self.rank).for_each(|other| {
                 append(&mut self.sent[other], cell);
@@ -158,9 +170,13 @@ impl Domains {
     /// Adds the members of the region of a cell, if it is in one.
     fn insert_members(&self, cell: usize, to: &mut RankSet) {
         if self.shared.contains(cell) {
-            let run = self.region_of.partition_point(|(run, _)| run.end <= cell);
-            self.members[self.region_of[run].1].iter().for_each(|&member| to.insert(member));
+            self.members[self.region_of(cell)].iter().for_each(|&member| to.insert(member));
         }
+    }
+
+    /// Returns the region of a cell that is in one.
+    fn region_of(&self, cell: usize) -> usize {
+        self.regions[self.regions.partition_point(|(run, _)| run.end <= cell)].1
     }
 
     /// Returns the own cells whose rows another rank holds; rank 0 holds all where `observed`.
@@ -267,6 +283,27 @@ mod tests {
         assert!(of_rank(0, &[8, 9]).received_from(2, false).is_empty());
         // Those of the cells in reach of 5 that are not its own.
         assert_eq!(cells(&domains.bordering), [5, 6]);
+    }
+
+    #[test]
+    fn both_sides_name_the_same_cells_of_a_wide_region() {
+        let grid = CellGrid::<2>::new([0.0; 2], [30.0, 20.0], [false, true], 1.0, 1.0);
+        let owner = |cell: usize| if cell % 30 < 14 { cell / 30 / 10 } else { 2 };
+        let wide = runs_of(0..grid.len(), |cell| (2..17).contains(&(cell % 30)));
+        for core in [vec![65..66], vec![30 * 5 + 15..30 * 5 + 16]] {
+            let regions = Region::divide(&grid, &core, &wide);
+            let of_rank = |rank: usize| {
+                let owner = (0..grid.len()).map(|cell| owner(cell) as u16).collect();
+                Domains::new(&grid, owner, (rank, 3), &regions)
+            };
+            let all = [0, 1, 2].map(of_rank);
+            assert!(all[2].members[0].len() < 3, "{:?}", all[2].members);
+            for from in 0..3 {
+                for to in (0..3).filter(|to| *to != from) {
+                    assert_eq!(all[from].sent_to(to, false), all[to].received_from(from, false));
+                }
+            }
+        }
     }
 
     #[test]
