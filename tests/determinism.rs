@@ -198,13 +198,14 @@ fn check_many_rows(sets: &[(&str, &str)]) {
     });
     let [one, threads, ranks] = &mut runs;
     let (rows, total) = (ranks.0.traffic(), ranks.0.ledger().total());
-    assert!(rows.iter().all(|rank| 3 * rank.held_rows < 2 * total), "{rows:?}");
+    // Far more if it held the openings that it does not touch.
+    assert!(rows.iter().all(|rank| 3 * rank.held_rows < total), "{rows:?}");
     // A rank begins with the particles that it holds, not with all.
     let division = one.0.divide(4);
     for rank in 1..4 {
         let part = one.0.part(&division, rank);
         let (_, ids) = part.iter().find(|(name, _)| *name == "arrays.id").expect("numbers of particles");
-        assert!(3 * (ids.len() as u64) < 2 * total, "{} of {total} on rank {rank}", ids.len());
+        assert!(3 * (ids.len() as u64) < total, "{} of {total} on rank {rank}", ids.len());
         // A record is one value as bytes.
         let columns = part.iter().filter(|(name, _)| !name.starts_with("record."));
         let largest = columns.map(|(_, column)| column.len()).max().expect("columns");

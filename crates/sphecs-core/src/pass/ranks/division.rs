@@ -101,6 +101,7 @@ impl Ranks {
 mod tests {
     use glam::DVec3;
 
+    use super::super::regions::tests::region;
     use super::*;
     use crate::particles::rows::ParticleRow;
 
@@ -118,9 +119,9 @@ mod tests {
         let rows = |rank: usize, regions: &[Region]| division.rows_of(rank, &grid, &particles, regions);
         assert_eq!(rows(0, &[]), [0, 1, 2, 3, 4, 13]);
         assert_eq!(rows(1, &[]), [3, 4, 5, 6, 7, 8, 13]);
-        let region = Region { core: vec![7..8], cells: vec![6..8] };
-        assert_eq!(rows(2, &[region.clone()]), [5, 6, 7, 8, 9, 10, 11, 13]);
-        assert_eq!(rows(0, &[region]), [0, 1, 2, 3, 4, 13]);
+        let regions = [region(7..8, 6..8)];
+        assert_eq!(rows(2, &regions), [5, 6, 7, 8, 9, 10, 11, 13]);
+        assert_eq!(rows(0, &regions), [0, 1, 2, 3, 4, 13]);
         let mut saved = Columns::default();
         division.save(&mut saved);
         assert_eq!(Division::restore(&mut saved).expect("a division"), division);

@@ -290,8 +290,8 @@ mod tests {
         let grid = CellGrid::<2>::new([0.0; 2], [30.0, 20.0], [false, true], 1.0, 1.0);
         let owner = |cell: usize| if cell % 30 < 14 { cell / 30 / 10 } else { 2 };
         let wide = runs_of(0..grid.len(), |cell| (2..17).contains(&(cell % 30)));
-        for core in [vec![65..66], vec![30 * 5 + 15..30 * 5 + 16]] {
-            let regions = Region::divide(&grid, &core, &wide);
+        for core in [65, 30 * 5 + 15] {
+            let regions = Region::divide(&grid, &runs_of(core..core + 1, |_| true), &wide);
             let of_rank = |rank: usize| {
                 let owner = (0..grid.len()).map(|cell| owner(cell) as u16).collect();
                 Domains::new(&grid, owner, (rank, 3), &regions)

@@ -129,9 +129,15 @@ impl Ranks {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::math::grid::cell_set::runs_of;
+
+    /// Returns a region of consecutive cells.
+    pub(in crate::pass::ranks) fn region(core: Range<usize>, cells: Range<usize>) -> Region {
+        let run = |cells: Range<usize>| std::iter::once(cells).collect();
+        Region { core: run(core), cells: run(cells) }
+    }
 
     #[test]
     fn regions_that_touch_are_one() {
@@ -141,10 +147,7 @@ mod tests {
         let regions = Region::divide(&grid, &runs(&[1, 5, 12]), &runs(&[1, 2, 5, 6, 11, 12, 13]));
         assert_eq!(
             regions,
-            [
-                Region { core: vec![1..2, 5..6], cells: vec![1..3, 5..7] },
-                Region { core: vec![12..13], cells: vec![11..14] },
-            ]
+            [Region { core: vec![1..2, 5..6], cells: vec![1..3, 5..7] }, region(12..13, 11..14),]
         );
         assert_eq!(Region::divide(&grid, &[], &[]), []);
     }
@@ -153,7 +156,7 @@ mod tests {
     fn members_hold_a_cell_of_the_core() {
         let grid = CellGrid::<2>::new([0.0; 2], [12.0, 1.0], [false; 2], 1.0, 1.0);
         let owner: Vec<u16> = (0..12).map(|cell| cell / 4).collect();
-        let core = |cell: usize| Region { core: vec![cell..cell + 1], cells: vec![cell..cell + 1] };
+        let core = |cell: usize| region(cell..cell + 1, cell..cell + 1);
         assert_eq!(core(1).members(&grid, &owner, 3), [0]);
         assert_eq!(core(3).members(&grid, &owner, 3), [0, 1]);
         assert_eq!(core(8).members(&grid, &owner, 3), [1, 2]);

@@ -41,6 +41,7 @@ pub fn shares<const D: usize>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::regions::tests::region;
     use super::*;
 
     #[test]
@@ -50,8 +51,10 @@ mod tests {
         let places = || (0..24).map(|at| [0.5 * f64::from(at) + 0.25, 0.5]);
         let share = |own: u64, held: u64| Share { own, held };
         assert_eq!(shares(&grid, places(), &[], 3), [share(8, 10), share(8, 12), share(8, 10)]);
-        let region = Region { core: vec![4..5], cells: vec![3..6] };
-        assert_eq!(shares(&grid, places(), &[region], 3), [share(8, 14), share(8, 14), share(8, 10)]);
+        assert_eq!(
+            shares(&grid, places(), &[region(4..5, 3..6)], 3),
+            [share(8, 14), share(8, 14), share(8, 10)]
+        );
         assert_eq!(shares(&grid, places(), &[], 1), [share(24, 24)]);
     }
 }
