@@ -12,11 +12,14 @@
 /// Steps between two comparisons of the times.
 const STEPS: u32 = 50;
 
-/// Steps before the first comparisons: what the particles of a flow cost is not known before it.
+/// Steps before the first comparisons: what the particles of a flow cost is not known before them.
 const FIRST: [u32; 2] = [5, 15];
 
 /// Longest time of a rank, over the mean of all, that is balanced.
 const TOLERANCE: f64 = 1.02;
+
+/// The same for the first comparisons: times of few steps vary more.
+const FIRST_TOLERANCE: f64 = 1.05;
 
 /// Part θ of the measured differences that counts: the times of a busy machine vary.
 const PART: f64 = 0.7;
@@ -49,12 +52,14 @@ impl Balance {
         if let Some(steps) = self.change_every {
             return self.steps.is_multiple_of(steps);
         }
-        if !self.steps.is_multiple_of(STEPS) && !FIRST.contains(&self.steps) {
-            return false;
-        }
+        let tolerance = match self.steps {
+            steps if steps.is_multiple_of(STEPS) => TOLERANCE,
+            steps if FIRST.contains(&steps) => FIRST_TOLERANCE,
+            _ => return false,
+        };
         let mean = self.busy.iter().sum::<f64>() / self.busy.len() as f64;
         let largest = self.busy.iter().copied().fold(0.0, f64::max);
-        let is_unequal = largest > TOLERANCE * mean;
+        let is_unequal = largest > tolerance * mean;
         if !is_unequal {
             self.busy.fill(0.0);
         }

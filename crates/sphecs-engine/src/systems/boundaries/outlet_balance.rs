@@ -18,12 +18,14 @@
 //! A pressure that a condition prescribes holds at the centre of the section.
 
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
 use crate::systems::forces::body_force;
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::rows::{real_vector, set_real_vector};
 use sphecs_core::particles::zone::Zone;
+use sphecs_core::pass::blocks::with_lists;
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::settings::PairSettings;
 use sphecs_scene::model::{BodyForce, Patch, Scene};
@@ -34,6 +36,9 @@ const GAUSS: [(f64, f64); 3] = [
     (0.5, 0.444_444_444_444_444_4),
     (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
 ];
+
+/// Smallest number of rows per thread: a force may be an expression.
+const CHUNK: usize = 64;
 
 /// State of the balance at an outlet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -104,6 +109,10 @@ impl<'a> OutletForce<'a> {
 pub struct ReducedBuffers<R> {
     rows: Vec<u32>,
     pressures: Vec<R>,
+    /// Rows of each part of all rows.
+    parts: Vec<Vec<u32>>,
+    /// p − p* at the rows, then at the outflow rows, Pa.
+    weights: Vec<f64>,
 }
 
 impl<R: Copy> ReducedBuffers<R> {
@@ -119,19 +128,25 @@ impl<R: Copy> ReducedBuffers<R> {
         let (scene, patch) = (force.scene, force.patch);
         // A condition may fit the fluid at the mirror images of its particles.
         let reach = patch.depth + scene.discretisation.support + 2.0 * scene.spacing;
-        self.rows.clear();
-        self.pressures.clear();
-        for row in 0..arrays.len() {
-            let along = patch.along(arrays.position_of(row));
-            if arrays.zone[row] == Zone::Fluid && along > -reach && along < reach {
-                self.rows.push(row as u32);
-                self.pressures.push(arrays.pressure[row]);
-            }
-        }
-        for &row in self.rows.iter().chain(outflow) {
+        let Self { rows, pressures, parts, weights } = self;
+        let before = &*arrays;
+        let is_near = |&row: &usize| {
+            let along = patch.along(before.position_of(row));
+            before.zone[row] == Zone::Fluid && along > -reach && along < reach
+        };
+        let parts = with_lists(arrays.len(), parts, &|among, part: &mut Vec<u32>| {
+            part.clear();
+            part.extend(among.filter(is_near).map(|row| row as u32));
+        });
+        rows.clear();
+        parts.iter().for_each(|part| rows.extend_from_slice(part));
+        pressures.clear();
+        pressures.extend(rows.iter().map(|&row| before.pressure[row as usize]));
+        let all = rows.par_iter().chain(outflow).with_min_len(CHUNK);
+        all.map(|&row| force.weight(before.position_of(row as usize))).collect_into_vec(weights);
+        for (&row, weight) in rows.iter().chain(outflow).zip(weights) {
             let row = row as usize;
-            let weight = force.weight(arrays.position_of(row));
-            arrays.pressure[row] = R::from_f64(arrays.pressure[row].to_f64() - weight);
+            arrays.pressure[row] = R::from_f64(arrays.pressure[row].to_f64() - *weight);
         }
     }
 
