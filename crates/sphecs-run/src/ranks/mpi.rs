@@ -279,7 +279,7 @@ impl Transport for World {
         }
     }
 
-    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]) {
+    fn exchange_during(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>], work: &mut dyn FnMut()) {
         let world = SimpleCommunicator::world();
         mpi::request::scope(|scope| {
             let mut requests = Vec::new();
@@ -295,6 +295,7 @@ impl Transport for World {
                     requests.push(Pending::Send(to.immediate_send(scope, part)));
                 }
             }
+            work();
             requests.into_iter().for_each(Pending::wait);
         });
     }

@@ -23,8 +23,9 @@ pub(super) struct Domains {
     shared: CellSet,
     /// Those cells by region, in the order of the cells.
     regions: Vec<(Range<usize>, usize)>,
-    /// Consecutive cells of one rank, in their order.
-    pub runs: Vec<(Range<usize>, usize)>,
+    /// Consecutive cells of one kind, in their order; cells of other ranks as long as they have one
+    /// owner.
+    pub runs: Vec<Run>,
     /// Runs of the cells of each rank.
     pub owned: Vec<Vec<Range<usize>>>,
     /// Cells of this rank.
@@ -55,9 +56,6 @@ impl Domains {
         let cells = grid.len();
         let mut owned = vec![Vec::new(); ranks];
         (0..cells).for_each(|cell| append(&mut owned[usize::from(owner[cell])], cell));
-        let of_rank = |rank: usize| owned[rank].iter().map(move |run: &Range<usize>| (run.clone(), rank));
-        let mut runs: Vec<_> = (0..ranks).flat_map(of_rank).collect();
-        runs.sort_unstable_by_key(|(run, _)| run.start);
         let own = set_of(cells, &owned[rank]);
         let members: Vec<_> = regions.iter().map(|region| region.members(grid, &owner, ranks)).collect();
         let mut held = grid.in_reach_of(&own);
@@ -78,7 +76,7 @@ impl Domains {
             members,
             shared,
             regions: region_of,
-            runs,
+            runs: Vec::new(),
             owned,
             own: Arc::new(own),
             held,
@@ -89,6 +87,7 @@ impl Domains {
             holders: Vec::new(),
         };
         domains.find_neighbours(grid);
+        domains.find_runs(cells);
         domains
     }
 
@@ -144,6 +143,27 @@ impl Domains {
         }
     }
 
+    /// Finds the runs of cells of one kind in a grid of `cells` cells.
+    fn find_runs(&mut self, cells: usize) {
+        let mut sent = CellSet::empty(cells);
+        self.sent.iter().flatten().for_each(|run| sent.insert_run(run.clone()));
+        let own = self.owned[self.rank].iter().flat_map(Clone::clone);
+        let kind = |cell: usize| if sent.contains(cell) { Kind::Sent } else { Kind::Inner };
+        let others = self.owned.iter().enumerate().filter(|(rank, _)| *rank != self.rank);
+        let others = others.flat_map(|(_, runs)| runs.iter().cloned());
+        let mut runs: Vec<Run> = others.map(|cells| Run { cells, kind: Kind::Other }).collect();
+        let mut last: Option<Run> = None;
+        for cell in own {
+            match &mut last {
+                Some(run) if run.cells.end == cell && run.kind == kind(cell) => run.cells.end += 1,
+                _ => runs.extend(last.replace(Run { cells: cell..cell + 1, kind: kind(cell) })),
+            }
+        }
+        runs.extend(last);
+        runs.sort_unstable_by_key(|run| run.cells.start);
+        self.runs = runs;
+    }
+
     /// Returns the ranks that hold the cell `to` but not the bordering cell `from`; None if `to` is
     /// out of reach of all bordering cells.
     pub(super) fn new_holders(&self, from: usize, to: usize) -> Option<impl Iterator<Item = usize>> {
@@ -189,6 +209,24 @@ impl Domains {
     pub(super) fn received_from(&self, other: usize, observed: bool) -> &[Range<usize>] {
         if observed && self.rank == 0 && other != 0 { &self.owned[other] } else { &self.received[other] }
     }
+}
+
+/// Consecutive cells of one kind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Run {
+    pub cells: Range<usize>,
+    pub kind: Kind,
+}
+
+/// Kind of a cell, as a rank sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Own cell that another rank holds.
+    Sent,
+    /// Own cell that no other rank holds.
+    Inner,
+    /// Cell of another rank.
+    Other,
 }
 
 /// Set of ranks that is filled often.
@@ -268,6 +306,21 @@ mod tests {
         assert_eq!(cells(domains.sent_to(2, true)), [7]);
         assert_eq!(cells(of_rank(0, &[]).received_from(2, true)), [8, 9, 10, 11]);
         assert!(of_rank(0, &[]).received_from(2, false).is_empty());
+    }
+
+    #[test]
+    fn runs_are_all_cells_by_their_kind() {
+        let run = |cells: Range<usize>, kind: Kind| Run { cells, kind };
+        assert_eq!(
+            of_rank(1, &[]).runs,
+            [
+                run(0..4, Kind::Other),
+                run(4..5, Kind::Sent),
+                run(5..7, Kind::Inner),
+                run(7..8, Kind::Sent),
+                run(8..12, Kind::Other),
+            ]
+        );
     }
 
     #[test]

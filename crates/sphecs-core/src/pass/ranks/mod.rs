@@ -15,6 +15,7 @@
 //! - `bisection`: domains of equal cost
 //! - [`division`]: what each rank begins with
 //! - `domains`: the cells that each rank owns and holds
+//! - `group_messages`: messages of a rank, and the time that they take
 //! - [`regions`]: regions that a rank holds whole or not at all
 //! - `rows`: the particles that enter and leave what a rank holds
 //! - `shared_blocks`: passes of which each rank runs the blocks of its cells
@@ -29,6 +30,7 @@ mod balance;
 mod bisection;
 pub mod division;
 mod domains;
+mod group_messages;
 pub mod regions;
 mod rows;
 mod shared_blocks;
@@ -49,7 +51,6 @@ pub use transport::Transport;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
 
 use crate::math::exact_sum::ExactSum;
 use crate::math::grid::CellGrid;
@@ -351,49 +352,5 @@ impl Group {
     fn state(&self) -> MutexGuard<'_, State> {
         // A panic of a pass ends the run; the counters stay valid.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Puts messages of equal length of all ranks behind each other.
-    fn gather(&self, state: &mut State, own: &[u8]) {
-        let lengths = &mut state.messages.lengths;
-        lengths.clear();
-        lengths.resize(self.transport.size(), own.len());
-        self.gather_lengths(state, own);
-    }
-
-    /// Puts messages of all ranks, whose lengths are set, behind each other.
-    fn gather_lengths(&self, state: &mut State, own: &[u8]) {
-        let Messages { lengths, gathered, .. } = &mut state.messages;
-        let started = Instant::now();
-        self.transport.all_gather(own, lengths, gathered);
-        state.traffic.exchanging += started.elapsed().as_secs_f64();
-        state.traffic.count(own.len(), gathered.len() - own.len());
-    }
-
-    fn joined<T: bytemuck::Pod>(&self, state: &mut State, own: T, join: impl Fn(T, T) -> T) -> T {
-        self.gather(state, bytemuck::bytes_of(&own));
-        let values = state.messages.gathered.chunks_exact(size_of::<T>().max(1));
-        values.map(bytemuck::pod_read_unaligned).reduce(join).unwrap_or(own)
-    }
-
-    /// Sends a number to each other rank and returns that from each.
-    fn exchange_numbers(&self, state: &mut State, outgoing: &[u64]) -> Vec<u64> {
-        let started = Instant::now();
-        let incoming = self.transport.exchange_numbers(outgoing);
-        state.traffic.exchanging += started.elapsed().as_secs_f64();
-        let others = size_of_val(outgoing) - size_of::<u64>();
-        state.traffic.count(others, others);
-        incoming
-    }
-
-    /// Sends the outgoing messages and receives the incoming ones, whose lengths are set.
-    fn exchange(&self, state: &mut State) {
-        let State { messages: Messages { outgoing, incoming, .. }, traffic, .. } = state;
-        let started = Instant::now();
-        self.transport.exchange(outgoing, incoming);
-        traffic.exchanging += started.elapsed().as_secs_f64();
-        traffic.messages += outgoing.iter().filter(|message| !message.is_empty()).count() as u64;
-        traffic.sent += outgoing.iter().map(|message| message.len() as u64).sum::<u64>();
-        traffic.received += incoming.iter().map(|message| message.len() as u64).sum::<u64>();
     }
 }

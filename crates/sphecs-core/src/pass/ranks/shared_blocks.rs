@@ -1,9 +1,12 @@
 //! Passes of which each rank runs the blocks of its own cells.
+//!
+//! The blocks of the cells that others hold come first, and their results are under way while the
+//! other blocks are run. So a rank waits for the first part of the pass of its neighbours only.
 
 use std::ops::Range;
 use std::time::Instant;
 
-use super::domains::Domains;
+use super::domains::{Domains, Kind, Run};
 use super::shared_columns::SharedColumns;
 use super::{Group, Ranks, State};
 use crate::math::grid::CellGrid;
@@ -38,27 +41,26 @@ impl Ranks {
     }
 }
 
-/// Consecutive cells of one rank that have rows.
+/// Consecutive cells of one kind that have rows.
 struct Piece {
     cells: Range<usize>,
     first_row: usize,
-    is_own: bool,
+    kind: Kind,
 }
 
 /// Returns the pieces of the cells in their order; those of this rank are not larger than a block.
-fn pieces(domains: &Domains, rank: usize, starts: &[u32]) -> Vec<Piece> {
+fn pieces(domains: &Domains, starts: &[u32]) -> Vec<Piece> {
     let mut pieces = Vec::with_capacity(domains.runs.len());
-    for (run, owner) in &domains.runs {
-        let is_own = *owner == rank;
+    for Run { cells, kind } in &domains.runs {
         let mut add = |cells: Range<usize>| {
             if starts[cells.start] < starts[cells.end] {
-                pieces.push(Piece { first_row: starts[cells.start] as usize, cells, is_own });
+                pieces.push(Piece { first_row: starts[cells.start] as usize, cells, kind: *kind });
             }
         };
-        if is_own {
-            blocks_of(starts, run.clone(), add);
+        if *kind == Kind::Other {
+            add(cells.clone());
         } else {
-            add(run.clone());
+            blocks_of(starts, cells.clone(), add);
         }
     }
     pieces
@@ -101,23 +103,30 @@ type Work<'a, C, S> = dyn Fn(Range<usize>, &mut C) -> S + Sync + 'a;
 /// Joins two results.
 type Join<'a, S> = dyn Fn(S, S) -> S + Sync + 'a;
 
-/// Runs `work` over the own pieces, in parallel, and joins the results; None if there are none.
+/// Runs `work` over the pieces of a kind, in parallel, and joins the results; None if there are
+/// none.
 fn run<C: Send, S: Send>(
+    kind: Kind,
     pieces: &[Piece],
     columns: &mut [C],
     work: &Work<'_, C, S>,
     join: &Join<'_, S>,
 ) -> Option<S> {
     if let ([piece], [columns]) = (pieces, &mut *columns) {
-        return piece.is_own.then(|| work(piece.cells.clone(), columns));
+        return (piece.kind == kind).then(|| work(piece.cells.clone(), columns));
     }
-    if pieces.is_empty() {
+    if pieces.iter().all(|piece| piece.kind != kind) {
         return None;
     }
     let middle = pieces.len() / 2;
     let ((low, high), (low_columns, high_columns)) = (pieces.split_at(middle), columns.split_at_mut(middle));
     let (low, high) =
-        rayon::join(|| run(low, low_columns, work, join), || run(high, high_columns, work, join));
+        rayon::join(|| run(kind, low, low_columns, work, join), || run(kind, high, high_columns, work, join));
+    joined(low, high, join)
+}
+
+/// Joins two results if there are two.
+fn joined<S>(low: Option<S>, high: Option<S>, join: &Join<'_, S>) -> Option<S> {
     match (low, high) {
         (Some(low), Some(high)) => Some(join(low, high)),
         (low, high) => low.or(high),
@@ -133,18 +142,20 @@ impl Group {
         work: &Work<'_, C, S>,
         join: &Join<'_, S>,
     ) -> S {
-        let (rank, ranks) = (self.transport.rank(), self.transport.size());
+        let ranks = self.transport.size();
         let Some(domains) = state.domains.take() else { return S::default() };
-        let width = columns.width();
+        let (width, is_whole) = (columns.width(), state.is_whole);
         let started = Instant::now();
-        let pieces = pieces(&domains, rank, starts);
+        let pieces = pieces(&domains, starts);
         let mut columns = cut(&pieces, starts, columns);
-        let found = run(&pieces, &mut columns, work, join);
-        let busy = started.elapsed().as_secs_f64();
-        state.busy += busy;
-        state.traffic.busy += busy;
+        let mut found = run(Kind::Sent, &pieces, &mut columns, work, join);
+        let inner = |columns: &mut [C]| run(Kind::Inner, &pieces, columns, work, join);
+        if width == 0 || is_whole {
+            // Either nothing is sent, or also the inner cells are.
+            found = joined(found, inner(&mut columns), join);
+        }
+        let mut busy = started.elapsed().as_secs_f64();
         if width > 0 {
-            let is_whole = state.is_whole;
             let mut rows = Vec::new();
             for other in 0..ranks {
                 let message = &mut state.messages.outgoing[other];
@@ -155,7 +166,13 @@ impl Group {
                 let expected: usize = domains.received_from(other, is_whole).iter().map(count).sum();
                 state.messages.incoming[other].resize(expected * width, 0);
             }
-            self.exchange(state);
+            let mut of_inner = None;
+            busy += self.exchange_during(state, &mut || {
+                if !is_whole {
+                    of_inner = inner(&mut columns);
+                }
+            });
+            found = joined(found, of_inner, join);
             for other in 0..ranks {
                 let mut message = &state.messages.incoming[other][..];
                 rows_in(&pieces, domains.received_from(other, is_whole), starts, &mut rows);
@@ -164,6 +181,8 @@ impl Group {
                 }
             }
         }
+        state.busy += busy;
+        state.traffic.busy += busy;
         state.domains = Some(domains);
         let found = found.unwrap_or_default();
         if size_of::<S>() > 0 { self.joined(state, found, join) } else { found }

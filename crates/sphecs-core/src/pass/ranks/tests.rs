@@ -44,7 +44,7 @@ impl Transport for ThreadRank {
         barrier.wait();
     }
 
-    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]) {
+    fn exchange_during(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>], work: &mut dyn FnMut()) {
         let (barrier, messages) = &*self.shared;
         let size = self.size();
         // The message for a rank is found by its length, which is in front of it.
@@ -54,6 +54,7 @@ impl Transport for ThreadRank {
             all.extend(message);
         }
         *messages[self.rank].lock().expect("a message") = all;
+        work();
         barrier.wait();
         for (rank, message) in incoming.iter_mut().enumerate() {
             let theirs = messages[rank].lock().expect("a message");

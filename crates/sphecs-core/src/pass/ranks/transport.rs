@@ -20,13 +20,22 @@ pub trait Transport: fmt::Debug + Send + Sync {
     /// If another rank has ended.
     fn all_gather(&self, own: &[u8], lengths: &[usize], all: &mut Vec<u8>);
 
-    /// Sends a message to each other rank that gets one and receives one from each that sends one.
+    /// Sends a message to each other rank that gets one and receives one from each that sends one,
+    /// and calls `work` while they are under way.
     ///
     /// `incoming` has the length of each message already; a message without bytes is not sent.
     ///
     /// # Panics
     /// If another rank has ended.
-    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]);
+    fn exchange_during(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>], work: &mut dyn FnMut());
+
+    /// Exchanges messages as [`Self::exchange_during`] does, without work.
+    ///
+    /// # Panics
+    /// If another rank has ended.
+    fn exchange(&self, outgoing: &[Vec<u8>], incoming: &mut [Vec<u8>]) {
+        self.exchange_during(outgoing, incoming, &mut || ());
+    }
 
     /// Sends a number to each other rank and returns that from each; `outgoing` has one for each
     /// rank.
