@@ -18,7 +18,7 @@ const FIRST: [u32; 2] = [5, 15];
 /// Longest time of a rank, over the mean of all, that is balanced.
 const TOLERANCE: f64 = 1.02;
 
-/// The same for the first comparisons: times of few steps vary more.
+/// Tolerance of the first comparisons: times of few steps vary more.
 const FIRST_TOLERANCE: f64 = 1.05;
 
 /// Part θ of the measured differences that counts: the times of a busy machine vary.

@@ -21,7 +21,7 @@ pub(super) struct Domains {
     pub members: Vec<Vec<usize>>,
     /// Cells that the members of a region hold.
     shared: CellSet,
-    /// Those cells by region, in the order of the cells.
+    /// Regions of these cells, in the order of the cells.
     regions: Vec<(Range<usize>, usize)>,
     /// Consecutive cells of one kind, in their order; cells of other ranks as long as they have one
     /// owner.
@@ -119,7 +119,8 @@ impl Domains {
                 append(&mut self.sent[other], cell);
             });
             bordering.clear();
-            // Who holds a cell in reach owns one within twice the reach or is a member of its region.
+            // Who holds a cell in reach owns one within twice the reach or is a member of its
+            // region.
             grid.for_each_around(cell, 2, |near| bordering.insert(usize::from(self.owner[near])));
             if near_shared.contains(cell) {
                 grid.for_each_around(cell, 1, |near| self.insert_members(near, &mut bordering));

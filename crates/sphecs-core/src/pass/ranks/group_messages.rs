@@ -43,8 +43,8 @@ impl Group {
         self.exchange_during(state, &mut || ());
     }
 
-    /// Exchanges messages as [`Self::exchange`] does while `work` is done, and returns the time that
-    /// this takes, s.
+    /// Exchanges messages as [`Self::exchange`] does while `work` is done, and returns the time
+    /// that this takes, s.
     pub(super) fn exchange_during(&self, state: &mut State, work: &mut dyn FnMut()) -> f64 {
         let State { messages: Messages { outgoing, incoming, .. }, traffic, .. } = state;
         let (started, mut working) = (Instant::now(), 0.0);

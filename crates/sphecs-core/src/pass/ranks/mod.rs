@@ -238,8 +238,8 @@ impl Ranks {
         values.map(bytemuck::pod_read_unaligned).collect()
     }
 
-    /// Returns the messages of all ranks behind each other in their order; `lengths` are the bytes of
-    /// each, the same on all ranks.
+    /// Returns the messages of all ranks behind each other in their order; `lengths` are the bytes
+    /// of each, the same on all ranks.
     ///
     /// All ranks call it together.
     ///

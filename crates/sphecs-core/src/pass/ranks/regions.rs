@@ -5,9 +5,9 @@
 //! held(r) = R(own(r) ∪ cells(k) of all regions k of which r is a member)
 //! ```
 //!
-//! R(C) are the cells of C and all in reach of them. A rank without a cell of the core knows nothing
-//! of the particles there, and each member can do alike everything that is done in the core and
-//! needs the particles of `cells`.
+//! R(C) are the cells of C and all in reach of them. A rank without a cell of the core knows
+//! nothing of the particles there, and each member can do alike everything that is done in the core
+//! and needs the particles of `cells`.
 
 use std::ops::Range;
 

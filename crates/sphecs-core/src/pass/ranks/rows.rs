@@ -37,7 +37,8 @@ impl Ranks {
     /// Takes the particles that enter what this rank holds, so that the next sort by the grid
     /// finds all of them; the sort drops those that leave it.
     ///
-    /// The `regions` never change. Returns false if a particle is outside the grid; then rank 0 has the particles of all.
+    /// The `regions` never change. Returns false if a particle is outside the grid; then rank 0 has
+    /// the particles of all.
     ///
     /// All ranks call it together, with arrays in the order of the last sort.
     ///

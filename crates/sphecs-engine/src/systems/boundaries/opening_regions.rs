@@ -21,7 +21,7 @@ use sphecs_scene::model::Scene;
 pub struct OpeningRegions {
     /// Cells near openings, found once: neither grid nor openings move.
     near: Option<Vec<Range<usize>>>,
-    /// Those of the regions of which this rank is a member.
+    /// Cells near openings in the regions of which this rank is a member.
     near_held: Vec<Range<usize>>,
     /// Regions, found once; None before that, and on one rank alone.
     regions: Option<Vec<Region>>,
@@ -105,7 +105,8 @@ impl OpeningRegions {
         self.is_member.is_empty() || self.is_member[self.of_outlet[outlet]]
     }
 
-    /// Returns true if this rank is a member of the region of the inlet, emitter or outlet of a zone.
+    /// Returns true if this rank is a member of the region of the inlet, emitter or outlet of a
+    /// zone.
     pub fn has(&self, zone: Zone, patch: u16) -> bool {
         match zone {
             Zone::Inflow => self.has_source(usize::from(patch)),

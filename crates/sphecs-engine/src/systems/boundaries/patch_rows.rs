@@ -28,8 +28,8 @@ pub struct PatchRows {
     pub before_outlet: Vec<Vec<u32>>,
     /// Fluid rows upstream of each outlet that its condition uses; empty if it uses none.
     pub upstream: Vec<Vec<u32>>,
-    /// Rows of the cells near inlets and outlets, of which this rank has the particles. They contain
-    /// the rows above and all rows that cross a plane.
+    /// Rows of the cells near inlets and outlets, of which this rank has the particles. They
+    /// contain the rows above and all rows that cross a plane.
     pub near: PatchCells,
     /// Lists of each part of the rows, kept so that collecting allocates nothing.
     parts: Vec<PatchRows>,
@@ -60,8 +60,8 @@ impl PatchRows {
         self.inflow.iter_mut().chain(outlets)
     }
 
-    /// Collects the rows, in their order, of arrays that are sorted by the grid, from the cells `near`
-    /// openings. `needs` are the requirements of the outlets' conditions.
+    /// Collects the rows, in their order, of arrays that are sorted by the grid, from the cells
+    /// `near` openings. `needs` are the requirements of the outlets' conditions.
     pub fn collect<R: PairReal<D>, const D: usize>(
         &mut self,
         scene: &Scene,

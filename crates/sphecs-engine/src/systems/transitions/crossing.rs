@@ -47,8 +47,8 @@ pub(super) struct Crossing {
     pub cell: u32,
 }
 
-/// Finds the rows that crossed a plane and changes their zone in the arrays; lists the crossings, in
-/// the order of the rows, and their injections.
+/// Finds the rows that crossed a plane and changes their zone in the arrays; lists the crossings,
+/// in the order of the rows, and their injections.
 pub(super) fn find_crossings<R: PairReal<D>, const D: usize>(
     world: &World,
     scene: &Scene,

@@ -48,7 +48,8 @@ struct InjectionMessage {
 }
 
 impl Crossing {
-    /// Returns the zone of the opening that the particle crossed, with its inlet, emitter or outlet.
+    /// Returns the zone of the opening that the particle crossed, with its inlet, emitter or
+    /// outlet.
     fn crossed(&self) -> (Zone, u16) {
         match self.from {
             Zone::Inflow | Zone::Outflow => (self.from, self.opening),

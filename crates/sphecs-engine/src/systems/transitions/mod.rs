@@ -4,7 +4,7 @@
 //! - `emission`: particles that cross the surfaces of emitters
 //! - `exchange`: crossings and outcomes that several ranks tell each other
 //! - `injection`: injection of a particle into a zone
-//! - `outcome`: what becomes of the injections of a step
+//! - `outcome`: outcomes of the injections of a step
 //! - `refill`: injections that wait for a free position
 //! - `reservoir`: storage and creation of particles
 //!

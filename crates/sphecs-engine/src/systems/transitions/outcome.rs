@@ -1,4 +1,4 @@
-//! What becomes of the injections of a step, and of those that wait.
+//! Outcomes of the injections of a step, and of those that wait.
 
 use bevy_ecs::world::World;
 use glam::DVec3;
@@ -22,10 +22,11 @@ use sphecs_scene::model::Scene;
 /// clump.
 const MIN_DISTANCE: f64 = 0.5;
 
-/// The same for an injection that waited: that of a line whose spacing disorder has shortened.
+/// Smallest such distance for an injection that waited: that of a line whose spacing disorder has
+/// shortened.
 const MIN_DISTANCE_OF_REFILL: f64 = 0.8;
 
-/// What becomes of an injection in a step.
+/// Outcome of an injection in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Outcome {
@@ -166,8 +167,8 @@ fn refill<R: PairReal<D>, const D: usize>(
     Outcome::Refilled
 }
 
-/// Returns the number of particles that the zone of an injection had before it. A particle that left
-/// the fluid in this step is counted from the next sort on.
+/// Returns the number of particles that the zone of an injection had before it. A particle that
+/// left the fluid in this step is counted from the next sort on.
 fn present<R: PairReal<D>, const D: usize>(
     world: &World,
     arrays: &ParticleArrays<R, D>,
