@@ -82,10 +82,9 @@ pub(crate) fn spawn_particles(world: &mut World, scene: &Scene, seeds: &[Particl
 pub(crate) fn fill_arrays<R: PairReal<D>, const D: usize>(
     world: &mut World,
     scene: &Scene,
-    seeds: &[ParticleSeed],
+    mut seeds: Vec<ParticleSeed>,
 ) {
     let tait = scene.fluid.tait();
-    let flows = |(_, seed): &(u32, &ParticleSeed)| seed.zone != Zone::Reservoir;
     let row = |(id, seed): (u32, &ParticleSeed)| {
         let is_wall = seed.zone == Zone::Wall;
         let surface = if is_wall { WallSurface::of_seed(seed) } else { WallSurface::default() };
@@ -106,20 +105,23 @@ pub(crate) fn fill_arrays<R: PairReal<D>, const D: usize>(
             wall_thickness: surface.thickness,
         }
     };
-    world.insert_resource(ParticleDetails::of_seeds(scene, seeds));
+    world.insert_resource(ParticleDetails::of_seeds(scene, &seeds));
     world.insert_resource(EntityIndex::without_entities(seeds.len() as u32));
     let mut arrays = world.resource_mut::<Arrays<R, D>>();
-    arrays.reserve(seeds.len() - seeds.iter().filter(|seed| seed.zone == Zone::Reservoir).count());
-    let mut rows = (0..).zip(seeds).filter(flows).map(row);
+    arrays.reserve(seeds.iter().filter(|seed| seed.zone != Zone::Reservoir).count());
     let mut batch = Vec::new();
-    loop {
+    // From the end, so that the memory of the initial particles is freed as the columns are filled:
+    // the largest runs are limited by it.
+    while !seeds.is_empty() {
+        let first = seeds.len().saturating_sub(BATCH);
+        let numbered = (first as u32..seeds.len() as u32).zip(&seeds[first..]).rev();
         batch.clear();
-        batch.extend(rows.by_ref().take(BATCH));
-        if batch.is_empty() {
-            break;
-        }
+        batch.extend(numbered.filter(|(_, seed)| seed.zone != Zone::Reservoir).map(row));
         arrays.extend(&batch);
+        seeds.truncate(first);
+        seeds.shrink_to_fit();
     }
+    arrays.reverse();
     world.insert_resource(StateLocation::Arrays);
 }
 

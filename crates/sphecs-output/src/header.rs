@@ -6,6 +6,7 @@ use sha2::{Digest, Sha256};
 use super::frame::Frame;
 use super::meshes::hash_of;
 use sphecs_core::particles::zone::Zone;
+use sphecs_engine::simulation::Simulation;
 use sphecs_scene::field_grid::FieldGrid;
 use sphecs_scene::meshes::MeshFile;
 use sphecs_scene::model::{Body, BodyReference, Precision, ProbeKind, Scene};
@@ -200,6 +201,41 @@ impl ProbeShape {
     }
 }
 
+/// Initial particles of a run, as a header tells them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InitialParticles {
+    /// Lower and upper corner of the box around them, m; None without any.
+    pub bounds: Option<[[f64; 3]; 2]>,
+    /// Count of the particles, those in the reservoir included.
+    pub count: u64,
+    /// Count of the wall particles.
+    pub walls: u64,
+}
+
+impl InitialParticles {
+    /// Returns the particles of a frame.
+    pub fn of_frame(first: &Frame) -> Self {
+        let walls = first.slots_of(Zone::Wall).count() as u64;
+        Self { bounds: first.bounds(), count: first.len() as u64, walls }
+    }
+
+    /// Returns the particles of a simulation before its first step, without the memory of a frame.
+    pub fn of(simulation: &mut Simulation) -> Self {
+        let mut found = Self::default();
+        simulation.for_each_position(&mut |zone, position| {
+            let place = position.to_array();
+            let [lower, upper] = found.bounds.get_or_insert([place; 2]);
+            for axis in 0..3 {
+                lower[axis] = lower[axis].min(place[axis]);
+                upper[axis] = upper[axis].max(place[axis]);
+            }
+            found.count += 1;
+            found.walls += u64::from(zone == Zone::Wall);
+        });
+        found
+    }
+}
+
 impl Header {
     /// Returns the numbers that all particles share, as arrays with which the filters of ParaView
     /// need no typing: mass, kg (kg/m in 2D), spacing, m, and smoothing length, m.
@@ -212,8 +248,8 @@ impl Header {
         ]
     }
 
-    /// Returns the header of a scene with the initial state `first`.
-    pub fn new(scene: &Scene, first: &Frame) -> Self {
+    /// Returns the header of a scene with its initial particles.
+    pub fn new(scene: &Scene, first: &InitialParticles) -> Self {
         Self {
             scene: scene.name.clone(),
             title: scene.title.clone(),
@@ -242,9 +278,9 @@ impl Header {
             reference_length: scene.reference_length,
             end: finite(scene.time.end),
             every: finite(scene.output.every),
-            bounds: first.bounds().unwrap_or_default(),
-            particles: first.len() as u64,
-            walls: first.slots_of(Zone::Wall).count() as u64,
+            bounds: first.bounds.unwrap_or_default(),
+            particles: first.count,
+            walls: first.walls,
             inlets: scene.source_names().map(str::to_owned).collect(),
             outlets: scene.outlets.iter().map(|outlet| outlet.patch.name.clone()).collect(),
             wall_parts: scene.walls.parts.iter().map(|part| part.name.clone()).collect(),

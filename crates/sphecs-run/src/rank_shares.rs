@@ -18,7 +18,7 @@ const PAIR_SUMS: [f64; 2] = [0.92, 0.98];
 
 /// Memory of the first rank for each particle of the flow, B, in single and double precision: the
 /// largest of runs in 2D and 3D (docs/notebook/2026-11-29-ranks.md).
-const MEMORY_OF_ALL: [f64; 2] = [280.0, 360.0];
+const MEMORY_OF_ALL: [f64; 2] = [235.0, 300.0];
 
 /// Memory of any other rank for each particle that it holds, B, in the same runs.
 const MEMORY_OF_HELD: [f64; 2] = [145.0, 200.0];
@@ -77,7 +77,7 @@ mod tests {
         assert!(text.contains("at most 1.803 times"), "{text}");
         assert!(
             text.ends_with(
-                "some 792 kB of memory for the particles on the first, at most 280 kB on each other"
+                "some 660 kB of memory for the particles on the first, at most 280 kB on each other"
             ),
             "{text}"
         );

@@ -199,6 +199,12 @@ macro_rules! columns {
                 self.acceleration.iter_mut().for_each(Vec::clear);
             }
 
+            /// Reverses the order of the rows.
+            pub fn reverse(&mut self) {
+                $(self.$name.columns_mut().iter_mut().for_each(|column| column.reverse());)*
+                self.acceleration.iter_mut().for_each(|column| column.reverse());
+            }
+
             /// Puts the rows of every column into `order`.
             fn reorder_columns(&mut self, order: &[u32], spare: &mut SpareColumns<R>) {
                 let has_walls = self.is_used(When::WallsExist);

@@ -170,7 +170,7 @@ impl SimulationBuilder {
                 if has_components {
                     spawn_particles(&mut world, &scene, &particles);
                 } else {
-                    fill_arrays::<R, D>(&mut world, &scene, &particles);
+                    fill_arrays::<R, D>(&mut world, &scene, particles);
                 }
             }
             Contents::State(mut state) => {

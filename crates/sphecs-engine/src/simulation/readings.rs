@@ -16,6 +16,7 @@ use crate::resources::pair::Pair;
 use crate::resources::state_location::StateLocation;
 use crate::systems::monitor::MonitorRow;
 use sphecs_core::particles::sample::Sample;
+use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::grid_rows::{NodeRow, RowSink};
 use sphecs_core::pass::section::Section;
 use sphecs_core::pass::surface_flow::{Friction, SurfaceFlow, SurfacePoint};
@@ -76,6 +77,18 @@ impl Simulation {
         self.sort();
         self.connection.announce(Command::Particles);
         (self.functions.visit)(&mut self.world, take);
+    }
+
+    /// Passes zone and position (m) of each particle to a function, in any order, without finding the
+    /// densities; for rank 0.
+    pub fn for_each_position(&mut self, take: &mut dyn FnMut(Zone, DVec3)) {
+        if self.connection.is_shared() {
+            self.begin_reading();
+        } else {
+            (self.functions.gather)(&mut self.world);
+        }
+        self.connection.announce(Command::Particles);
+        (self.functions.visit)(&mut self.world, &mut |particle| take(particle.zone, particle.position));
     }
 
     /// Returns true if the particles have components: in a simulation on one rank that was not

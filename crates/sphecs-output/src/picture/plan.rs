@@ -9,7 +9,7 @@ use super::{Field, RenderOptions};
 use crate::drawing::{Anchor, Drawing, Weight, text_width};
 use crate::error::OutputError;
 use crate::frame::Frame;
-use crate::header::Header;
+use crate::header::{Header, InitialParticles};
 use sphecs_core::boundary::patch::Patch;
 use sphecs_core::particles::zone::Zone;
 use sphecs_scene::geometry::measure::exit_distance;
@@ -38,7 +38,7 @@ pub fn render_plan(
 ) -> Result<(), OutputError> {
     let options = RenderOptions { field: Field::Zone, ..options.clone() };
     let frame = frame_of(seeds);
-    let header = Header::new(scene, &frame);
+    let header = Header::new(scene, &InitialParticles::of_frame(&frame));
     let mut painter = Painter::new(&header, &options)?;
     let drawing = painter.draw(&frame);
     let mut plan = Plan { drawing, painter: &painter, labels: Vec::new() };
@@ -257,7 +257,7 @@ mod tests {
         let scene = Scene::from_file(&file).smoke().load().expect("a scene");
         let options = RenderOptions::default();
         let frame = frame_of(&seeds(&scene));
-        let header = Header::new(&scene, &frame);
+        let header = Header::new(&scene, &InitialParticles::of_frame(&frame));
         let mut painter = Painter::new(&header, &options).expect("a painter");
         let drawing = painter.draw(&frame);
         let plan = Plan { drawing, painter: &painter, labels: Vec::new() };

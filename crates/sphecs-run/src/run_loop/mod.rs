@@ -24,7 +24,7 @@ use sphecs_engine::simulation::{Simulation, SimulationBuilder, Stop};
 use sphecs_output::error::OutputError;
 use sphecs_output::folder::RunFolder;
 use sphecs_output::frame::Frame;
-use sphecs_output::header::Header;
+use sphecs_output::header::{Header, InitialParticles};
 use sphecs_output::pack::Packed;
 use sphecs_output::probes::ProbeSet;
 use sphecs_output::summary::{LedgerCounts, StageTime, Status, Summary, this_build};
@@ -86,9 +86,15 @@ impl RunLoop {
         let builder = options.ranks.begin(Simulation::builder(scene));
         let builder = plugins.into_iter().fold(builder, SimulationBuilder::plugin);
         let mut simulation = waiting::during("placing the particles", || builder.build())?;
-        let first = Frame::of(&mut simulation);
+        // Several ranks find the first densities together, and the first of them needs less memory
+        // without a frame.
+        let first_frame = (options.ranks.count() < 2).then(|| Frame::of(&mut simulation));
+        let particles = match &first_frame {
+            Some(first) => InitialParticles::of_frame(first),
+            None => InitialParticles::of(&mut simulation),
+        };
         let scene = simulation.scene();
-        let mut header = Header::new(scene, &first);
+        let mut header = Header::new(scene, &particles);
         (header.until, header.max_steps) = (options.until, options.max_steps);
         header.has_plugins = has_plugins;
         let probes = ProbeSet::new(scene);
@@ -97,7 +103,6 @@ impl RunLoop {
         options.console.print(&report::start_summary(scene, simulation.ledger(), until, options));
         let state = RunState::new(scene);
         let sampled = (GriddedFields::new(scene), WallQuantities::new(scene));
-        let first_frame = Some(first);
         let run = Self::new(simulation, (folder, sampled), state, None, options, signals)?;
         Ok(Self { first_frame, ..run })
     }
