@@ -79,8 +79,8 @@ impl Simulation {
         (self.functions.visit)(&mut self.world, take);
     }
 
-    /// Passes zone and position (m) of each particle to a function, in any order, without finding the
-    /// densities; for rank 0.
+    /// Passes zone and position (m) of each particle to a function, in any order, without finding
+    /// the densities; for rank 0.
     pub fn for_each_position(&mut self, take: &mut dyn FnMut(Zone, DVec3)) {
         if self.connection.is_shared() {
             self.begin_reading();
