@@ -3,7 +3,6 @@
 //! The leader of each region sends what happened at its openings. All ranks bring it into the order
 //! of one rank: that of the cells.
 
-use bevy_ecs::change_detection::Mut;
 use bevy_ecs::world::World;
 use glam::DVec3;
 
@@ -184,20 +183,19 @@ fn share_numbers<R: PairReal<D>, const D: usize>(
     let columns = world.resource::<InflowColumns>();
     own.extend((0..scene.source_count()).map(|source| columns.numbers(source)));
     let all = ranks.values_of_all(&own);
-    world.resource_scope(|world, mut running: Mut<Outlets<R, D>>| {
-        world.resource_scope(|world, mut columns: Mut<InflowColumns>| {
-            let openings = world.resource::<OpeningRegions>();
-            let of = |leader: usize, at: usize| all[leader * own.len() + at];
-            for (index, outlet) in running.all.iter_mut().enumerate() {
-                let [velocity, pressure] = of(openings.leader_of_outlet(index), 1 + index);
-                (outlet.adjacent.velocity, outlet.adjacent.pressure) = (velocity, pressure);
-            }
-            for source in 0..scene.source_count() {
-                let at = 1 + running.all.len() + source;
-                columns.set_numbers(source, of(openings.leader_of_source(source), at));
-            }
-        });
-    });
+    let openings = world.resource::<OpeningRegions>();
+    let of = |leader: usize, at: usize| all[leader * own.len() + at];
+    let before = 1 + outlets.len();
+    let flows: Vec<[f64; 2]> =
+        (0..outlets.len()).map(|outlet| of(openings.leader_of_outlet(outlet), 1 + outlet)).collect();
+    let sources = 0..scene.source_count();
+    let columns: Vec<[f64; 2]> =
+        sources.map(|source| of(openings.leader_of_source(source), before + source)).collect();
+    for (outlet, [velocity, pressure]) in world.resource_mut::<Outlets<R, D>>().all.iter_mut().zip(flows) {
+        (outlet.adjacent.velocity, outlet.adjacent.pressure) = (velocity, pressure);
+    }
+    let mut own_columns = world.resource_mut::<InflowColumns>();
+    columns.into_iter().enumerate().for_each(|(source, numbers)| own_columns.set_numbers(source, numbers));
     all.chunks_exact(own.len()).map(|numbers| numbers[0][0] as usize).collect()
 }
 
@@ -232,5 +230,49 @@ pub(super) fn share_outcomes(
     for (at, leader) in open {
         outcomes[at] = Outcome::ALL[usize::from(all[next[leader]])];
         next[leader] += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_are_read_as_they_were_written() {
+        let crossing = Crossing {
+            id: 7,
+            from: Zone::Inflow,
+            opening: 3,
+            zone: Zone::Fluid,
+            patch: 2,
+            point: DVec3::new(1.0, -2.0, 0.1),
+            drains: true,
+            injections: 2,
+            cell: 90_000,
+        };
+        let injection = Injection {
+            place: DVec3::new(0.3, 0.2, -0.1),
+            zone: Zone::Outflow,
+            patch: 1,
+            velocity: DVec3::new(-1.0, 0.5, 0.25),
+            pressure: -3.5,
+            returned: true,
+        };
+        let mut message = bytemuck::bytes_of(&crossing.message()).to_vec();
+        message.extend_from_slice(bytemuck::bytes_of(&injection.message()));
+        let mut rest = &message[..];
+        assert_eq!(Crossing::of(&take(&mut rest)), crossing);
+        assert_eq!(Injection::of(&take(&mut rest)), injection);
+        assert!(rest.is_empty());
+        assert_eq!(crossing.crossed(), (Zone::Inflow, 3));
+        let back = Crossing { from: Zone::Fluid, opening: 0, zone: Zone::Inflow, ..crossing };
+        assert_eq!(back.crossed(), (Zone::Inflow, 2));
+    }
+
+    #[test]
+    fn outcomes_are_known_by_their_numbers() {
+        for outcome in Outcome::ALL {
+            assert_eq!(Outcome::ALL[outcome as usize], outcome);
+        }
     }
 }
