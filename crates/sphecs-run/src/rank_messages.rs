@@ -15,7 +15,7 @@ pub struct RankMessages {
 }
 
 impl RankMessages {
-    /// Returns the longest time of own passes over the mean of the ranks.
+    /// Returns the longest time of own work over the mean of the ranks.
     pub fn imbalance(&self) -> f64 {
         let busy = || self.traffic.iter().map(|rank| rank.busy);
         let mean = busy().sum::<f64>() / self.traffic.len() as f64;
@@ -29,7 +29,7 @@ impl RankMessages {
         let waiting: f64 = self.traffic.iter().map(|rank| rank.exchanging).sum();
         let share = waiting / self.traffic.len().max(1) as f64 / self.wall_time.max(f64::MIN_POSITIVE);
         format!(
-            "{}, each owns at most {} particles and holds {}; the slowest takes {} times the mean time for its passes; \
+            "{}, each owns at most {} particles and holds {}; the slowest takes {} times the mean time for its work; \
              in a step at most {} messages and {} from each, {} % of the time for them and for waiting",
             self.traffic.len(),
             grouped(most(|rank| rank.own_rows)),

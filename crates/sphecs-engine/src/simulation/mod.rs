@@ -156,6 +156,7 @@ impl Simulation {
         // On a thread of the pool: from any other thread, each parallel loop would wake the pool
         // and wait for it.
         rayon::scope(|_| world.run_schedule(Step));
+        self.world.resource::<Pair>().0.ranks.end_step();
         // Otherwise bevy's list of removed components and resources grows with every step.
         self.world.clear_trackers();
         self.stop_reason().map_or(Ok(()), Err)

@@ -4,10 +4,9 @@
 //! c_r = 1 + θ ((t_r/N_r)/(Σ t/Σ N) − 1)
 //! ```
 //!
-//! t_r is the time that rank r needed for the passes over the N_r rows of its domain since the
-//! domains changed. All ranks know the times of all, so they find the same domains, and no result
-//! depends on them. The work at openings is not in t_r: the ranks wait for each other after each
-//! pass, so that a smaller domain would not make up for it.
+//! t_r is the time that rank r worked in the steps since the domains changed, with N_r rows in its
+//! domain. All ranks know the times of all, so they find the same domains, and no result depends on
+//! them.
 
 /// Steps between two comparisons of the times.
 const STEPS: u32 = 50;

@@ -43,9 +43,8 @@ impl Group {
         self.exchange_during(state, &mut || ());
     }
 
-    /// Exchanges messages as [`Self::exchange`] does while `work` is done, and returns the time
-    /// that this takes, s.
-    pub(super) fn exchange_during(&self, state: &mut State, work: &mut dyn FnMut()) -> f64 {
+    /// Exchanges messages as [`Self::exchange`] does while `work` is done.
+    pub(super) fn exchange_during(&self, state: &mut State, work: &mut dyn FnMut()) {
         let State { messages: Messages { outgoing, incoming, .. }, traffic, .. } = state;
         let (started, mut working) = (Instant::now(), 0.0);
         self.transport.exchange_during(outgoing, incoming, &mut || {
@@ -57,6 +56,5 @@ impl Group {
         traffic.messages += outgoing.iter().filter(|message| !message.is_empty()).count() as u64;
         traffic.sent += outgoing.iter().map(|message| message.len() as u64).sum::<u64>();
         traffic.received += incoming.iter().map(|message| message.len() as u64).sum::<u64>();
-        working
     }
 }

@@ -51,6 +51,7 @@ pub use transport::Transport;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use crate::math::exact_sum::ExactSum;
 use crate::math::grid::CellGrid;
@@ -92,8 +93,10 @@ struct State {
     is_whole: bool,
     /// True if rank 0 keeps the particles of all in the next sort.
     is_observed: bool,
-    /// Time of own passes since the ranks told each other, s.
+    /// Time of own work in steps since the ranks told each other, s.
     busy: f64,
+    /// Beginning of the present step, and the time of messages before it, s.
+    step_began: Option<(Instant, f64)>,
     messages: Messages,
     traffic: Traffic,
 }
@@ -150,6 +153,7 @@ impl Ranks {
             is_whole: true,
             is_observed: false,
             busy: 0.0,
+            step_began: None,
             messages: Messages { outgoing: buffers(), incoming: buffers(), ..Messages::default() },
             traffic: Traffic::default(),
         };
@@ -344,6 +348,20 @@ impl Ranks {
             let state = &mut *group.state();
             state.is_observed = false;
             state.is_change_due = state.balance.begin_step();
+            state.step_began = Some((Instant::now(), state.traffic.exchanging));
+        }
+    }
+
+    /// Ends a step: what this rank did in it counts for the balance, but not the time that it
+    /// waited.
+    pub fn end_step(&self) {
+        if let Some(group) = &self.group {
+            let state = &mut *group.state();
+            if let Some((began, exchanging)) = state.step_began.take() {
+                let busy = began.elapsed().as_secs_f64() - (state.traffic.exchanging - exchanging);
+                state.busy += busy;
+                state.traffic.busy += busy;
+            }
         }
     }
 }

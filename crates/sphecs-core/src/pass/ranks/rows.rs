@@ -24,7 +24,7 @@ use crate::particles::zone::Zone;
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct Header {
-    /// Time of own passes since the last sort, s.
+    /// Time of own work since the last sort, s.
     busy: f64,
     /// 1 if a particle is outside the grid.
     is_outside: u64,

@@ -4,7 +4,6 @@
 //! other blocks are run. So a rank waits for the first part of the pass of its neighbours only.
 
 use std::ops::Range;
-use std::time::Instant;
 
 use super::domains::{Domains, Kind, Run};
 use super::shared_columns::SharedColumns;
@@ -145,7 +144,6 @@ impl Group {
         let ranks = self.transport.size();
         let Some(domains) = state.domains.take() else { return S::default() };
         let (width, is_whole) = (columns.width(), state.is_whole);
-        let started = Instant::now();
         let pieces = pieces(&domains, starts);
         let mut columns = cut(&pieces, starts, columns);
         let mut found = run(Kind::Sent, &pieces, &mut columns, work, join);
@@ -154,7 +152,6 @@ impl Group {
             // Either nothing is sent, or also the inner cells are.
             found = joined(found, inner(&mut columns), join);
         }
-        let mut busy = started.elapsed().as_secs_f64();
         if width > 0 {
             let mut rows = Vec::new();
             for other in 0..ranks {
@@ -167,7 +164,7 @@ impl Group {
                 state.messages.incoming[other].resize(expected * width, 0);
             }
             let mut of_inner = None;
-            busy += self.exchange_during(state, &mut || {
+            self.exchange_during(state, &mut || {
                 if !is_whole {
                     of_inner = inner(&mut columns);
                 }
@@ -181,8 +178,6 @@ impl Group {
                 }
             }
         }
-        state.busy += busy;
-        state.traffic.busy += busy;
         state.domains = Some(domains);
         let found = found.unwrap_or_default();
         if size_of::<S>() > 0 { self.joined(state, found, join) } else { found }

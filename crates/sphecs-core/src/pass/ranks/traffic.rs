@@ -10,7 +10,7 @@ pub struct Traffic {
     pub sent: u64,
     /// Bytes received.
     pub received: u64,
-    /// Wall-clock time of own passes over particles, s.
+    /// Wall-clock time of own work in steps, s.
     pub busy: f64,
     /// Wall-clock time of messages, waiting for other ranks included, s.
     pub exchanging: f64,
