@@ -335,7 +335,6 @@ mod tests {
         assert_eq!(cells(domains.sent_to(0, false)), [4]);
         assert_eq!(cells(domains.sent_to(2, false)), [7]);
         assert!(of_rank(0, &[8, 9]).received_from(2, false).is_empty());
-        // Those of the cells in reach of 5 that are not its own.
         assert_eq!(cells(&domains.bordering), [5, 6]);
     }
 

@@ -2,10 +2,10 @@
 //!
 //! Each rank owns a domain, a set of cells of the grid, and sums for the particles in it: the
 //! spatial decomposition of Plimpton (1995), section 5. It holds the particles of the cells in
-//! reach too. After each pass the ranks send each other what they found for the particles that
-//! another one holds, so all that a rank holds is always as it would be on one rank alone. Between
-//! passes each rank advances all that it holds. Places are sent only of the few particles that
-//! enter the cells that another rank holds (`rows`).
+//! reach too, and whole [`regions`] around openings that it touches. After each pass the ranks send
+//! each other what they found for the particles that another one holds, so all that a rank holds is
+//! always as it would be on one rank alone. Between passes each rank advances all that it holds.
+//! Places are sent only of the few particles that enter the cells that another rank holds (`rows`).
 //!
 //! The sums of a particle depend on the pack of its cell alone, and the summary of a pass on no
 //! order, so every rank is bitwise identical to one rank alone.
@@ -20,7 +20,7 @@
 //! - `rows`: the particles that enter and leave what a rank holds
 //! - `shared_blocks`: passes of which each rank runs the blocks of its cells
 //! - `shared_columns`: output columns in messages
-//! - `shared_points`: results at points that all ranks need
+//! - `shared_points`: results at points that all members of a region need
 //! - [`shares`]: particles that each of a number of ranks would own and hold
 //! - `traffic`: messages and times of a rank
 //! - `transport`: what sends the messages

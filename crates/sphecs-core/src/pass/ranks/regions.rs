@@ -5,9 +5,9 @@
 //! held(r) = R(own(r) ∪ cells(k) of all regions k of which r is a member)
 //! ```
 //!
-//! R(C) are the cells of C and all in reach of them. A rank without a cell of the core knows
-//! nothing of the particles there, and each member can do alike everything that is done in the core
-//! and needs the particles of `cells`.
+//! R(C) are the cells of C and all in reach of them. A rank that is no member holds no particle of
+//! the core. Every member holds all particles that work in the core reads, so all members can do
+//! that work alike.
 
 use std::ops::Range;
 
@@ -26,8 +26,8 @@ pub struct Region {
 }
 
 impl Region {
-    /// Divides cells, those of cores among them, into regions of which no rank holds a part because
-    /// it is a member of another one: what is in reach of one region is not next to another's.
+    /// Divides cells, those of the core among them, into regions. Cells belong to one region if
+    /// what is in reach of them overlaps or touches.
     pub fn divide<const D: usize>(
         grid: &CellGrid<D>,
         core: &[Range<usize>],

@@ -1,4 +1,4 @@
-//! Results at points that all ranks need, such as those of inlets and outlets.
+//! Results at points that all members of a region need, such as those of inlets and outlets.
 //!
 //! The members of a [region](super::regions) hold all particles around its points. So each finds
 //! the results of a part of the points, and they send each other what they found.
