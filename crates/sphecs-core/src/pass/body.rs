@@ -72,9 +72,15 @@ impl BodySum {
 pub struct ExactBodySum([[ExactSum; 3]; 4]);
 
 impl ExactBodySum {
-    /// Adds what the other ranks found.
-    pub fn join(&mut self, ranks: &Ranks) {
-        ranks.sum_exactly(self.0.as_flattened_mut());
+    /// Adds what the other ranks found to each sum, by one message.
+    pub fn join_all(sums: &mut [Self], ranks: &Ranks) {
+        if ranks.size() == 1 {
+            return;
+        }
+        let mut all: Vec<ExactSum> = sums.iter().flat_map(|sum| sum.0.as_flattened()).cloned().collect();
+        ranks.sum_exactly(&mut all);
+        let places = sums.iter_mut().flat_map(|sum| sum.0.as_flattened_mut());
+        places.zip(all).for_each(|(place, sum)| *place = sum);
     }
 
     /// Returns the sum, rounded once.

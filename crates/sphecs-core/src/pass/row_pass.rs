@@ -19,7 +19,7 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use super::pack::{Only, Pack, PackPool, Source};
-use super::ranks::{Joined, PointResult, SharedColumns};
+use super::ranks::{PointResult, SharedColumns};
 use super::settings::PairSettings;
 use crate::math::grid::CellGrid;
 use crate::math::kernel::{KernelShape, WithShape};
@@ -70,7 +70,7 @@ pub(super) trait BlockPass<R: Real, const D: usize>: Sync {
     /// Columns that the pass writes, cut into the rows of a block.
     type Outputs: SharedColumns;
     /// Result of a block besides its columns.
-    type Summary: Joined;
+    type Summary: Default + Send;
     /// Type in whose module the loops are compiled: see [`Vectorised::Module`].
     type Module;
 

@@ -12,7 +12,7 @@ use crate::resources::scene::ActiveScene;
 use crate::resources::state_location::{StateLocation, gather};
 use crate::resources::stopwatch::Stopwatch;
 use crate::schedule::{Stage, StageSet, StepSet};
-use crate::systems::body_forces::{Bodies, sum_body_forces, sum_edac_body_forces};
+use crate::systems::body_forces::{Bodies, finish_body_forces, sum_body_forces, sum_edac_body_forces};
 use crate::systems::boundaries::emitter_states::EmitterStates;
 use crate::systems::boundaries::emitters::apply_emitters;
 use crate::systems::boundaries::inflow_columns::InflowColumns;
@@ -24,7 +24,7 @@ use crate::systems::boundaries::outlet_registry::AddedOutlets;
 use crate::systems::boundaries::outlets::{apply_outlets, find_outlet_rates};
 use crate::systems::boundaries::patch_rows::PatchRows;
 use crate::systems::boundaries::wall_contacts::WallContacts;
-use crate::systems::boundaries::wall_projection::{WallProjections, project_to_walls};
+use crate::systems::boundaries::wall_projection::{WallProjections, join_projections, project_to_walls};
 use crate::systems::boundaries::walls::apply_walls;
 use crate::systems::divergence::{Failure, check_state};
 use crate::systems::edac::{kick_and_drift, shift_outlets, sum_edac_rates, sum_volumes};
@@ -152,7 +152,8 @@ fn add_boundaries<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_
     // Only the systems of one scheme are in the schedule; an order relative to the other has no
     // effect.
     context.stage.add_systems(
-        find_outlet_rates::<R, D>
+        (find_outlet_rates::<R, D>, finish_body_forces)
+            .chain()
             .in_set(StageSet::Rates)
             .after(sum_body_forces::<R, D>)
             .after(sum_edac_body_forces::<R, D>),
@@ -160,7 +161,7 @@ fn add_boundaries<R: PairReal<D>, const D: usize>(context: &mut PluginContext<'_
     context.step.add_systems(
         project_to_walls::<R, D>.in_set(StepSet::Shift).after(shift::<R, D>).after(shift_outlets::<R, D>),
     );
-    context.step.add_systems(transition::<R, D>.in_set(StepSet::Transition));
+    context.step.add_systems((transition::<R, D>, join_projections).chain().in_set(StepSet::Transition));
     // A user's system that runs after `check_state` then runs after both.
     context.step.add_systems(diagnose_outlets::<R, D>.in_set(StepSet::Observe).before(check_state::<R, D>));
 }

@@ -4,7 +4,7 @@ use bevy_ecs::resource::Resource;
 use serde::{Deserialize, Serialize};
 
 use sphecs_core::math::real::Real;
-use sphecs_core::pass::rates::TimeLevel;
+use sphecs_core::pass::rates::{TimeLevel, larger};
 use sphecs_core::pass::sums::PairSums;
 
 /// Sums of the pair passes, which are computed in every step.
@@ -12,8 +12,22 @@ use sphecs_core::pass::sums::PairSums;
 pub struct Sums<R: Real, const D: usize>(pub PairSums<R, D>);
 
 /// Extremes that the pair pass found; they limit the time step.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+///
+/// From the pair pass to the kick they are those of the particles of this rank.
+#[derive(
+    Resource,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Serialize,
+    Deserialize,
+    bytemuck::Pod,
+    bytemuck::Zeroable,
+)]
 #[serde(deny_unknown_fields)]
+#[repr(C)]
 pub struct RatesFound {
     /// Largest c_a + max_b |h x·v/(r² + η²)|, m/s.
     pub largest_signal: f64,
@@ -28,6 +42,20 @@ pub struct RatesFound {
     pub largest_damping: f64,
     /// Largest damping rate of particles with a wall in their support, 1/s; 0 under `EdacTvf`.
     pub largest_damping_at_walls: f64,
+}
+
+impl RatesFound {
+    /// Returns the extremes of two parts of a flow; a value that is NaN in one of them stays so.
+    pub fn join(self, other: Self) -> Self {
+        Self {
+            largest_signal: larger(self.largest_signal, other.largest_signal),
+            largest_speed: larger(self.largest_speed, other.largest_speed),
+            largest_divergence: larger(self.largest_divergence, other.largest_divergence),
+            largest_viscosity: larger(self.largest_viscosity, other.largest_viscosity),
+            largest_damping: larger(self.largest_damping, other.largest_damping),
+            largest_damping_at_walls: larger(self.largest_damping_at_walls, other.largest_damping_at_walls),
+        }
+    }
 }
 
 /// Steps since the last corrective (Euler) step of Verlet's scheme; 0 in a corrective step.

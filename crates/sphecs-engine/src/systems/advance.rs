@@ -17,7 +17,7 @@ use super::boundaries::patch_rows::PatchRows;
 use crate::resources::clock::Clock;
 use crate::resources::pair_sums::RatesFound;
 use crate::resources::scene::ActiveScene;
-use sphecs_core::math::lanes::{Lanes, Vectorised};
+use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
 use sphecs_core::pass::blocks::join_parts;
@@ -33,10 +33,26 @@ const CHUNK: usize = 4096;
 pub(crate) struct StepSettings<'w> {
     scene: Res<'w, ActiveScene>,
     /// Extremes that the pair pass found.
-    pub found: Res<'w, RatesFound>,
+    pub found: ResMut<'w, RatesFound>,
 }
 
 impl StepSettings<'_> {
+    /// Joins the extremes of all ranks and returns the largest |dv/dt| of fluid particles, m/s².
+    ///
+    /// The pair pass cannot find that one, since body forces, walls and plugins add to the
+    /// accelerations afterwards. The ranks meet here and not after the pair pass: the work at
+    /// openings in between differs from rank to rank.
+    pub(crate) fn join_extremes<R: PairReal<D>, const D: usize>(
+        &mut self,
+        arrays: &ParticleArrays<R, D>,
+        pair: &PairSettings,
+    ) -> f64 {
+        let own = Extremes { squared: largest_squared_acceleration(arrays, pair.lanes), found: *self.found };
+        let all = pair.ranks.joined(own, Extremes::join);
+        *self.found = all.found;
+        all.squared.sqrt()
+    }
+
     /// Returns the limits of the time step, with the damping factor C_λ of the integrator.
     pub(crate) fn limits(&self, damping: f64) -> TimeStepLimits {
         TimeStepLimits {
@@ -101,18 +117,31 @@ pub(crate) fn are_regular_fluid(zone: &[Zone], needs_restart: &[bool]) -> bool {
         .fold(true, |all, (zone, needs_restart)| all & (*zone == Zone::Fluid) & !needs_restart)
 }
 
-/// Returns the largest |dv/dt| of fluid particles, m/s².
+/// Extremes of the particles of a rank.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Extremes {
+    /// Largest |dv/dt|², m²/s⁴.
+    squared: f64,
+    found: RatesFound,
+}
+
+impl Extremes {
+    fn join(self, other: Self) -> Self {
+        Self { squared: self.squared.max(other.squared), found: self.found.join(other.found) }
+    }
+}
+
+/// Returns the largest |dv/dt|² of fluid particles, m²/s⁴.
 ///
-/// The pair pass cannot find it, since body forces, walls and plugins add to the accelerations
-/// afterwards. A maximum does not depend on the order of its operands.
-pub(crate) fn largest_acceleration<R: PairReal<D>, const D: usize>(
+/// A maximum does not depend on the order of its operands.
+fn largest_squared_acceleration<R: PairReal<D>, const D: usize>(
     arrays: &ParticleArrays<R, D>,
-    pair: &PairSettings,
+    lanes: InstructionSet,
 ) -> f64 {
     let (zone, acceleration) = (&*arrays.zone, &arrays.acceleration);
-    let largest = |rows: Range<usize>| R::dispatch(pair.lanes, LargestSquare { zone, acceleration, rows });
-    let squared: f64 = join_parts(0..zone.len(), &largest, &f64::max);
-    pair.ranks.joined(squared, f64::max).sqrt()
+    let largest = |rows: Range<usize>| R::dispatch(lanes, LargestSquare { zone, acceleration, rows });
+    join_parts(0..zone.len(), &largest, &f64::max)
 }
 
 /// Finds the largest |dv/dt|² of some rows.

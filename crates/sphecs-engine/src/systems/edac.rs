@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use bevy_ecs::system::{Res, ResMut};
 
-use super::advance::{StepSettings, ZoneMotion, are_regular_fluid, largest_acceleration};
+use super::advance::{StepSettings, ZoneMotion, are_regular_fluid};
 use super::boundaries::emitter_states::EmitterStates;
 use super::boundaries::emitters::set_end_densities;
 use super::boundaries::patch_rows::PatchRows;
@@ -87,7 +87,7 @@ pub(crate) fn sum_edac_rates<R: PairReal<D>, const D: usize>(
 
 /// Chooses the time step and advances velocity, pressure and position.
 pub(crate) fn kick_and_drift<R: PairReal<D>, const D: usize>(
-    (scene, settings): (Res<ActiveScene>, StepSettings),
+    (scene, mut settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
     mut zones: ZoneMotion<R, D>,
     mut arrays: ResMut<Arrays<R, D>>,
@@ -98,9 +98,10 @@ pub(crate) fn kick_and_drift<R: PairReal<D>, const D: usize>(
         BodyForce::Expression(_) => 0.0,
     };
     let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
+    let largest_acceleration = settings.join_extremes(arrays, &pair.0);
     let found = &settings.found;
     let time_step = settings.limits(kick_drift::DAMPING).time_step(
-        largest_acceleration(arrays, &pair.0).max(gravity),
+        largest_acceleration.max(gravity),
         found.largest_signal,
         found.largest_damping,
     );

@@ -33,8 +33,7 @@ use crate::physics::edac::Edac;
 
 /// Largest values over all fluid rows, for the time step and the monitor. A rate that is NaN makes
 /// its largest value NaN.
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdacSummary {
     /// Largest |v|, m/s.
     pub speed: f64,
@@ -57,6 +56,8 @@ impl Summary for EdacSummary {
 
 /// Sums acceleration, rate of pressure, acceleration by the background pressure and divergence of
 /// the fluid rows over all rows.
+///
+/// Each rank gets the largest values over its own rows.
 pub fn sum_rates<R: Real, const D: usize>(
     pair: &PairSettings,
     edac: &Edac,

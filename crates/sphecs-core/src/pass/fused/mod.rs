@@ -28,7 +28,6 @@ pub(super) use wall_image::WallImage;
 use super::column_access::FusedInputsReader;
 use super::density::LEAST_Q2;
 use super::pack::{Entry, NeighbourMask, Only, Pack, PackPool, Source, Vector};
-use super::ranks::Joined;
 use super::settings::PairSettings;
 use super::sums::PairSums;
 use super::wall_sides::{Behind, OwnSide, SideColumns};
@@ -63,7 +62,7 @@ pub(super) struct FusedInputs<'a, R: Real, const D: usize> {
 }
 
 /// Extremes of the rows of a pass.
-pub(super) trait Summary: Joined + Copy {
+pub(super) trait Summary: Copy + Default + Send {
     /// Returns the larger of each, whatever the order.
     fn join(self, other: Self) -> Self;
 }

@@ -42,7 +42,6 @@ mod tests;
 mod traffic;
 mod transport;
 
-pub(super) use shared_blocks::Joined;
 pub(super) use shared_columns::{OutputNumber, SharedColumns};
 pub(super) use shared_points::PointResult;
 pub use traffic::Traffic;

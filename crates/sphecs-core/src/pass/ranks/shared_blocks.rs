@@ -11,18 +11,13 @@ use super::{Group, Ranks, State};
 use crate::math::grid::CellGrid;
 use crate::pass::blocks::{blocks_of, for_each_block};
 
-/// Result of a pass besides its columns, which the ranks join.
-pub(in crate::pass) trait Joined: bytemuck::Pod + Default + Send {}
-
-impl<S: bytemuck::Pod + Default + Send> Joined for S {}
-
 impl Ranks {
     /// Runs `work` over the cells in blocks, in parallel, and joins the results; each rank runs it
     /// over its own cells, and has the rows of all cells that it holds in the end.
     ///
     /// `work` takes the cells of a block and the rows of the output columns that belong to them.
-    /// The result must not depend on the order of the joins.
-    pub(in crate::pass) fn for_each_block<C: SharedColumns, S: Joined, const D: usize>(
+    /// The result is that of the cells of this rank, and must not depend on the order of the joins.
+    pub(in crate::pass) fn for_each_block<C: SharedColumns, S: Default + Send, const D: usize>(
         &self,
         grid: &CellGrid<D>,
         columns: C,
@@ -133,7 +128,7 @@ fn joined<S>(low: Option<S>, high: Option<S>, join: &Join<'_, S>) -> Option<S> {
 }
 
 impl Group {
-    fn for_each_block<C: SharedColumns, S: Joined>(
+    fn for_each_block<C: SharedColumns, S: Default + Send>(
         &self,
         state: &mut State,
         starts: &[u32],
@@ -179,7 +174,6 @@ impl Group {
             }
         }
         state.domains = Some(domains);
-        let found = found.unwrap_or_default();
-        if size_of::<S>() > 0 { self.joined(state, found, join) } else { found }
+        found.unwrap_or_default()
     }
 }

@@ -42,8 +42,7 @@ use crate::particles::arrays::ParticleArrays;
 
 /// Largest values over all fluid rows, for the time step and the monitor. A rate that is NaN makes
 /// its largest value NaN.
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RatesSummary {
     /// Largest |dv/dt| without the body force, m/s².
     pub acceleration: f64,
@@ -96,11 +95,13 @@ impl Summary for RatesSummary {
 }
 
 /// Returns the larger of two numbers, or NaN if `b` is NaN: `f64::max` would hide it.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
+pub fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
 /// Sums acceleration, shifting vector and divergence of the fluid rows over all rows.
+///
+/// Each rank gets the largest values over its own rows.
 pub fn sum_rates<R: Real, const D: usize>(
     pair: &PairSettings,
     grid: &CellGrid<D>,

@@ -21,7 +21,7 @@ use crate::systems::boundaries::emitter_states::EmitterStates;
 use crate::systems::boundaries::movers::PresentPoses;
 use crate::systems::boundaries::wall_contacts::WallContacts;
 use covered_walls::CoveredWalls;
-use sphecs_core::pass::body::{Body, BodySum};
+use sphecs_core::pass::body::{Body, BodySum, ExactBodySum};
 use sphecs_core::pass::pair_real::PairReal;
 use sphecs_core::pass::ranks::Ranks;
 use sphecs_core::pass::settings::{PairSettings, PressureLaw};
@@ -75,6 +75,8 @@ pub struct Bodies {
     covered: CoveredWalls,
     pair: PairSettings,
     edac: Edac,
+    /// Sums over the particles of this rank.
+    found: Vec<ExactBodySum>,
 }
 
 impl Bodies {
@@ -100,6 +102,7 @@ impl FromWorld for Bodies {
             // `pass/body.rs` gives the reason for switching these two off.
             pair: PairSettings { tensile_control: false, ..pair.clone() },
             edac: Edac { average_pressure: false, ..edac },
+            found: Vec::new(),
         }
     }
 }
@@ -113,52 +116,66 @@ fn new_body(scene: &Scene, body: &SceneBody) -> Body {
 /// Sums the forces on all bodies by the terms of `Wcsph`.
 pub(crate) fn sum_body_forces<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
-    (emitters, contacts): (Option<Res<EmitterStates>>, Res<WallContacts>),
+    emitters: Option<Res<EmitterStates>>,
     grid: Res<Grid<D>>,
     since_correction: Res<StepsSinceCorrection>,
     arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {
-    let Bodies { row, bodies, shear, covered, pair, .. } = &mut *bodies;
+    let Bodies { row, bodies, covered, pair, found, .. } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
-    row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
-    row.forces.extend(bodies.iter_mut().zip(shear).enumerate().map(|(index, (body, shear))| {
+    found.clear();
+    found.extend(bodies.iter_mut().map(|body| {
         covered.collect((&scene.0, &poses.0), body.part, (&arrays, &pair.ranks), &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
         let mut exact =
             R::sum_body_force(pair, &grid.0, &arrays, since_correction.time_level(), &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
-        exact.join(&pair.ranks);
-        let mut sum = exact.value();
-        add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
-        contacts.add(index, &mut sum);
-        sum
+        exact
     }));
 }
 
 /// Sums the forces on all bodies by the terms of `EdacTvf`.
 pub(crate) fn sum_edac_body_forces<R: PairReal<D>, const D: usize>(
     (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
-    (emitters, contacts): (Option<Res<EmitterStates>>, Res<WallContacts>),
+    emitters: Option<Res<EmitterStates>>,
     grid: Res<Grid<D>>,
     arrays: Res<Arrays<R, D>>,
     mut sums: ResMut<Sums<R, D>>,
     mut bodies: ResMut<Bodies>,
 ) {
-    let Bodies { row, bodies, shear, covered, pair, edac } = &mut *bodies;
+    let Bodies { row, bodies, covered, pair, edac, found, .. } = &mut *bodies;
     (row.time, row.step) = (clock.time, clock.step);
-    row.forces.clear();
     find_motions((&scene.0, &poses.0), bodies, &mut row.motions);
-    row.forces.extend(bodies.iter_mut().zip(shear).enumerate().map(|(index, (body, shear))| {
+    found.clear();
+    found.extend(bodies.iter_mut().map(|body| {
         covered.collect((&scene.0, &poses.0), body.part, (&arrays, &pair.ranks), &mut body.others);
         add_emitters(&scene.0, emitters.as_deref(), body);
         let mut exact = R::sum_edac_body_force(pair, edac, &grid.0, &arrays, &mut sums.0, body);
         add_friction_on(pair, &grid.0, &arrays, &sums.0, body, &mut exact);
-        exact.join(&pair.ranks);
-        let mut sum = exact.value();
-        add_shear((&scene.0, &poses.0), clock.time, shear, body, &mut sum);
+        exact
+    }));
+}
+
+/// Joins the sums of all ranks, and adds what the pair sums do not contain.
+///
+/// It runs after the work at openings, which differs from rank to rank: here they wait for each
+/// other.
+pub(crate) fn finish_body_forces(
+    (scene, poses): (Res<ActiveScene>, Res<PresentPoses>),
+    contacts: Res<WallContacts>,
+    mut bodies: ResMut<Bodies>,
+) {
+    let Bodies { row, bodies, shear, pair, found, .. } = &mut *bodies;
+    ExactBodySum::join_all(found, &pair.ranks);
+    let time = row.time;
+    row.forces.clear();
+    let found = found.iter().zip(bodies).zip(shear).enumerate();
+    row.forces.extend(found.map(|(index, ((found, body), shear))| {
+        let mut sum = found.value();
+        add_shear((&scene.0, &poses.0), time, shear, body, &mut sum);
         contacts.add(index, &mut sum);
         sum
     }));

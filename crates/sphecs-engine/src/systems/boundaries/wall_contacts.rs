@@ -38,6 +38,9 @@ pub struct WallContacts {
     /// Contacts of the step; kept for their memory.
     #[serde(skip)]
     pub(super) found: Vec<WallContact>,
+    /// Number of fluid particles that the step moved back to a wall.
+    #[serde(skip)]
+    pub(super) moved: u64,
 }
 
 impl WallContacts {
@@ -46,25 +49,30 @@ impl WallContacts {
     pub(super) fn sum(&mut self, scene: &Scene, poses: &WallPoses, time_step: f64, ranks: &Ranks) {
         self.forces.clear();
         let rate = scene.discretisation.mass / time_step;
-        self.forces.extend(scene.bodies.iter().map(|body| {
-            let wall = Wall::of_part(scene, body.part);
-            let pose = scene.pose_of_part(poses, body.part);
-            let about = pose.map_or(body.about, |pose| pose.place(body.about));
-            let mut sum = ExactBodySum::default();
-            for contact in self.found.iter().filter(|contact| contact.wall == wall) {
-                let reference = || pose.map_or(contact.point, |pose| pose.reference(contact.point));
-                if wall == Wall::Casing && surface(scene, wall, reference()).part != body.part {
-                    continue;
+        let mut sums: Vec<ExactBodySum> = scene
+            .bodies
+            .iter()
+            .map(|body| {
+                let wall = Wall::of_part(scene, body.part);
+                let pose = scene.pose_of_part(poses, body.part);
+                let about = pose.map_or(body.about, |pose| pose.place(body.about));
+                let mut sum = ExactBodySum::default();
+                for contact in self.found.iter().filter(|contact| contact.wall == wall) {
+                    let reference = || pose.map_or(contact.point, |pose| pose.reference(contact.point));
+                    if wall == Wall::Casing && surface(scene, wall, reference()).part != body.part {
+                        continue;
+                    }
+                    let force = rate * contact.lost;
+                    let arm = scene.image_at_wall(poses, body.part, contact.point) - about;
+                    let pressure_torque = arm.cross(force);
+                    sum += &BodySum { pressure_force: force, pressure_torque, ..BodySum::default() };
                 }
-                let force = rate * contact.lost;
-                let arm = scene.image_at_wall(poses, body.part, contact.point) - about;
-                let pressure_torque = arm.cross(force);
-                sum += &BodySum { pressure_force: force, pressure_torque, ..BodySum::default() };
-            }
-            sum.join(ranks);
-            let sum = sum.value();
-            [sum.pressure_force, sum.pressure_torque]
-        }));
+                sum
+            })
+            .collect();
+        ExactBodySum::join_all(&mut sums, ranks);
+        let values = sums.iter().map(ExactBodySum::value);
+        self.forces.extend(values.map(|sum| [sum.pressure_force, sum.pressure_torque]));
         self.found.clear();
     }
 

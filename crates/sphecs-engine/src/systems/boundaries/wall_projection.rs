@@ -51,9 +51,9 @@ const IN_FRONT: f64 = 1e-6;
 
 /// Moves fluid and outflow particles that are behind a wall back to its surface.
 pub fn project_to_walls<R: PairReal<D>, const D: usize>(
-    (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
+    (scene, poses): (Res<ActiveScene>, Res<PresentPoses>),
     (grid, pair): (Res<Grid<D>>, Res<Pair>),
-    (mut projections, mut contacts): (ResMut<WallProjections>, ResMut<WallContacts>),
+    mut contacts: ResMut<WallContacts>,
     mut arrays: ResMut<Arrays<R, D>>,
 ) {
     let (scene, poses) = (&*scene.0, &poses.0);
@@ -118,11 +118,23 @@ pub fn project_to_walls<R: PairReal<D>, const D: usize>(
     };
     for_each_part(0..zone.len(), columns, &work);
     contacts.found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let found = [count.into_inner(), contacts.found.len() as u64];
-    let [count, contacts_of_all] = pair.0.ranks.joined(found, |a, b| [a[0] + b[0], a[1] + b[1]]);
-    projections.0 += count;
+    contacts.moved = count.into_inner();
+}
+
+/// Counts the particles of all ranks that were moved back to a wall, and sums the forces of those
+/// that touched a body.
+///
+/// It runs after the change of zones, where the ranks wait for each other in any case.
+pub fn join_projections(
+    (scene, poses, clock): (Res<ActiveScene>, Res<PresentPoses>, Res<Clock>),
+    pair: Res<Pair>,
+    (mut projections, mut contacts): (ResMut<WallProjections>, ResMut<WallContacts>),
+) {
+    let found = [contacts.moved, contacts.found.len() as u64];
+    let [moved, contacts_of_all] = pair.0.ranks.joined(found, |a, b| [a[0] + b[0], a[1] + b[1]]);
+    projections.0 += moved;
     if contacts_of_all > 0 {
-        contacts.sum(scene, poses, clock.time_step, &pair.0.ranks);
+        contacts.sum(&scene.0, &poses.0, clock.time_step, &pair.0.ranks);
     } else {
         contacts.clear();
     }

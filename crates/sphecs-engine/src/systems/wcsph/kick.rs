@@ -11,7 +11,7 @@ use crate::arrays::Arrays;
 use crate::resources::pair::Pair;
 use crate::resources::pair_sums::{StepsSinceCorrection, Sums};
 use crate::resources::scene::ActiveScene;
-use crate::systems::advance::{StepSettings, ZoneMotion, are_regular_fluid, largest_acceleration};
+use crate::systems::advance::{StepSettings, ZoneMotion, are_regular_fluid};
 use sphecs_core::math::lanes::{InstructionSet, Lanes, Vectorised};
 use sphecs_core::particles::arrays::ParticleArrays;
 use sphecs_core::particles::zone::Zone;
@@ -28,7 +28,7 @@ const CHUNK: usize = 4096;
 /// Chooses the time step and advances velocities and positions of fluid, inflow and outflow
 /// particles.
 pub(crate) fn kick<R: PairReal<D>, const D: usize>(
-    (scene, settings): (Res<ActiveScene>, StepSettings),
+    (scene, mut settings): (Res<ActiveScene>, StepSettings),
     (pair, sums): (Res<Pair>, Res<Sums<R, D>>),
     mut since_correction: ResMut<StepsSinceCorrection>,
     mut zones: ZoneMotion<R, D>,
@@ -36,10 +36,11 @@ pub(crate) fn kick<R: PairReal<D>, const D: usize>(
 ) {
     let Some(parameters) = scene.0.scheme.wcsph() else { return };
     let (arrays, lanes) = (&mut arrays.0, pair.0.lanes);
+    let largest_acceleration = settings.join_extremes(arrays, &pair.0);
     let found = &settings.found;
     let time_step = settings.limits(friction::DAMPING).time_step(
-        largest_acceleration(arrays, &pair.0),
-        found.largest_signal,
+        largest_acceleration,
+        found.largest_signal.max(scene.0.fluid.sound_speed),
         found.largest_damping,
     );
     let previous_time_step = zones.clock.time_step;

@@ -65,7 +65,7 @@ pub(crate) fn sum_rates<R: PairReal<D>, const D: usize>(
 ) {
     let summary = R::sum_rates(&pair.0, &grid.0, &mut arrays, since_correction.time_level(), &mut sums.0);
     *found = RatesFound {
-        largest_signal: summary.signal_speed.max(scene.0.fluid.sound_speed),
+        largest_signal: summary.signal_speed,
         largest_speed: summary.speed,
         largest_divergence: summary.divergence,
         largest_damping: summary.damping,
