@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use census::{Particle, census};
 use common::{in_parallel, shipped_scenes, smoke_scene, text_scene};
 use rayon::ThreadPoolBuilder;
-use sphecs::Simulation;
 use sphecs::glam::{DMat3, DVec3};
+use sphecs::{Simulation, SimulationBuilder};
+use sphecs_core::pass::grid_rows::{NodeFields, NodeRow, RowSink};
 use sphecs_core::pass::section::Section;
 use sphecs_core::pass::surface_flow::{Friction, SurfacePoint};
 use sphecs_output::frame::Frame;
@@ -158,7 +159,41 @@ fn readings(run: &mut Simulation, places: &[DVec3]) -> String {
         |normal| Section::new(inside[inside.len() / 2], normal, inside, spacing, periods, dimensions);
     let flows = run.mass_flows(&[&section(DVec3::X), &section(DVec3::Y)]);
     assert!(samples.iter().any(Option::is_some) && pressures.len() == places.len());
-    format!("{row:?} {samples:?} {pressures:?} {surface:?} {flows:?} {:?}", run.body_forces())
+    let fields = grid_fields(run, inside);
+    format!("{row:?} {samples:?} {pressures:?} {surface:?} {flows:?} {:?} {fields:?}", run.body_forces())
+}
+
+/// Fields of a row of nodes.
+#[derive(Clone, Default)]
+struct RowFields(Vec<NodeFields>);
+
+impl RowSink for RowFields {
+    fn take(&mut self, fields: &[NodeFields]) {
+        self.0.extend_from_slice(fields);
+    }
+}
+
+/// Returns the fields in rows of nodes through the places of a flow, m, and beyond its ends: their
+/// groups of nodes belong to several ranks.
+fn grid_fields(run: &mut Simulation, inside: &[DVec3]) -> Vec<NodeFields> {
+    let spacing = run.scene().spacing;
+    let (low, high) =
+        inside.iter().fold((inside[0], inside[0]), |(low, high), &place| (low.min(place), high.max(place)));
+    let step = DVec3::new(0.9, 0.05, 0.0) * spacing;
+    let nodes = ((high.x - low.x) / step.x) as usize + 8;
+    let row = |place: usize| {
+        let at = low + (high - low) * (place as f64 / 6.0);
+        let start = DVec3::new(low.x - 3.5 * spacing, at.y, at.z);
+        NodeRow { start, step, wanted: (0..nodes).map(|node| node % 11 != 3).collect() }
+    };
+    let rows: Vec<NodeRow> = (0..7).map(row).collect();
+    let mut found = vec![RowFields::default(); rows.len()];
+    let mut sinks: Vec<&mut dyn RowSink> = found.iter_mut().map(|row| row as &mut dyn RowSink).collect();
+    let has_tags = run.scene().has_tags();
+    run.sample_rows(&rows, &mut sinks, has_tags);
+    let fields: Vec<NodeFields> = found.into_iter().flat_map(|row| row.0).collect();
+    assert!(fields.len() == 7 * nodes && fields.iter().any(|node| node.pressure.is_finite()));
+    fields
 }
 
 /// Channel with enough rows for several tasks per pass, with inlet, outlet, walls and a body force
@@ -216,46 +251,27 @@ fn check_many_rows(sets: &[(&str, &str)]) {
     assert!(one.0.state() == ranks.0.state(), "ranks: the states differ");
 }
 
-/// A simulation that is built without components, to lead several ranks, runs as any other, also
-/// from a checkpoint.
+/// Reads between the steps, a borrowed world and particles without components leave each shipped
+/// scene as it is.
 #[test]
-fn particles_without_components_are_bitwise_identical() {
-    let faults: Vec<String> = in_parallel(&shipped_scenes(), |path| {
+fn reads_and_missing_components_leave_the_flow_bitwise_identical() {
+    let faults: Vec<Vec<String>> = in_parallel(&shipped_scenes(), |path| {
         let scene = smoke_scene(path, &[]);
         let particles = seeds(&scene);
-        let build = || Simulation::builder(scene.clone()).particles(particles.clone());
-        let [mut with, mut without] = [build(), build().without_components()]
-            .map(|builder| builder.build().expect("a scene without plugins can be built"));
-        let is_equal = |one: &mut Simulation, other: &mut Simulation| {
-            frame_bits(one) == frame_bits(other) && one.state() == other.state()
+        let build =
+            |builder: SimulationBuilder| builder.build().expect("a scene without plugins can be built");
+        let builder = || Simulation::builder(scene.clone()).particles(particles.clone());
+        let [mut alone, mut read, mut borrowed] = [(); 3].map(|()| build(builder()));
+        // As for the first of several ranks.
+        let mut without = build(builder().without_components());
+        assert!(alone.has_components() && !without.has_components());
+        let mut faults = Vec::new();
+        let mut expect = |is_equal: bool, what: &str| {
+            if !is_equal {
+                faults.push(format!("{}: {what}", path.display()));
+            }
         };
-        assert!(with.has_components() && !without.has_components());
-        let begins = is_equal(&mut with, &mut without);
-        for _ in 0..STEPS_WITH_READS {
-            with.step().expect("a step");
-            without.step().expect("a step");
-            // There is nothing that a caller could change.
-            without.world_mut();
-        }
-        let continues = is_equal(&mut with, &mut without);
-        let restored = Simulation::builder(scene.clone()).state(with.state()).without_components();
-        let mut restored = restored.build().expect("a state of the scene");
-        let is_restored = is_equal(&mut with, &mut restored);
-        (!begins || !continues || !is_restored).then(|| {
-            format!("{}: at first {begins}, later {continues}, restored {is_restored}", path.display())
-        })
-    })
-    .into_iter()
-    .flatten()
-    .collect();
-    assert!(faults.is_empty(), "{faults:#?}");
-}
-
-/// Reads between the steps, and a borrowed world, leave each shipped scene as it is without them.
-#[test]
-fn reading_between_steps_leaves_the_flow_bitwise_identical() {
-    let faults: Vec<String> = in_parallel(&shipped_scenes(), |path| {
-        let [mut alone, mut read, mut borrowed] = simulations(path);
+        expect(is_equal(&mut borrowed, &mut without), "without components, at first");
         for step in 0..STEPS_WITH_READS {
             match step % 11 {
                 0 => drop(read.monitor_row()),
@@ -266,19 +282,28 @@ fn reading_between_steps_leaves_the_flow_bitwise_identical() {
             if step % 7 == 0 {
                 borrowed.world_mut();
             }
-            for run in [&mut alone, &mut read, &mut borrowed] {
+            for run in [&mut alone, &mut read, &mut borrowed, &mut without] {
                 run.step().expect("a step");
             }
+            // There is nothing that a caller could change.
+            without.world_mut();
         }
-        let mut fault = |other: &mut Simulation, what: &str| {
-            let found = difference(&mut alone, other)?;
-            Some(format!("{}: {what}: {found}", path.display()))
-        };
-        [fault(&mut read, "reads"), fault(&mut borrowed, "borrowing the world")]
-    })
-    .into_iter()
-    .flatten()
-    .flatten()
-    .collect();
+        for (other, what) in [(&mut read, "reads"), (&mut borrowed, "borrowing the world")] {
+            if let Some(found) = difference(&mut alone, other) {
+                expect(false, &format!("{what}: {found}"));
+            }
+        }
+        expect(is_equal(&mut alone, &mut without), "without components");
+        let mut restored =
+            build(Simulation::builder(scene.clone()).state(alone.state()).without_components());
+        expect(is_equal(&mut alone, &mut restored), "without components, from a checkpoint");
+        faults
+    });
+    let faults = faults.concat();
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+/// Returns true if all that is written of two simulations is equal.
+fn is_equal(one: &mut Simulation, other: &mut Simulation) -> bool {
+    frame_bits(one) == frame_bits(other) && one.state() == other.state()
 }

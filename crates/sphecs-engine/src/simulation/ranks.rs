@@ -54,10 +54,12 @@ pub(super) enum Command {
     Surface,
     /// All ranks sum the mass flows through sections that follow.
     MassFlows,
+    /// All ranks find the fields at the nodes of grids that follow.
+    Rows,
 }
 
 impl Command {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::End,
         Self::Step,
         Self::Traffic,
@@ -70,6 +72,7 @@ impl Command {
         Self::Pressure,
         Self::Surface,
         Self::MassFlows,
+        Self::Rows,
     ];
 }
 

@@ -2,7 +2,7 @@
 //! particles.
 //!
 //! With several ranks, each sums and fits for its own particles, and rank 0 gets the results. Only
-//! gridded fields and tables of all particles need them all on rank 0, as one rank has them.
+//! tables of all particles need them all on rank 0, as one rank has them.
 
 use bevy_ecs::world::World;
 use glam::{DMat3, DVec3};
@@ -175,8 +175,13 @@ impl Simulation {
     /// # Panics
     /// If there are not as many sinks as rows.
     pub fn sample_rows(&mut self, rows: &[NodeRow], sinks: &mut [&mut dyn RowSink], tagged: bool) {
-        self.collect();
-        self.sort();
+        if self.connection.is_shared() {
+            let mut numbers = vec![f64::from(u8::from(tagged))];
+            rows.iter().for_each(|row| row.write(&mut numbers));
+            self.request(Command::Rows, numbers.into_iter());
+        } else {
+            self.sort();
+        }
         (self.functions.sample_rows)(&self.world, rows, sinks, tagged);
     }
 
@@ -234,6 +239,12 @@ impl Simulation {
             Command::MassFlows => {
                 let sections = Section::read_all(&self.connection.hear());
                 (self.functions.mass_flows)(&self.world, &sections.iter().collect::<Vec<_>>());
+            }
+            Command::Rows => {
+                let numbers = self.connection.hear();
+                let (tagged, rows) =
+                    numbers.split_first().map_or((false, &[][..]), |(&tagged, rows)| (tagged != 0.0, rows));
+                (self.functions.sample_rows)(&self.world, &NodeRow::read_all(rows), &mut [], tagged);
             }
             Command::End | Command::Step | Command::Traffic | Command::Sort => {}
             Command::Collect | Command::Particles | Command::State => {}

@@ -162,8 +162,8 @@ fn by_sight<R: PairReal<D>, T: Clone, const D: usize>(
     found
 }
 
-/// Samples the fields of the fluid in rows of nodes and passes them to the sink of each row; with
-/// `tagged`, the passive scalar too.
+/// Samples the fields of the fluid in rows of nodes and passes them to the sink of each row, on
+/// rank 0; with `tagged`, the passive scalar too.
 pub(crate) fn sample_rows<R: PairReal<D>, const D: usize>(
     world: &World,
     rows: &[NodeRow],
@@ -171,7 +171,9 @@ pub(crate) fn sample_rows<R: PairReal<D>, const D: usize>(
     tagged: bool,
 ) {
     let arrays = world.resource::<Arrays<R, D>>();
-    let tags = if tagged { tags(world, &arrays.id) } else { Vec::new() };
+    let ranks = &world.resource::<Pair>().0.ranks;
+    let find = |ids: &[u32]| tags(world, ids);
+    let tags = if tagged { ranks.answers_of_first(&arrays.id, find) } else { Vec::new() };
     let sampler = RowSampler {
         grid: &world.resource::<Grid<D>>().0,
         particles: arrays,

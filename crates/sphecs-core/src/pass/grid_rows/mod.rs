@@ -9,13 +9,15 @@
 //! These are the fits of [`sampling`](super::sampling) (Liu & Liu 2006), for many points in
 //! straight rows. A lane is a node instead of a neighbour: the neighbours of a group of nodes are
 //! visited once for all of them, and every lane solves its own equations. This is five times as
-//! fast as node by node. Values are fitted relative to one neighbour, so that a constant is exact.
+//! fast as node by node. Values are fitted relative to those of one particle, so that a constant is
+//! exact.
 //!
 //! Where the quadratic fit would amplify noise, the fit is linear; where the neighbours do not span
 //! all directions, it is the Shepard mean, without a curl.
 
 mod near;
 mod node_sums;
+mod shared_rows;
 #[cfg(test)]
 mod tests;
 
@@ -109,8 +111,8 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
     /// Samples all rows and passes the fields of each to `take` with the element of `sinks` that
     /// belongs to it.
     ///
-    /// The fields depend on the particles around a row alone, so they are bitwise independent of
-    /// the other rows and of the number of threads.
+    /// The fields are bitwise independent of the other rows and of the number of threads. All ranks
+    /// call it together with the same rows; only rank 0 needs sinks.
     ///
     /// # Panics
     /// If there are not as many sinks as rows.
@@ -120,8 +122,24 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
         sinks: &mut [S],
         take: impl Fn(&mut S, &[NodeFields]) + Sync,
     ) {
-        assert_eq!(rows.len(), sinks.len(), "one sink for each row");
-        rows.par_iter().zip(sinks.par_iter_mut()).for_each_init(Buffers::new, |buffers, (row, sink)| {
+        let ranks = &self.pair.ranks;
+        assert!(ranks.rank() > 0 || rows.len() == sinks.len(), "one sink for each row");
+        if ranks.size() > 1 {
+            self.sample_shared(rows, sinks, take);
+        } else {
+            self.sample_all(rows, &self.reference(), sinks, take);
+        }
+    }
+
+    fn sample_all<S: Send>(
+        &self,
+        rows: &[NodeRow],
+        reference: &[f64; FIELDS],
+        sinks: &mut [S],
+        take: impl Fn(&mut S, &[NodeFields]) + Sync,
+    ) {
+        let buffers = || Buffers::new(*reference);
+        rows.par_iter().zip(sinks.par_iter_mut()).for_each_init(buffers, |buffers, (row, sink)| {
             self.sample_row(row, buffers);
             take(sink, &buffers.fields);
         });
@@ -144,8 +162,8 @@ struct Buffers<const D: usize> {
 }
 
 impl<const D: usize> Buffers<D> {
-    fn new() -> Self {
-        let gathered = Gathered { near: Vec::new(), reference: None };
+    fn new(reference: [f64; FIELDS]) -> Self {
+        let gathered = Gathered { near: Vec::new(), reference };
         Self { gathered, nodes: [NodeFields::ABSENT; MOST_LANES], fields: Vec::new() }
     }
 }
@@ -264,10 +282,8 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
         for lane in 0..L::COUNT {
             let at = Lane { lane, values: &values, slopes: &slopes };
             nodes[lane].fraction = fraction[lane];
-            if let Some(reference) = &gathered.reference
-                && totals[lane] > 0.0
-            {
-                at.write(reference, &mut nodes[lane]);
+            if totals[lane] > 0.0 {
+                at.write(&gathered.reference, &mut nodes[lane]);
             }
         }
     }

@@ -30,7 +30,7 @@ pub(super) struct Near<const D: usize> {
     pub(super) is_fluid: bool,
     /// Facing of a particle of the flow near a thin wall, m; 0 for others.
     pub(super) facing: [f64; D],
-    /// Fields relative to those of the first fluid particle.
+    /// Fields relative to the reference.
     pub(super) values: [f64; FIELDS],
 }
 
@@ -39,16 +39,54 @@ pub(super) struct Near<const D: usize> {
 pub(super) struct Gathered<const D: usize> {
     /// The particles.
     pub(super) near: Vec<Near<D>>,
-    /// Fields of the first fluid particle.
-    pub(super) reference: Option<[f64; FIELDS]>,
+    /// Fields of the [reference particle](RowSampler::reference).
+    pub(super) reference: [f64; FIELDS],
+}
+
+/// Fields of a particle, and its cell; particles of lower cells are before it.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct InCell {
+    cell: u64,
+    fields: [f64; FIELDS],
 }
 
 impl<R: Real, const D: usize> RowSampler<'_, R, D> {
+    /// Returns the fields of the first fluid particle, in the order of the cells, whose fields are
+    /// finite; 0 without one. All nodes have one reference, whichever rank samples them.
+    pub(super) fn reference(&self) -> [f64; FIELDS] {
+        let ranks = &self.pair.ranks;
+        let own = ranks.own_rows(self.grid).into_iter().flatten();
+        let mut fluid = own.filter(|&row| self.particles.zone[row] == Zone::Fluid);
+        let first = fluid.find(|&row| self.fields(row).iter().all(|field| field.is_finite()));
+        let own = match first {
+            Some(row) => {
+                let cells = self.grid.starts().partition_point(|&start| start as usize <= row);
+                InCell { cell: cells as u64, fields: self.fields(row) }
+            }
+            None => InCell { cell: u64::MAX, fields: [0.0; FIELDS] },
+        };
+        ranks.joined(own, |a, b| if b.cell < a.cell { b } else { a }).fields
+    }
+
+    /// Returns the fields of a particle.
+    #[inline]
+    fn fields(&self, row: usize) -> [f64; FIELDS] {
+        let particles = self.particles;
+        let mut fields = [0.0; FIELDS];
+        for d in 0..D {
+            fields[d] = particles.velocity[d][row].to_f64();
+        }
+        fields[PRESSURE] = particles.pressure[row].to_f64();
+        fields[PRESSURE + 1] = particles.density[row].to_f64();
+        fields[PRESSURE + 2] = self.tags.get(row).map_or(0.0, |tag| f64::from(*tag));
+        fields
+    }
+
     /// Collects the particles within the support of the line of nodes. It is not vectorised, so
     /// that the closures need not be inlined into code for the instruction set.
     pub(super) fn gather(&self, group: &Group, gathered: &mut Gathered<D>) {
         gathered.near.clear();
-        gathered.reference = None;
         let support = self.grid.support();
         let inverse_h = 1.0 / self.pair.discretisation.smoothing_length;
         let direction = group.step.normalize();
@@ -93,17 +131,10 @@ impl<R: Real, const D: usize> RowSampler<'_, R, D> {
             }
         }
         if zone == Zone::Fluid {
-            let mut values = [0.0; FIELDS];
-            for d in 0..D {
-                values[d] = particles.velocity[d][row].to_f64();
-            }
-            values[PRESSURE] = particles.pressure[row].to_f64();
-            values[PRESSURE + 1] = density;
-            values[PRESSURE + 2] = self.tags.get(row).map_or(0.0, |tag| f64::from(*tag));
-            let reference = gathered.reference.get_or_insert(values);
+            let fields = self.fields(row);
             near.is_fluid = true;
             for field in 0..FIELDS {
-                near.values[field] = values[field] - reference[field];
+                near.values[field] = fields[field] - gathered.reference[field];
             }
         }
         gathered.near.push(near);

@@ -10,6 +10,7 @@
 //! The sums of a particle depend on the pack of its cell alone, and the summary of a pass on no
 //! order, so every rank is bitwise identical to one rank alone.
 //!
+//! - `answers`: values that rank 0 alone has
 //! - `assembly`: all particles together on rank 0
 //! - `balance`: what the particles of a domain cost
 //! - `bisection`: domains of equal cost
@@ -25,6 +26,7 @@
 //! - `traffic`: messages and times of a rank
 //! - `transport`: what sends the messages
 
+mod answers;
 mod assembly;
 mod balance;
 mod bisection;

@@ -277,6 +277,17 @@ fn first_rank_is_heard_by_all() {
 }
 
 #[test]
+fn the_first_rank_answers_all() {
+    let ask = |ranks: Ranks| {
+        let keys: Vec<u32> = (0..ranks.rank() as u32 * 2).map(|key| key + 5).collect();
+        // Rank 0 finds all.
+        ranks.answers_of_first(&keys, |keys| keys.iter().map(|&key| f64::from(key) * 0.5).collect::<Vec<_>>())
+    };
+    assert_eq!(on_ranks(3, ask), [vec![], vec![2.5, 3.0], vec![2.5, 3.0, 3.5, 4.0]]);
+    assert_eq!(Ranks::default().answers_of_first(&[7_u8], |keys| keys.to_vec()), [7]);
+}
+
+#[test]
 fn messages_of_all_ranks_reach_the_first() {
     let send = |ranks: Ranks| ranks.to_first(vec![ranks.rank() as u8; ranks.rank()]);
     assert_eq!(on_ranks(3, send), [vec![vec![], vec![1], vec![2, 2]], vec![], vec![]]);
