@@ -4,6 +4,7 @@
 //! - [`along_curves`]: pieces of the surface in 2D
 //! - [`over_surfaces`]: pieces of the surface in 3D
 //! - [`contour`]: triangles of a surface that is no mesh
+//! - [`swept_region`]: region that the columns do not leave
 //!
 //! ```text
 //! flux through the surface: ρ0 v_n, v_n relative to it;  velocity in the fluid: v_wall + v_n n
@@ -15,6 +16,7 @@
 pub mod along_curves;
 pub mod contour;
 pub mod over_surfaces;
+pub mod swept_region;
 
 use glam::DVec3;
 

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::emitters::Emitter;
+use crate::emitters::swept_region::SweptRegion;
 use crate::model::Scene;
 use crate::movers::Wall;
 use crate::spawn::seeds;
@@ -203,4 +204,38 @@ fn emitters_need_a_smooth_surface_and_solid_behind_it() {
     let unwalled =
         "walls: None, emitters: [(region: Box(min: (0.0, 0.0), max: (1.0, 1.0)), velocity: Normal(0.1))],";
     assert!(faults(2, &format!("{SQUARE} {unwalled}")).contains("scene without walls"));
+}
+
+/// Returns a scene with an emitter on a bar that turns about a point beside it.
+fn turning_bar(motion: &str) -> Scene {
+    let bar = format!(
+        "movers: [(name: \"rotor\", shape: Box(min: (0.1, -0.1), max: (0.6, 0.1)), motion: {motion})],
+        emitters: [(on: \"rotor\", region: Box(min: (0.58, -0.06), max: (0.7, 0.06)), velocity: Normal(0.1))],"
+    );
+    scene(2, &format!("{SQUARE} {bar}"))
+}
+
+#[test]
+fn columns_of_a_turning_emitter_do_not_leave_their_shell() {
+    let scene = turning_bar("Rotation(about: (0.1, 0.05), rate: 1.0)");
+    let emitter = &scene.emitters[0];
+    let region = emitter.swept_region(&scene);
+    let SweptRegion::Shell { about, .. } = region else { panic!("{region:?}") };
+    let mut farthest = 0.0_f64;
+    for time in 0..50 {
+        let pose = scene.movers[0].motion.pose(0.37 * f64::from(time));
+        for (column, part) in
+            emitter.columns.iter().flat_map(|column| [(column, 0.0), (column, 0.5), (column, 1.0)])
+        {
+            let place = pose.place(column.point(part * emitter.depth));
+            assert_eq!(region.distance(&scene, place), 0.0, "{place}");
+            farthest = farthest.max(place.distance(about));
+        }
+    }
+    // It is not much larger.
+    let beyond = about + glam::DVec3::X * (farthest + emitter.depth);
+    assert!((region.distance(&scene, beyond) / emitter.depth - 0.5).abs() < 0.1, "{region:?}");
+    assert!(region.distance(&scene, about) > 0.2);
+    let moved = turning_bar("Translation(displacement: (\"0.01*t\", 0.0))");
+    assert_eq!(moved.emitters[0].swept_region(&moved), SweptRegion::Everywhere);
 }

@@ -10,8 +10,8 @@ use super::patch_rows::ADJACENT_LAYERS;
 use sphecs_core::boundary::outlet::method::Needs;
 use sphecs_core::math::grid::CellGrid;
 use sphecs_core::math::grid::cell_set::runs_of;
-use sphecs_scene::model::{Emitter, Patch, Scene};
-use sphecs_scene::movers::Wall;
+use sphecs_scene::emitters::swept_region::SweptRegion;
+use sphecs_scene::model::{Patch, Scene};
 
 /// Cells near a patch, with their rows, which are valid until the next sort.
 #[derive(Clone, Debug, Default)]
@@ -51,15 +51,6 @@ impl PatchCells {
             let row = |at: usize| self.starts[run] + at.clamp(here.start, here.end) - here.start;
             row(part.start)..row(part.end)
         })
-    }
-}
-
-/// Returns centre and radius of a ball that the columns of an emitter do not leave, m; infinite on
-/// a wall that moves.
-fn ball(emitter: &Emitter) -> (DVec3, f64) {
-    match emitter.wall {
-        Wall::Casing => emitter.ball(),
-        Wall::Mover(_) => (DVec3::ZERO, f64::INFINITY),
     }
 }
 
@@ -109,7 +100,8 @@ fn cells_of<const D: usize>(
     grid: &CellGrid<D>,
 ) -> Vec<Range<usize>> {
     let support = scene.discretisation.support;
-    let balls: Vec<(DVec3, f64)> = scene.emitters.iter().map(ball).collect();
+    let emitters: Vec<SweptRegion> =
+        scene.emitters.iter().map(|emitter| emitter.swept_region(scene)).collect();
     runs_of(0..grid.len(), |cell| {
         let corner = grid.corner(grid.index_of(cell));
         let (mut centre, mut half) = (DVec3::ZERO, DVec3::ZERO);
@@ -121,10 +113,7 @@ fn cells_of<const D: usize>(
             let (along, extent) = (patch.along(centre), half.dot(patch.towards.abs()));
             along + extent > *from && along - extent < *to
         });
-        is_in_slab
-            || balls.iter().any(|(middle, radius)| {
-                centre.distance(scene.nearest_image(*middle, centre)) < radius + support + half.length()
-            })
+        is_in_slab || emitters.iter().any(|region| region.distance(scene, centre) < support + half.length())
     })
 }
 
