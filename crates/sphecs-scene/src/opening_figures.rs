@@ -64,8 +64,8 @@ pub fn opening_figures(scene: &Scene, until: f64) -> Vec<OpeningFigures> {
     inlets.chain(emitters).chain(outlets).collect()
 }
 
-/// Returns the times, s, of the beginning, of the smallest and of the largest value.
-fn extreme_times(until: f64, value: impl Fn(f64) -> f64 + Sync) -> [f64; 3] {
+/// Returns the times, s, of the beginning, of the smallest and of the largest value, each once.
+fn extreme_times(until: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let times: Vec<f64> = sampled_times(until).collect();
     let values: Vec<(f64, f64)> = times.into_par_iter().map(|time| (time, value(time))).collect();
     let mut found = [(0.0, value(0.0)); 2];
@@ -79,5 +79,25 @@ fn extreme_times(until: f64, value: impl Fn(f64) -> f64 + Sync) -> [f64; 3] {
             found[1] = (time, value);
         }
     }
-    [0.0, found[0].0, found[1].0]
+    let mut times = vec![0.0];
+    for (time, _) in found {
+        if !times.contains(&time) {
+            times.push(time);
+        }
+    }
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extreme_times_are_given_once() {
+        assert_eq!(extreme_times(1.0, |_| 2.0), [0.0]);
+        assert_eq!(extreme_times(1.0, |time| time.min(0.5)).len(), 2);
+        assert_eq!(extreme_times(1.0, |time| 1.0 - time).len(), 2);
+        let wave = extreme_times(1.0, |time| (std::f64::consts::TAU * time).sin());
+        assert!((wave[1] - 0.75).abs() < 0.01 && (wave[2] - 0.25).abs() < 0.01, "{wave:?}");
+    }
 }

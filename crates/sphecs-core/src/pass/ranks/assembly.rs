@@ -1,5 +1,5 @@
-//! All particles together on rank 0: for checkpoints and gridded fields as columns, for frames one
-//! after the other.
+//! All particles together on rank 0: for checkpoints and tables of particles as columns, for frames
+//! one after the other.
 //!
 //! The other ranks first send how many particles each of their cells has, from which rank 0 finds
 //! the row of every particle. The particles follow in batches, so that rank 0 needs little memory
