@@ -21,6 +21,7 @@
 
 pub mod check;
 pub mod close_pairs;
+pub mod closed_pressure;
 pub mod concurrent;
 pub mod console;
 pub mod disk_check;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::close_pairs::CloseRows;
+use super::closed_pressure::ClosedPressure;
 use super::output_schedule::OutputInterval;
 use super::sample_schedule::SampleSchedule;
 use sphecs_core::format::significant;
@@ -57,6 +58,9 @@ pub struct RunState {
     pub fast_rows: u32,
     /// Successive monitor rows with particles nearer than half a spacing.
     pub close_rows: CloseRows,
+    /// Mean pressure of a closed domain.
+    #[serde(default)]
+    pub closed_pressure: ClosedPressure,
     /// Notes of the run loop, those of the flow not included.
     pub notes: Vec<String>,
 }
@@ -86,6 +90,7 @@ impl RunState {
             stages: Vec::new(),
             fast_rows: 0,
             close_rows: CloseRows::default(),
+            closed_pressure: ClosedPressure::default(),
             notes: Vec::new(),
         }
     }
@@ -130,8 +135,10 @@ impl RunState {
     pub fn record_row(&mut self, scene: &Scene) -> Vec<String> {
         let speed = self.record_speed(scene).map(str::to_owned);
         let close = self.close_rows.record(&self.last_row, scene);
-        self.notes.extend(close.clone());
-        speed.into_iter().chain(close).collect()
+        let pressure = self.closed_pressure.record(&self.last_row, scene);
+        let others: Vec<String> = close.into_iter().chain(pressure).collect();
+        self.notes.extend_from_slice(&others);
+        speed.into_iter().chain(others).collect()
     }
 
     /// Records the largest speed of the last monitor row and returns a note, once in a run, when it
