@@ -11,6 +11,7 @@
 //! - [`check`]: figures and cost of a run before it starts
 //! - [`first_steps`]: cost of a run by its first steps
 //! - `doubtful`: notes on choices that are seldom meant
+//! - [`close_pairs`], [`closed_pressure`]: notes on what a run shows
 //! - [`disk_check`]: free disk space before the start
 //! - [`ranks`]: ranks of a run, in one process or in several
 //! - [`memory`]: memory of the machine
